@@ -1,0 +1,179 @@
+"""Arcs stay arcs where that is provable, else they are halved, and where they get too short they become chords.
+
+A circle stays a circle only under a similarity; a map that stretches X and Z differently makes it an ellipse. So each arc
+is sampled so densely that nothing can hide between two samples (the chord of a piecewise linear map misses it by at most
+kink * step / 4), a circle through its two commanded ends is fitted, its centre rounded as it will be written, and the
+distance of every sample from that circle measured. Radii of start and end keep the difference that they had.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from postproc.machine.model import Machine
+from postproc.motions import Arcs
+from postproc.units import TICKS_PER_MM
+
+LARGEST_SWEEP = np.radians(300.0)  # beyond, centre and radius are ill-determined: quarter it
+SMALLEST_STEP = np.radians(5.0)
+SHORTEST = 3  # least increments: a shorter arc is a chord
+HALVINGS = 14
+
+
+@dataclass(frozen=True)
+class Rows:
+    """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end (A, R): ticks
+    commanded; accepted as an arc with centre (2, R) ticks from begin, or as a chord where chord (R,)."""
+
+    arc: np.ndarray
+    stroke: np.ndarray
+    t0: np.ndarray
+    t1: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    centre: np.ndarray
+    chord: np.ndarray
+
+    def pick(self, which: np.ndarray) -> Rows:
+        return Rows(**{f: getattr(self, f)[..., which] for f in Rows.__dataclass_fields__})
+
+    def __len__(self) -> int:
+        return len(self.arc)
+
+
+def points(arcs: Arcs, start: np.ndarray, target: np.ndarray, arc: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(A, K) mm: nominal points of arcs at t from 0 to 1. start, target (A, n) mm of all arcs; spirals and helices linear."""
+    p = start[:, arc] + (target - start)[:, arc] * t
+    angle = arcs.angle[arc] + arcs.sweep[arc] * t
+    radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
+    column = np.arange(len(arc))
+    inner = (t > 0) & (t < 1)  # ends stay as programmed, to the bit
+    for axis, value in ((arcs.first[arc], arcs.centre[0, arc] + radius * np.cos(angle)), (arcs.second[arc], arcs.centre[1, arc] + radius * np.sin(angle))):
+        p[axis[inner], column[inner]] = value[inner]
+    return p
+
+
+def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) arc and (K,) t of the places where a plane axis turns back."""
+    quarter = np.pi / 2
+    low = np.minimum(arcs.angle, arcs.angle + arcs.sweep) + 1e-9
+    high = np.maximum(arcs.angle, arcs.angle + arcs.sweep) - 1e-9
+    first = np.ceil(low / quarter).astype(np.int64)
+    count = np.maximum(np.floor(high / quarter).astype(np.int64) - first + 1, 0)
+    arc = np.repeat(np.arange(len(arcs)), count)
+    index = first[arc] + np.arange(len(arc)) - np.repeat(np.cumsum(count) - count, count)
+    t = (index * quarter - arcs.angle[arc]) / arcs.sweep[arc]
+    order = np.lexsort((t, arc))
+    return arc[order], t[order]
+
+
+Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Fitter:
+    """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and along the third axis;
+    needed(rows, row, t, nominal) -> (A, K) mm: the exact command at a place; round_to(rows, row, command) -> ticks."""
+
+    machine: Machine
+    arcs: Arcs
+    start: np.ndarray
+    target: np.ndarray
+    tolerance: float
+    tolerance_across: float
+    mismatch: float
+    needed: Needed
+    round_to: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
+    base: np.ndarray  # (2, n) ticks of the written centre words, from the start
+
+    def samples(self, rows: Rows) -> np.ndarray:
+        """(R,) how many steps make each part's samples dense enough."""
+        sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
+        radius = np.maximum(self.arcs.radius, self.arcs.radius_end)[rows.arc]
+        slack = self.tolerance / 16
+        by_kink = sweep * radius * 4 * self.machine.kink / slack / 4
+        by_curve = sweep * np.sqrt(self.machine.steepest * radius / (8 * slack))
+        return np.clip(np.ceil(np.maximum(np.maximum(by_kink, by_curve), sweep / SMALLEST_STEP)), 4, 20000).astype(np.int64)
+
+    def settle(self, rows: Rows) -> Rows:
+        """Accept, halve or turn to chords until every part is within tolerance; in no particular order."""
+        done: list[Rows] = []
+        wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > LARGEST_SWEEP
+        moved = (rows.begin != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t0) * TICKS_PER_MM)).any(axis=0)
+        moved |= (rows.end != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t1) * TICKS_PER_MM)).any(axis=0)
+        rows, force = rows, wide & moved
+        for halving in range(HALVINGS + 1):
+            if not len(rows):
+                break
+            good, rows, middle = self.fit(rows)
+            good &= ~force
+            short = self._short(rows) | (halving == HALVINGS)
+            done.append(rows.pick(good))
+            done.append(replace(rows.pick(~good & short), chord=np.ones(int((~good & short).sum()), bool)))
+            rows, middle = rows.pick(~good & ~short), middle[:, ~good & ~short]
+            half = (rows.t0 + rows.t1) / 2
+            left, right = replace(rows, t1=half, end=middle), replace(rows, t0=half, begin=middle)
+            rows = Rows(**{f: np.concatenate([getattr(left, f), getattr(right, f)], axis=-1) for f in Rows.__dataclass_fields__})
+            wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > LARGEST_SWEEP / 2
+            force = wide & np.concatenate([force[~good & ~short]] * 2)
+        return Rows(**{f: np.concatenate([getattr(r, f) for r in done], axis=-1) for f in Rows.__dataclass_fields__})
+
+    def _short(self, rows: Rows) -> np.ndarray:
+        sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
+        radius = self.arcs.radius[rows.arc]
+        sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
+        tiny = sweep * radius < SHORTEST * self.arcs.grid[:, rows.arc].max(axis=0) / TICKS_PER_MM
+        return tiny | (sagitta < self.tolerance / 8)
+
+    def fit(self, rows: Rows) -> tuple[np.ndarray, Rows, np.ndarray]:
+        """(R,) whether an arc will do; the rows with their centres; (A, R) ticks commanded at the middle of each."""
+        arcs, count = self.arcs, self.samples(rows) // 2 * 2 + 1  # odd: one sample is the middle
+        row = np.repeat(np.arange(len(rows)), count)
+        first = np.cumsum(count) - count
+        step = np.arange(len(row)) - first[row]
+        t = rows.t0[row] + (rows.t1 - rows.t0)[row] * step / (count - 1)[row]
+        nominal = points(arcs, self.start, self.target, rows.arc[row], t)
+        wanted = self.needed(rows, row, t, nominal)
+        column, a, b = np.arange(len(row)), arcs.first[rows.arc], arcs.second[rows.arc]
+        begin, end = rows.begin / TICKS_PER_MM, rows.end / TICKS_PER_MM
+        k = np.arange(len(rows))
+        begin2, end2 = np.stack([begin[a, k], begin[b, k]]), np.stack([end[a, k], end[b, k]])
+        point2 = np.stack([wanted[a[row], column], wanted[b[row], column]])
+        nominal2 = np.stack([nominal[a[row], column], nominal[b[row], column]])
+        angle = arcs.angle[rows.arc][row] + arcs.sweep[rows.arc][row] * t
+        unit = np.stack([np.cos(angle), np.sin(angle)])
+        unit0, unit1 = unit[:, first], unit[:, first + count - 1]
+        shift0, shift1 = begin2 - nominal2[:, first], end2 - nominal2[:, first + count - 1]
+        chord = unit1 - unit0
+        length = np.hypot(*chord)
+        along = chord / np.where(length > 0, length, 1.0)
+        across = np.stack([-along[1], along[0]])
+        radial0 = (unit0 * shift0).sum(axis=0)
+        fixed = np.where(length > 1e-9, ((unit1 * shift1).sum(axis=0) - radial0) / np.where(length > 1e-9, length, 1.0), 0.0)
+        arm = unit - unit0[:, row]
+        g = (arm * across[:, row]).sum(axis=0)
+        h = (unit * (point2 - nominal2)).sum(axis=0) - radial0[row] - (arm * along[:, row]).sum(axis=0) * fixed[row]
+        gg, gh = np.add.reduceat(g * g, first), np.add.reduceat(g * h, first)
+        move = along * fixed + across * np.where(gg > 0, gh / np.where(gg > 0, gg, 1.0), 0.0)
+        exact = (arcs.centre[:, rows.arc] + move - begin2) * TICKS_PER_MM
+        base = np.where(rows.t0 == 0, self.base[:, rows.arc], 0)
+        grid = arcs.grid[:, rows.arc]
+        centre = base + np.rint((exact - base) / grid).astype(np.int64) * grid
+        middle_at = begin2 + centre / TICKS_PER_MM
+        radius0, radius1 = np.hypot(*(begin2 - middle_at)), np.hypot(*(end2 - middle_at))
+        share = step / (count - 1)[row]
+        off = np.hypot(*(point2 - middle_at[:, row])) - (radius0[row] + (radius1 - radius0)[row] * share)
+        worst = np.maximum.reduceat(np.abs(off), first)
+        good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
+        was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
+        good &= np.abs(radius1 - radius0) <= was + self.mismatch
+        for axis in self.machine.corrected:
+            bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
+            linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across
+            good &= linear | (a == axis) | (b == axis)
+        middle = first + (count - 1) // 2
+        halfway = self.round_to(rows, np.arange(len(rows)), wanted[:, middle])
+        return good, replace(rows, centre=centre), halfway

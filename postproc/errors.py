@@ -1,0 +1,87 @@
+"""Every error and notice that a user can meet: where it is, what with its number, and the way out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place in a file. Lines and columns count from 1; `stop` is the column after the last one."""
+
+    file: str
+    line: int
+    text: str = ""
+    start: int = 0
+    stop: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+    def picture(self) -> str:
+        """The line with the columns marked below it, or nothing where the columns are not known."""
+        if not self.text:
+            return ""
+        shown = self.text.rstrip("\r\n").replace("\t", " ")
+        lead = max(0, self.start - 60)
+        shown = ("..." if lead else "") + shown[lead : lead + 120]
+        if not self.stop:
+            return f"\n    {shown}"
+        at = self.start - 1 - lead + (3 if lead else 0)
+        return f"\n    {shown}\n    {' ' * at}{'^' * max(1, min(self.stop - self.start, 120))}"
+
+
+class GcompError(Exception):
+    """What stops gcomp. `message` is a fact with its number, `advice` the way out, `place` where it is, if anywhere."""
+
+    def __init__(self, message: str, advice: str = "", place: Place | None = None):
+        super().__init__(message)
+        self.message, self.advice, self.place = message, advice, place
+
+    def __str__(self) -> str:
+        if self.place is None:
+            return self.message + (f"\n    {self.advice}" if self.advice else "")
+        advice = f"\n    {self.advice}" if self.advice else ""
+        return f"{self.place}: {self.message}{self.place.picture()}{advice}"
+
+
+class ProgramError(GcompError):
+    """The NC program can not be followed or compensated. `delivered`: the corrected text of all blocks before."""
+
+    delivered: bytes = b""
+
+
+class MachineError(GcompError):
+    """The machine folder is not one that can be trusted."""
+
+
+class UsageError(GcompError):
+    """The command line asks for something that is not there."""
+
+
+class BlockFault(Exception):
+    """A block that can not go on; raised by layers that know blocks by number, not by file and line.
+
+    `block` counts within the batch; `start` and `stop` are offsets into the batch's text (0, 0: the whole block).
+    """
+
+    def __init__(self, block: int, message: str, advice: str = "", start: int = 0, stop: int = 0):
+        super().__init__(message)
+        self.block, self.message, self.advice, self.start, self.stop = block, message, advice, start, stop
+
+
+class MotionFault(Exception):
+    """A motion that the physics refuses; `motion` counts within the batch."""
+
+    def __init__(self, motion: int, message: str, advice: str = ""):
+        super().__init__(message)
+        self.motion, self.message, self.advice = motion, message, advice
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something the user should know that stops nothing."""
+
+    code: str
+    message: str
+    line: int = 0

@@ -1,0 +1,199 @@
+"""The heart: program text in, corrected program text out. Files, pipes and wires all use it.
+
+Text, motions and physics meet here and nowhere else. The filter opens nothing and keeps, between two calls, only what a
+control keeps between two blocks: so any cut of the input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+
+from postproc import __version__
+from postproc.compensate import Compensator, Options
+from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
+from postproc.machine.model import Machine
+from postproc.nc.dialects import Dialect
+from postproc.nc.emitter import Emitter, Written
+from postproc.nc.interpreter import Interpreter, ModalState, Setup
+from postproc.nc.lexer import Words, lex
+from postproc.units import UM
+
+LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
+MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
+
+
+@dataclass
+class Summary:
+    """What was done so far. largest: mm, the largest correction of an axis."""
+
+    lines: int = 0
+    blocks: int = 0
+    motions: int = 0
+    changed: int = 0
+    added: int = 0
+    largest: float = 0.0
+
+
+def setup_of(machine: Machine, offsets: dict | None = None, start: dict | None = None, block_delete: bool = False, arc_centre: str = "incremental") -> Setup:
+    """What the text layer must know of a machine, and of how its control is set."""
+    return Setup(
+        axes=machine.letters, diameter=frozenset(machine.diameter),
+        least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
+        offsets={**machine.offsets, **(offsets or {})}, start=start or {}, block_delete=block_delete, arc_centre=arc_centre,
+    )  # fmt: skip
+
+
+def marker_of(machine: Machine, tolerance: float) -> str:
+    """The comment that tells a corrected program from a nominal one."""
+    return f"(GCOMP {__version__} {machine.name.upper()} MAP {machine.digest.upper()} TOL {tolerance / UM:g} UM)"
+
+
+@dataclass
+class Filter:
+    """feed(text) -> text, finish() -> text. `name` is what errors call the program.
+
+    On a fault everything before the faulty block has been handled: the ProgramError carries it as `delivered`.
+    """
+
+    machine: Machine
+    dialect: Dialect
+    setup: Setup
+    options: Options = Options()
+    name: str = "<stdin>"
+    notices: list[Notice] = field(default_factory=list)
+    summary: Summary = field(default_factory=Summary)
+
+    def __post_init__(self) -> None:
+        self.interpreter = Interpreter(self.dialect, self.setup)
+        mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
+        self.compensator = Compensator(self.machine, replace(self.options, arc_mismatch=mismatch))
+        self.emitter = Emitter(self.dialect, self.setup, marker_of(self.machine, self.compensator.tolerance))
+        self.modal: ModalState = self.interpreter.initial()
+        self.carry = self.compensator.initial()
+        self.written = Written()
+        self._rest = b""
+        self._tapes = 0
+        self._begun = False
+        self._told: set[str] = set()
+
+    # -- the two verbs -------------------------------------------------------------------------------------------------
+
+    def feed(self, data: bytes) -> bytes:
+        """Corrected text of all whole lines so far. Raises ProgramError."""
+        end = data.rfind(b"\n") + 1
+        if not end:
+            self._rest += data
+            if len(self._rest) > LONGEST_LINE:
+                raise self._error(Place(self.name, self.summary.lines + 1), f"a line of more than {LONGEST_LINE:,} characters", "this is no NC program, or its line ends were lost")
+            return b""
+        text, self._rest = self._rest + data[:end], data[end:]
+        return self._lines(text)
+
+    def finish(self) -> bytes:
+        """Corrected text of what is left, at the end of the input."""
+        text, self._rest = self._rest, b""
+        return self._lines(text) if text else b""
+
+    # -- one batch -----------------------------------------------------------------------------------------------------
+
+    def _lines(self, text: bytes) -> bytes:
+        out: list[bytes] = []
+        while text:
+            if self.modal.ended:
+                self.summary.lines += text.count(b"\n")
+                out.append(text)
+                break
+            words = lex(text, self.dialect.semicolon)
+            if words.tape < 0:
+                out.append(self._batch(words, text, out))
+                break
+            # A "%" line: what stands before it, then the line itself, then the rest.
+            start = text.rfind(b"\n", 0, words.tape) + 1
+            stop = text.find(b"\n", words.tape) + 1 or len(text)
+            if start:
+                before = text[:start]
+                out.append(self._batch(lex(before, self.dialect.semicolon), before, out))
+            line = text[start:stop]
+            if not self.modal.ended:
+                self._tape(line)
+            self.summary.lines += 1
+            out.append(line)
+            text = text[stop:]
+        return b"".join(out)
+
+    def _tape(self, line: bytes) -> None:
+        """The first "%" opens the program, one after blocks ends it: the control reads no further."""
+        if line.strip()[:1] != b"%":
+            raise self._error(Place(self.name, self.summary.lines + 1, line.decode("latin-1")), "'%' stands inside a block", "'%' begins and ends a program, in a line of its own")
+        if self._begun:
+            self.modal = replace(self.modal, ended=True)
+        self._begun = True
+
+    def _batch(self, words: Words, text: bytes, out: list[bytes]) -> bytes:
+        marked = MARK.search(text)
+        if marked and not self.written.marked:
+            line = text.count(b"\n", 0, marked.start())
+            raise self._error(
+                Place(self.name, self.summary.lines + line + 1, text[text.rfind(b"\n", 0, marked.start()) + 1 :].split(b"\n")[0].decode("latin-1")),
+                "this program is gcomp's own output: it is corrected already", "give the nominal program; correcting twice doubles the correction",
+            )  # fmt: skip
+        try:
+            return self._pass(words)
+        except BlockFault as fault:
+            raise self._deliver(words, fault, out) from None
+
+    def _pass(self, words: Words) -> bytes:
+        motions, modal, notices = self.interpreter.run(words, self.modal)
+        if words.fault and not modal.ended:
+            raise words.fault
+        try:
+            pieces, carry, more = self.compensator.run(motions, self.carry)
+        except MotionFault as fault:
+            raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
+        result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
+        for notice in notices:
+            self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
+        for notice in more:
+            self._tell(replace(notice, line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1))
+        self.modal, self.carry, self.written = modal, carry, written
+        if len(words.letter):
+            self._begun = True
+        self.summary.lines += words.text.count(b"\n")
+        self.summary.blocks += words.blocks
+        self.summary.motions += len(motions)
+        self.summary.changed += changed
+        self.summary.added += added
+        self.summary.largest = carry.largest
+        return result
+
+    def _deliver(self, words: Words, fault: BlockFault, out: list[bytes]) -> ProgramError:
+        """Handle the blocks before the faulty one, and name the fault by its place."""
+        start = int(words.block_start[fault.block]) if fault.block < words.blocks else self._start_of(words, fault)
+        line_start = words.text.rfind(b"\n", 0, start) + 1
+        first_line = self.summary.lines
+        error_line = first_line + words.text.count(b"\n", 0, start) + 1
+        if line_start:
+            before = lex(words.text[:line_start], self.dialect.semicolon)
+            try:
+                out.append(self._pass(before))
+            except BlockFault as earlier:
+                return self._deliver(before, earlier, out)
+        line = words.text[line_start:].split(b"\n", 1)[0].decode("latin-1")
+        a = max(fault.start, start) if fault.stop else 0
+        place = Place(self.name, error_line, line, a - line_start + 1 if fault.stop else 0, fault.stop - line_start + 1 if fault.stop else 0)
+        error = self._error(place, fault.message, fault.advice)
+        error.delivered = b"".join(out)
+        return error
+
+    def _start_of(self, words: Words, fault: BlockFault) -> int:
+        """Offset of a block that the lexer gave up at."""
+        return int(fault.start) if fault.stop else (int(words.block_stop[-1]) + 1 if words.blocks else 0)
+
+    def _error(self, place: Place, message: str, advice: str) -> ProgramError:
+        return ProgramError(message, advice, place)
+
+    def _tell(self, notice: Notice) -> None:
+        if notice.code not in self._told:
+            self._told.add(notice.code)
+            self.notices.append(notice)

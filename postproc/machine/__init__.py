@@ -1,0 +1,1 @@
+"""PHYSICS: axes, who carries whom, measured errors. Knows no program text."""

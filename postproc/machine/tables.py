@@ -1,0 +1,92 @@
+"""The measured errors of one moving axis: six components over its position, by direction of approach.
+
+Linear between nodes, as every documented control interpolates its own table; held beyond the ends (whether a position
+may lie there is not decided here).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
+
+
+@dataclass(frozen=True)
+class AxisTable:
+    """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm and rad, for targets
+    approached in + and in -; equal where a component was measured one way."""
+
+    letter: str
+    nodes: np.ndarray
+    forward: np.ndarray
+    reverse: np.ndarray
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """(6, K) mean of both directions."""
+        return (self.forward + self.reverse) / 2
+
+    @cached_property
+    def half(self) -> np.ndarray:
+        """(6, K) half of forward minus reverse."""
+        return (self.forward - self.reverse) / 2
+
+    @cached_property
+    def two_way(self) -> bool:
+        """Whether any component depends on the direction of approach."""
+        return bool(np.any(self.half))
+
+    @cached_property
+    def is_zero(self) -> bool:
+        return not (np.any(self.forward) or np.any(self.reverse))
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """(6, 2, K - 1) slopes between nodes, forward and reverse; mm/mm and rad/mm."""
+        return np.stack([np.diff(self.forward), np.diff(self.reverse)], axis=1) / np.diff(self.nodes)
+
+    @cached_property
+    def rows(self) -> list[int]:
+        """Components that are not zero everywhere."""
+        return [i for i in range(6) if np.any(self.forward[i]) or np.any(self.reverse[i])]
+
+    @cached_property
+    def step(self) -> float:
+        """Node spacing in mm where it is even, else 0."""
+        gaps = np.diff(self.nodes)
+        return float(gaps[0]) if np.allclose(gaps, gaps[0], rtol=0, atol=1e-9) else 0.0
+
+    @cached_property
+    def _bins(self) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[tuple[np.ndarray, np.ndarray] | None]]:
+        """Per live component value and rise at each interval's lower node, of the mean and, if two-way, the half."""
+        mean = [(self.mean[i, :-1].copy(), np.diff(self.mean[i])) for i in self.rows]
+        half = [(self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None for i in self.rows]
+        return mean, half
+
+    def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
+        """Six (N,) columns, None for a component that is zero everywhere.
+
+        position (N,) mm; approach (N,) from -1 (reached in -) over 0 (mean) to +1.
+        """
+        result: list[np.ndarray | None] = [None] * 6
+        if not self.rows:
+            return result
+        nodes = self.nodes
+        if self.step:
+            place = np.clip((position - nodes[0]) * (1.0 / self.step), 0.0, len(nodes) - 1.0)
+            interval = np.minimum(place.astype(np.int64), len(nodes) - 2)
+            share = place - interval
+        else:
+            inside = np.clip(position, nodes[0], nodes[-1])
+            interval = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, len(nodes) - 2)
+            share = (inside - nodes[interval]) / (nodes[interval + 1] - nodes[interval])
+        mean, half = self._bins
+        for i, (base, rise), turn in zip(self.rows, mean, half, strict=True):
+            value = base[interval] + rise[interval] * share
+            if turn is not None:
+                value += approach * (turn[0][interval] + turn[1][interval] * share)
+            result[i] = value
+        return result

@@ -1,0 +1,1 @@
+"""TEXT: program text <-> columns of numbers. Knows no physics and opens nothing."""

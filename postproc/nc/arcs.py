@@ -1,0 +1,162 @@
+"""From arc words to circles: centre, radii and sweep, as the control sees them.
+
+Plane axes are ordered as RS274/NGC 3.5.3 has them: G17 X Y, G18 Z X, G19 Y Z; counter-clockwise turns the first towards
+the second. I J K are radii whatever the diameter mode. R gives the shorter way round, -R the longer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.motions import CLOCKWISE, COUNTER, Arcs
+from postproc.units import TICKS_PER_MM
+
+PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
+
+
+@dataclass(frozen=True)
+class Circle:
+    """The modal columns that arcs need, at the N moving blocks: plane code, whether centres are absolute, G53."""
+
+    block: np.ndarray
+    code: np.ndarray
+    plane: np.ndarray
+    absolute: np.ndarray
+    alone: np.ndarray
+
+
+def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
+    """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only where it is corrected."""
+    arc = np.flatnonzero((circle.code == CLOCKWISE) | (circle.code == COUNTER))
+    if not len(arc):
+        return _empty()
+    n, words = len(arc), batch.words
+    word = {}
+    for letter in "IJKR":
+        column = np.full(batch.n, -1, np.int64)
+        place = centre_words.get(letter)
+        if place is not None:
+            column[words.block[place]] = place
+        word[letter] = column[circle.block[arc]]
+    first, second = np.full(n, -1), np.full(n, -1)
+    centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
+    for plane, (a, b, i, j) in PLANES.items():
+        of = np.flatnonzero(circle.plane[arc] == plane)
+        if not len(of):
+            continue
+        blocks = circle.block[arc[of]]
+        if a in batch.rows and b in batch.rows:
+            first[of], second[of] = batch.rows[a], batch.rows[b]
+        else:
+            _because(batch, blocks, f"an arc in the {a}{b} plane, and the machine has no such axes", "choose the plane with G17, G18 or G19")
+        centre_word[0, of], centre_word[1, of] = word[i][of], word[j][of]
+        strange = word["IJK".replace(i, "").replace(j, "")][of] >= 0
+        _because(batch, blocks[strange], f"a centre word that does not belong to the {a}{b} plane", f"use {i} and {j}, or change the plane")
+        for k, letter in enumerate((a, b)):
+            scale, least = batch.unit_scale(letter)
+            grid[k, of] = np.broadcast_to(least, batch.n)[blocks]
+            unit[of] = np.broadcast_to(scale, batch.n)[blocks]
+    centre_word[2] = word["R"]
+    good = first >= 0
+    row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
+    motion = np.arange(n)
+    start = np.stack([batch.start[row_a, arc], batch.start[row_b, arc]])
+    end = np.stack([batch.target[row_a, arc], batch.target[row_b, arc]])
+    known = batch.start_known[row_a, arc] & batch.start_known[row_b, arc] & batch.target_known[row_a, arc] & batch.target_known[row_b, arc]
+    blocks = circle.block[arc]
+    _because(batch, blocks[~known & good], "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
+    counter = circle.code[arc] == COUNTER
+    value = np.zeros((3, n), np.int64)
+    for k in range(3):
+        written = np.flatnonzero(centre_word[k] >= 0)
+        value[k, written] = batch.ticks(centre_word[k, written], unit[written])
+    by_radius = centre_word[2] >= 0
+    absolute = circle.absolute[arc] & ~by_radius
+    origin = np.stack([np.broadcast_to(batch.offset[row], (len(row), batch.offset.shape[1]))[motion, np.minimum(blocks, batch.offset.shape[1] - 1)] for row in (row_a, row_b)])
+    origin = np.where(circle.alone[arc], 0, origin)
+    missing = ~by_radius & (np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0)
+    _because(batch, blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
+    centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM
+    start_mm, end_mm = start / TICKS_PER_MM, end / TICKS_PER_MM
+    if by_radius.any():
+        centre = np.where(by_radius, _centre_by_radius(batch, blocks, by_radius, start_mm, end_mm, value[2] / TICKS_PER_MM, counter), centre)
+    arm, arm_end = start_mm - centre, end_mm - centre
+    radius, radius_end = np.hypot(*arm), np.hypot(*arm_end)
+    angle = np.arctan2(arm[1], arm[0])
+    sweep = np.arctan2(arm_end[1], arm_end[0]) - angle
+    same = (start == end).all(axis=0)
+    sweep = np.where(counter, np.where(sweep <= 0, sweep + 2 * np.pi, sweep), np.where(sweep >= 0, sweep - 2 * np.pi, sweep))
+    sweep = np.where(same, np.where(counter, 2 * np.pi, -2 * np.pi), sweep)
+    sweep = _turns(batch, circle, arc, sweep)
+    _check(batch, blocks, good & known & ~missing, radius, radius_end)
+    return Arcs(
+        motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
+        radius_end=radius_end, grid=grid, words=centre_word, absolute=absolute, origin=origin,
+    )  # fmt: skip
+
+
+def _empty() -> Arcs:
+    i, f = np.zeros(0, np.int64), np.zeros(0)
+    two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
+    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, i.astype(bool), two.astype(np.int64))
+
+
+def _because(batch, blocks: np.ndarray, message: str, advice: str) -> None:
+    free = blocks[batch.reason[blocks] == 0]
+    if len(free):
+        batch.reason[free] = batch.because(message, advice)
+
+
+def _centre_by_radius(batch, blocks, by_radius, start, end, radius, counter):
+    """(2, n) mm: the centre left of the chord for a short counter-clockwise arc, else right of it."""
+    chord = end - start
+    length = np.hypot(*chord)
+    safe = np.where(length > 0, length, 1.0)
+    height2 = radius**2 - (length / 2) ** 2
+    tolerance = batch.dialect.arc_tolerance_mm
+    short = by_radius & (length / 2 > np.abs(radius) + tolerance)
+    for i in np.flatnonzero(short)[:1]:
+        _because(batch, blocks[short], f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})", "check R and the end point")
+    _because(batch, blocks[by_radius & (length == 0)], "an R arc that ends where it begins has no centre", "write full circles with I J K")
+    height = np.sqrt(np.maximum(height2, 0.0))
+    side = np.where(counter == (radius > 0), 1.0, -1.0)
+    normal = np.stack([-chord[1], chord[0]]) / safe
+    return (start + end) / 2 + normal * (height * side)
+
+
+def _turns(batch, circle: Circle, arc, sweep):
+    """P counts full turns where the dialect says so; elsewhere it has no business in an arc."""
+    place = batch.places.get("P")
+    if place is None:
+        return sweep
+    column = np.full(batch.n, -1, np.int64)
+    column[batch.words.block[place]] = place
+    of = column[circle.block[arc]]
+    has = of >= 0
+    if not batch.dialect.turns:
+        _because(batch, circle.block[arc][has], "P in an arc", "this control has no turns in arcs")
+        return sweep
+    turns = np.where(has, batch.numbers(np.maximum(of, 0)), 1.0)
+    wrong = (turns < 1) | (turns != np.floor(turns))
+    _because(batch, circle.block[arc][wrong], "P of an arc is not a whole number of turns", "write P1, P2, ...")
+    return sweep + np.sign(sweep) * (turns - 1) * 2 * np.pi
+
+
+def _check(batch, blocks, good, radius, radius_end) -> None:
+    """The control's radius check."""
+    d = batch.dialect
+    miss = np.abs(radius - radius_end)
+    largest = np.maximum(radius, radius_end)
+    wrong = (miss > d.arc_tolerance_most_mm) | ((miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest))
+    zero = (radius == 0) & good
+    _because(batch, blocks[zero], "an arc of radius 0", "check I J K")
+    bad = np.flatnonzero(wrong & good & ~zero)
+    for i in bad:
+        _because(
+            batch, blocks[i : i + 1],
+            f"the arc misses its own end point by {miss[i]:.4f} mm (limit {d.arc_tolerance_mm:g} mm)",
+            "I J K were read as " + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
+            + ": if the program means it the other way, say so with --arc-centre",
+        )  # fmt: skip

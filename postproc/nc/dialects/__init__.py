@@ -1,0 +1,86 @@
+"""A dialect is data: what a control's words mean. One file each, found by its name."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from postproc.errors import UsageError
+from postproc.nc.codes import Code
+
+NO_GROUP, UNKNOWN = -1, -2
+LARGEST_G = 1000  # ten times the largest G number + 1
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How one family of controls reads a program.
+
+    `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason why not.
+    `semicolon`: "comment", or "end of block" with several blocks in a line. `plane`: G code in force at the start.
+    `increments`: letter of an incremental word to its axis. `dwell`: letters of the dwell time in a G4 block.
+    `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end
+    radius of an arc may differ by the former, and by more only within the latter, never by more than
+    `arc_tolerance_most_mm`. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell who
+    writes coordinates without a decimal point. `comment_case`: how the control likes its comments.
+    """
+
+    name: str
+    title: str
+    codes: tuple[Code, ...]
+    m_codes: dict[int, str]
+    m_refuses: dict[int, str]
+    semicolon: str
+    plane: int
+    increments: dict[str, str] = field(default_factory=dict)
+    dwell: str = "P"
+    turns: bool = False
+    arc_tolerance_mm: float = 0.01
+    arc_tolerance_relative: float = 0.0
+    arc_tolerance_most_mm: float = 0.01
+    tool_offsets: bool = False
+    integer_notice: str = ""
+    one_code_per_group: bool = True
+    decimal_dwell: bool = False
+
+    @cached_property
+    def by_number(self) -> dict[int, Code]:
+        """G codes by ten times their number."""
+        return {code.number: code for code in self.codes}
+
+    @cached_property
+    def groups(self) -> tuple[str, ...]:
+        """Modal groups in the order of the table, each once."""
+        return tuple(dict.fromkeys(code.group for code in self.codes if code.group))
+
+    @cached_property
+    def group_of(self) -> np.ndarray:
+        """(LARGEST_G,) index of the modal group of G number / 10; NO_GROUP, or UNKNOWN for a code it has not."""
+        table = np.full(LARGEST_G, UNKNOWN, dtype=np.int64)
+        for code in self.codes:
+            table[code.number] = self.groups.index(code.group) if code.group else NO_GROUP
+        return table
+
+    @cached_property
+    def is_refused(self) -> np.ndarray:
+        """(LARGEST_G,) True where the code is known but can not be followed."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        for code in self.codes:
+            table[code.number] = bool(code.refuses)
+        return table
+
+
+def names() -> list[str]:
+    """The dialects that there are, as a user writes them."""
+    return sorted(module.name.replace("_", "-") for module in pkgutil.iter_modules(__path__))
+
+
+def load(name: str) -> Dialect:
+    """The dialect called `name`. Raises UsageError with the names that there are."""
+    if name not in names():
+        raise UsageError(f"there is no dialect {name!r}", f"dialects: {', '.join(names())}")
+    return importlib.import_module(f"{__name__}.{name.replace('-', '_')}").DIALECT

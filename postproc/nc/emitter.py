@@ -1,0 +1,398 @@
+"""Pieces to text: a word that need not change keeps its bytes, and so does everything that is not a word.
+
+The first piece of a motion is written into its own block, which keeps N, F, S, T, M and comments; further pieces become
+blocks of their own behind it, in the block's own style (spaces, line end, block delete). Codes that a control executes
+after the motion (M0 M1 M2 M5 M9 M30) move to the last piece.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.pieces import Pieces
+from postproc.nc import codes
+from postproc.nc.arcs import PLANES
+from postproc.nc.dialects import Dialect
+from postproc.nc.interpreter import Setup
+from postproc.nc.lexer import Words
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, RAPID, Motions
+from postproc.nc.splice import Splice
+from postproc.units import TICKS_PER_MM
+
+MOST_DECIMALS = 9
+INSERT_CODE, INSERT_WORD = 1, 100
+AFTER, AFTER_END = -(10**12), 10_000  # ranks of added blocks: before all else at their place, unless that is the end of the text
+
+
+@dataclass(frozen=True)
+class Written:
+    """What one batch hands to the next: the motion code that the output last wrote (-1: as the program), whether the
+    marker stands, and the line end in use."""
+
+    code: int = -1
+    marked: bool = False
+    newline: bytes = b"\n"
+
+
+class Emitter:
+    """Writes one machine's corrected programs in one dialect. Holds no state."""
+
+    def __init__(self, dialect: Dialect, setup: Setup, marker: str):
+        self.dialect, self.setup, self.marker = dialect, setup, marker
+
+    def run(self, words: Words, motions: Motions, pieces: Pieces, state: Written) -> tuple[bytes, Written, int, int]:
+        """Text of a batch, the next state, and how many blocks were changed and added."""
+        if not state.newline or state.newline == b"\n":
+            first = words.text.find(b"\n")
+            if first > 0 and words.text[first - 1 : first] == b"\r":
+                state = Written(state.code, state.marked, b"\r\n")
+        if not len(motions):
+            return words.text, state, 0, 0
+        return _Batch(self, words, motions, pieces, state).run()
+
+
+class _Batch:
+    def __init__(self, emitter: Emitter, words: Words, motions: Motions, pieces: Pieces, state: Written):
+        self.e, self.w, self.m, self.p, self.state = emitter, words, motions, pieces, state
+        self.splice = Splice(words.text)
+        self.axes = emitter.setup.axes
+        self.first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
+        self.final = np.concatenate([self.first[1:], [True]])
+        self.touched = np.zeros(len(motions), bool)
+        self.byte = np.frombuffer(words.text + b"\0", np.uint8)
+        self.several = ~(self.first & self.final)
+        self.layout()
+
+    def run(self) -> tuple[bytes, Written, int, int]:
+        self.motion_codes()
+        self.axis_words()
+        self.centre_words()
+        added = np.flatnonzero(~self.first)
+        if self.several.any():
+            self.inverse_time()
+            self.late_codes()
+            self.frames_of_blocks(added)
+        state = Written(self._last_code(), self.state.marked, self.state.newline)
+        touched = np.flatnonzero(self.touched)
+        if len(touched) and not state.marked and self.e.marker:
+            at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
+            self.splice.texts([at], [at], [-1], [self.e.marker.encode() + self.state.newline])
+            state = Written(state.code, True, state.newline)
+        return self.splice.result(), state, len(touched), len(added)
+
+    def layout(self) -> None:
+        """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,
+        and whether its words are spaced."""
+        m, w = self.m, self.w
+        every = [m.word[i] for i in range(len(m.word))]
+        centre = np.full((3, len(m)), -1)
+        centre[:, m.arcs.motion] = m.arcs.words
+        self.centre = centre
+        all_words = np.stack([*every, *centre])
+        some = all_words.max(axis=0) >= 0
+        first = np.where(all_words >= 0, all_words, np.iinfo(np.int64).max).min(axis=0)
+        first = np.where(some, first, 0)
+        axis_last = np.stack(every).max(axis=0)
+        last = np.where(axis_last >= 0, axis_last, all_words.max(axis=0))
+        fallback = w.block_stop[m.block]
+        n = len(w.start)
+        self.head = np.where(some, w.start[np.minimum(first, n - 1)], fallback) if n else fallback
+        self.at = np.where(some, w.stop[np.minimum(np.maximum(last, 0), n - 1)], fallback) if n else fallback
+        blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
+        self.spaced = blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
+
+    # -- G words -------------------------------------------------------------------------------------------------------
+
+    def motion_codes(self) -> None:
+        """Name the motion code where the output's differs from the program's."""
+        p, m = self.p, self.m
+        first, final = np.flatnonzero(self.first), np.flatnonzero(self.final)
+        last_code = p.code[final].astype(np.int64)
+        before = np.concatenate([[self.state.code], last_code[:-1]])
+        before = np.where(m.renamed | (before < 0), m.code, before)  # the program named its code anew since
+        explicit = m.code_word >= 0
+        change = np.flatnonzero(explicit & (p.code[first] != m.code) & (m.code != FOREIGN))
+        word = m.code_word[change]
+        self.splice.texts(self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in p.code[first][change]])
+        insert = np.flatnonzero(~explicit & (p.code[first] != before) & (m.code != FOREIGN))
+        texts = [b"G%d" % c + (b" " if s else b"") for c, s in zip(p.code[first][insert], self.spaced[insert], strict=True)]
+        self.splice.texts(self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts)
+        self.touched[change] = self.touched[insert] = True
+        # Pieces behind the first name their code when it differs from the piece before.
+        code = p.code.astype(np.int64)
+        self.names_code = np.concatenate([[False], code[1:] != code[:-1]]) & ~self.first
+
+    def _last_code(self) -> int:
+        code = int(self.p.code[-1])
+        return code if code in (RAPID, FEED, CLOCKWISE, COUNTER) else -1
+
+    # -- axis words ----------------------------------------------------------------------------------------------------
+
+    def value(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
+        """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
+        m, p = self.m, self.p
+        motion = p.motion[piece]
+        ticks = p.end[row, piece] - np.where(m.incremental[row, motion], p.start[row, piece], m.origin[row, motion])
+        return _counts(ticks, m.scale[row, motion], decimals)
+
+    def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
+        """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""
+        m, w = self.m, self.w
+        least = np.zeros(len(motion), np.int64)
+        for grid, scale in {(int(g), int(s)) for g, s in zip(*self._pairs(row), strict=True)}:
+            least[(m.grid[row, motion] == grid) & (m.scale[row, motion] == scale)] = round(np.log10(scale / grid))
+        word = m.word[row, motion]
+        own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
+        return np.minimum(np.maximum(least, own), MOST_DECIMALS)
+
+    def _pairs(self, row: int):
+        both = np.unique(np.stack([self.m.grid[row], self.m.scale[row]]), axis=1)
+        return both[0], both[1]
+
+    def axis_words(self) -> None:
+        m, p, w = self.m, self.p, self.w
+        first = np.flatnonzero(self.first)
+        arc = p.arc >= 0
+        for row, letter in enumerate(self.axes):
+            word = m.word[row, p.motion[first]]
+            changed = p.end[row, first] != m.target[row, p.motion[first]]
+            shifted = m.incremental[row, p.motion[first]] & (p.start[row, first] != m.start[row, p.motion[first]])
+            replace = first[(word >= 0) & ~m.alone[p.motion[first]] & self._differs(row, first, word, changed | shifted)]
+            motion = p.motion[replace]
+            word = m.word[row, motion]
+            decimals = self.decimals(row, motion)
+            self.splice.numbers(w.number[word], w.stop[word], np.zeros(len(word)), self.value(row, replace, decimals), decimals)
+            self.touched[motion] = True
+            moves = p.end[row] != p.start[row]
+            in_plane = np.zeros(len(p), bool)
+            if arc.any():
+                in_plane = arc & ((m.arcs.first[np.maximum(p.arc, 0)] == row) | (m.arcs.second[np.maximum(p.arc, 0)] == row))
+            missing = self.first & (m.word[row, p.motion] < 0) & moves & (m.code[p.motion] != FOREIGN) & ~m.alone[p.motion]
+            missing &= m.target_known[row, p.motion] & p.corrected
+            write = np.flatnonzero(missing | (~self.first & (moves | in_plane)))
+            motion = p.motion[write]
+            decimals = self.decimals(row, motion)
+            start = np.where(self.first[write], self.at[motion], self.behind()[motion])
+            prefix = np.zeros((len(write), 2), np.uint8)
+            prefix[:, 0] = np.where(self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0)
+            prefix[:, 1] = self._letters(row, letter, motion)
+            rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
+            self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
+            self.touched[motion] = True
+
+    def _differs(self, row: int, first: np.ndarray, word: np.ndarray, suspects: np.ndarray) -> np.ndarray:
+        """(N,) whether the number that should stand there is another than the one that does."""
+        result = np.zeros(len(first), bool)
+        which = np.flatnonzero(suspects & (word >= 0))
+        if len(which):
+            w = self.w
+            decimals = self.decimals(row, self.p.motion[first[which]])
+            value = self.value(row, first[which], decimals)
+            own = np.minimum(w.decimals[word[which]], MOST_DECIMALS)
+            stands = w.mantissa[word[which]] // 10 ** (w.decimals[word[which]] - own) * 10 ** np.maximum(decimals - own, 0)
+            result[which] = value != stands
+        return result
+
+    def _letters(self, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
+        """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has one."""
+        word = self.m.word[row, motion]
+        if not len(self.w.start):
+            return np.full(len(motion), ord(letter), np.uint8)
+        own = self.byte[self.w.start[np.maximum(word, 0)]]
+        absolute_letter = np.full(len(motion), ord(letter), np.uint8)
+        # Blocks with U or W alone stay incremental for their own axis; other axes follow G90 G91.
+        return np.where(word >= 0, own, absolute_letter)
+
+    def rank(self, piece: np.ndarray) -> np.ndarray:
+        """(K,) order of pieces behind one block."""
+        begin = np.flatnonzero(self.first)
+        count = np.cumsum(self.first) - 1
+        base = np.where(self.w.block_stop[self.m.block[self.p.motion[piece]]] < len(self.w.text), AFTER, AFTER_END)
+        return base + (piece - begin[count[piece]]) * 1000
+
+    def behind(self) -> np.ndarray:
+        """(N,) offset where blocks behind each motion's own begin."""
+        return np.minimum(self.w.block_stop[self.m.block] + 1, len(self.w.text))
+
+    def _not_leading(self, row: int, piece: np.ndarray) -> np.ndarray:
+        """(K,) whether another word stands before this axis' in an added block."""
+        p = self.p
+        leads = self.names_code[piece].copy()
+        for other in range(row):
+            moves = p.end[other, piece] != p.start[other, piece]
+            arc = p.arc[piece]
+            plane = np.zeros(len(piece), bool)
+            if len(self.m.arcs):
+                plane = (arc >= 0) & ((self.m.arcs.first[np.maximum(arc, 0)] == other) | (self.m.arcs.second[np.maximum(arc, 0)] == other))
+            leads |= moves | plane
+        return leads
+
+    # -- arcs ----------------------------------------------------------------------------------------------------------
+
+    def centre_words(self) -> None:
+        """I J K of kept arcs; R becomes a centre where the arc changes; none in what became a chord."""
+        m, p, w = self.m, self.p, self.w
+        if not len(m.arcs):
+            return
+        first_piece = np.flatnonzero(self.first)
+        mine = np.flatnonzero((m.code == CLOCKWISE) | (m.code == COUNTER))
+        mine = mine[p.corrected[first_piece[mine]]]
+        arc_of = np.full(len(m), -1)
+        arc_of[m.arcs.motion] = np.arange(len(m.arcs))
+        piece = first_piece[mine]
+        arc = arc_of[mine]
+        is_arc = p.arc[piece] >= 0
+        by_radius = m.arcs.words[2, arc] >= 0
+        changed = self.touched[mine] | self.several[piece]
+        for k in range(2):
+            word = m.arcs.words[k, arc]
+            gone = (word >= 0) & ~is_arc
+            self._delete(word[gone], mine[gone])
+        gone = by_radius & changed
+        self._delete(m.arcs.words[2, arc[gone]], mine[gone])
+        self._turns(mine[changed & self.several[piece]])
+        for k in range(2):
+            word = m.arcs.words[k, arc]
+            value = self._centre(piece, arc, k)
+            wanted = np.where(m.arcs.absolute[arc], value, p.centre[k, piece])
+            decimals = self._centre_decimals(arc, k, word)
+            number = _counts(wanted, np.full(len(arc), 1), decimals, self._unit(arc, k))
+            own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
+            stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
+            replace = np.flatnonzero(is_arc & (word >= 0) & (number != stands) & ~by_radius)
+            self.splice.numbers(w.number[word[replace]], w.stop[word[replace]], np.zeros(len(replace)), number[replace], decimals[replace])
+            add = np.flatnonzero(is_arc & (word < 0) & np.where(by_radius, changed, number != stands))
+            self._insert_centre(mine[add], arc[add], k, number[add], decimals[add], self.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k))
+            self.touched[mine[replace]] = self.touched[mine[add]] = True
+            later = np.flatnonzero(~self.first & (p.arc >= 0))
+            decimals = self._centre_decimals(p.arc[later], k, np.full(len(later), -1))
+            wanted = np.where(m.arcs.absolute[p.arc[later]], self._centre(later, p.arc[later], k), p.centre[k, later])
+            number = _counts(wanted, np.full(len(later), 1), decimals, self._unit(p.arc[later], k))
+            motion = p.motion[later]
+            self._insert_centre(motion, p.arc[later], k, number, decimals, self.behind()[motion], self.rank(later) + 30 + k)
+
+    def _centre(self, piece, arc, k):
+        """(K,) ticks of an absolute centre word."""
+        axis = (self.m.arcs.first, self.m.arcs.second)[k][arc]
+        return self.p.start[axis, piece] + self.p.centre[k, piece] - self.m.arcs.origin[k, arc]
+
+    def _unit(self, arc, k):
+        """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
+        axis = (self.m.arcs.first, self.m.arcs.second)[k][arc]
+        scale = self.m.scale[axis, self.m.arcs.motion[arc]]
+        return np.where(scale < TICKS_PER_MM, scale * 2, np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale))
+
+    def _centre_decimals(self, arc, k, word):
+        least = np.rint(np.log10(self._unit(arc, k) / self.m.arcs.grid[k, arc])).astype(np.int64)
+        own = np.where(word >= 0, self.w.decimals[np.maximum(word, 0)], 0)
+        return np.minimum(np.maximum(least, own), MOST_DECIMALS)
+
+    def _insert_centre(self, motion, arc, k, number, decimals, at, rank) -> None:
+        letters = {(self.axes.index(a), self.axes.index(b)): (i, j) for a, b, i, j in PLANES.values() if a in self.axes and b in self.axes}
+        letter = np.array([ord(letters[int(self.m.arcs.first[a]), int(self.m.arcs.second[a])][k]) for a in arc], np.uint8)
+        prefix = np.zeros((len(motion), 2), np.uint8)
+        prefix[:, 0] = np.where(self.spaced[motion], ord(" "), 0)
+        prefix[:, 1] = letter
+        self.splice.numbers(at, at, rank, number, decimals, prefix)
+
+    def _delete(self, word: np.ndarray, motion: np.ndarray) -> None:
+        """Take words out, with the blank before them."""
+        start = self.w.start[word]
+        start = start - ((self.byte[np.maximum(start - 1, 0)] == ord(" ")) & (start > self.head[motion]))
+        self.splice.constants(start, self.w.stop[word], np.zeros(len(word)), b"")
+        self.touched[motion] = True
+
+    def _turns(self, motion: np.ndarray) -> None:
+        """P of an arc that was cut."""
+        if self.e.dialect.turns:
+            place = np.flatnonzero((self.w.letter == ord("P")) & np.isin(self.w.block, self.m.block[motion]))
+            owner = np.searchsorted(self.m.block, self.w.block[place])
+            self._delete(place, owner)
+
+    # -- the rest of a block that was cut ------------------------------------------------------------------------------
+
+    def inverse_time(self) -> None:
+        """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
+        m, p, w = self.m, self.p, self.w
+        for i in np.flatnonzero(m.inverse[p.motion] & self.several & (p.code != RAPID)):
+            motion = p.motion[i]
+            share = p.share[i] or self._take_up_share(i)
+            text = _plain(m.feed[motion] / share)
+            word = m.feed_word[motion]
+            if self.first[i] and word >= 0:
+                self.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
+            else:
+                at, rank = (self.at[motion], INSERT_WORD + 50) if self.first[i] else (self.behind()[motion], self.rank(np.array([i]))[0] + 50)
+                self.splice.texts([at], [at], [rank], [(b" F" if self.spaced[motion] else b"F") + text])
+
+    def _take_up_share(self, i: int) -> float:
+        """Length of a take-up over the length of its motion."""
+        p, m = self.p, self.m
+        own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
+        same = np.flatnonzero(p.motion == p.motion[i])
+        whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])
+        return float(own / whole) if whole else 1.0
+
+    def late_codes(self) -> None:
+        """M codes that act after the motion go to its last piece."""
+        m, w = self.m, self.w
+        cut = np.zeros(w.blocks, bool)
+        cut[m.block[self.p.motion[self.several]]] = True
+        late = np.flatnonzero((w.letter == ord("M")) & cut[w.block] & np.isin(w.mantissa, codes.AFTER_MOTION) & (w.decimals == 0))
+        for word in late:
+            motion = int(np.searchsorted(m.block, w.block[word]))
+            last = int(np.flatnonzero(self.p.motion == motion)[-1])
+            text = w.text[w.start[word] : w.stop[word]]
+            start = int(w.start[word])
+            start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
+            self.splice.texts([start], [w.stop[word]], [0], [b""])
+            at = int(self.behind()[motion])
+            self.splice.texts([at], [at], [int(self.rank(np.array([last]))[0]) + 60], [(b" " if self.spaced[motion] else b"") + text])
+
+    def frames_of_blocks(self, added: np.ndarray) -> None:
+        """What surrounds the words of an added block: line ends, block delete, a code that changed."""
+        m, p, w = self.m, self.p, self.w
+        motion = p.motion[added]
+        block = m.block[motion]
+        stop = w.block_stop[block]
+        rank = self.rank(added)
+        at = self.behind()[motion]
+        end = self.byte[stop]
+        lead: list[bytes] = []
+        tail: list[bytes] = []
+        for k, i in enumerate(added):
+            before, after = self._ends(int(stop[k]), int(end[k]))
+            code = b"G%d" % p.code[i] if self.names_code[i] else b""
+            lead.append(before + (b"/" if w.skip[block[k]] else b"") + code)
+            tail.append(after)
+        self.splice.texts(at, at, rank, lead)
+        self.splice.texts(at, at, rank + 90, tail)
+
+    def _ends(self, stop: int, end: int) -> tuple[bytes, bytes]:
+        """What stands before and behind an added block, after a block that ends at `stop` with byte `end`."""
+        text = self.w.text
+        if stop >= len(text):
+            return self.state.newline, b""
+        if end == ord(";"):
+            line_end = text.find(b"\n", stop)
+            rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
+            if rest.strip():
+                return b" ", b";"
+            newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
+            return newline, b";"
+        return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"
+
+
+def _counts(ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
+    """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
+    per = (scale if unit is None else unit) // 10**decimals
+    low = ticks // per
+    rest = 2 * (ticks - low * per)
+    return low + ((rest > per) | ((rest == per) & (low % 2 == 1)))
+
+
+def _plain(value: float) -> bytes:
+    """A feed with seven digits, no exponent."""
+    return f"{value:.{max(0, 6 - len(str(int(abs(value)))) + 1)}f}".encode()

@@ -1,0 +1,226 @@
+"""Program text to words: every word with its letter, its exact decimal number and its place in the text.
+
+    line    = block { end-of-block block } newline
+    block   = [ "/" ] { word }               blanks and comments may stand anywhere between characters
+    word    = letter number
+    number  = [ "+" | "-" ] digits [ "." [ digits ] ] | [ sign ] "." digits
+
+The text is looked at as a column of bytes: one table lookup gives each its class, and everything that is not a digit
+is a mark. A word is a letter's mark, perhaps a sign's, perhaps a point's, and ends at the next mark. Numbers are read
+as whole mantissas, so nothing is rounded here. The lexer does not know what a word means.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from postproc.errors import BlockFault
+
+BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
+LONGEST_NUMBER = 18  # digits that fit an int64
+COMMENTS = {
+    "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
+    "end of block": re.compile(rb"\([^()\n]*\)"),
+}
+
+
+@dataclass(frozen=True)
+class Words:
+    """The words of a batch of whole lines. W words, B blocks; offsets count bytes of `text`.
+
+    letter (W,) uint8 upper case; mantissa (W,) int64 and decimals (W,): the number is mantissa / 10**decimals;
+    pointed (W,) whether it has a decimal point; block (W,) ascending; start, number, stop (W,): the letter, the first
+    character of the number, the end. block_start, block_stop, line (B,): the block without its end mark, and the
+    line it stands in, from 0; skip (B,): begins with "/". tape: offset of the first "%", or -1.
+    fault: what is wrong with the block after the last one here, if anything is.
+    """
+
+    text: bytes
+    letter: np.ndarray
+    mantissa: np.ndarray
+    decimals: np.ndarray
+    pointed: np.ndarray
+    block: np.ndarray
+    start: np.ndarray
+    number: np.ndarray
+    stop: np.ndarray
+    block_start: np.ndarray
+    block_stop: np.ndarray
+    line: np.ndarray
+    skip: np.ndarray
+    tape: int = -1
+    fault: BlockFault | None = None
+
+    @property
+    def blocks(self) -> int:
+        return len(self.block_start)
+
+    def before(self, block: int, fault: BlockFault | None = None) -> Words:
+        """The same batch as if it ended before `block`."""
+        n = int(np.searchsorted(self.block, block))
+        words = {name: getattr(self, name)[:n] for name in ("letter", "mantissa", "decimals", "pointed", "block", "start", "number", "stop")}
+        blocks = {name: getattr(self, name)[:block] for name in ("block_start", "block_stop", "line", "skip")}
+        return replace(self, **words, **blocks, fault=fault)
+
+
+@lru_cache
+def _classes(semicolon: str) -> np.ndarray:
+    """(256,) class of each byte."""
+    table = np.full(256, OTHER, dtype=np.uint8)
+    table[[ord(c) for c in " \t\r"]] = BLANK
+    table[ord("0") : ord("9") + 1] = DIGIT
+    table[[ord("+"), ord("-")]] = SIGN
+    table[ord(".")] = POINT
+    table[ord("A") : ord("Z") + 1] = LETTER
+    table[ord("a") : ord("z") + 1] = LETTER
+    table[ord("/")], table[ord("%")], table[ord("\n")] = SLASH, PERCENT, END
+    if semicolon == "end of block":
+        table[ord(";")] = END
+    return table
+
+
+def lex(text: bytes, semicolon: str) -> Words:
+    """Read a batch of whole lines; only its last line may lack the newline. `semicolon` is the dialect's.
+
+    Never raises for bad text: the words before the first bad block come back with its `fault`.
+    """
+    code = text
+    if b"(" in text or (semicolon == "comment" and b";" in text):
+        code = COMMENTS[semicolon].sub(lambda comment: b" " * len(comment[0]), text)
+    if not code.endswith(b"\n"):
+        code += b"\n"
+    byte = np.frombuffer(code, dtype=np.uint8)
+    kind = _classes(semicolon)[byte]
+    at = np.flatnonzero(kind).astype(np.int32)  # offsets of all that is not blank
+    kind = kind[at]
+    byte = byte[at]
+    mark = np.flatnonzero(kind != DIGIT).astype(np.int32)
+    mark_kind = kind[mark]
+    # Three marks of padding, so that "the mark after the next" exists.
+    mark_kind = np.concatenate([mark_kind, np.full(3, END, np.uint8)])
+    mark = np.concatenate([mark, np.full(3, len(at), np.int32)])
+
+    is_letter = mark_kind == LETTER
+    is_end = mark_kind == END
+    first = np.flatnonzero(is_letter)
+    here = mark[first]
+    block_of_mark = np.cumsum(is_end, dtype=np.int32)
+    block = block_of_mark[first]
+    signed = (mark_kind[first + 1] == SIGN) & (mark[first + 1] == here + 1)
+    after = first + 1 + signed
+    pointed = mark_kind[after] == POINT
+    point = mark[after]
+    after += pointed
+    stop = mark[after]
+    begin = here + 1 + signed
+    whole = np.where(pointed, point, stop) - begin
+    decimals = np.where(pointed, stop - point - 1, 0)
+    digits = whole + decimals
+
+    used = np.zeros(len(mark_kind), dtype=bool)
+    used[first] = True
+    used[(first + 1)[signed]] = True
+    used[(after - 1)[pointed]] = True
+    used |= is_end
+    end = np.flatnonzero(is_end[:-3])
+    end_at = mark[end]
+    block_first = np.concatenate([[0], end_at[:-1] + 1]).astype(np.int32)
+    skip = kind[block_first] == SLASH
+    if skip.any():
+        used[np.searchsorted(mark, block_first[skip])] = True
+
+    fault = None
+    if not used.all() or (digits < 1).any() or (digits > LONGEST_NUMBER).any() or (kind[block_first] == DIGIT).any():
+        fault, tape = _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first)
+    else:
+        tape = -1
+
+    offset = np.concatenate([at, np.array([len(code)], np.int32)])
+    end_offset = offset[end_at]
+    newline = byte[end_at] == ord("\n")
+    words = Words(
+        text=text,
+        letter=byte[here] & 0xDF,
+        mantissa=_mantissa(byte, begin, whole, digits, pointed, byte[np.minimum(here + 1, len(at) - 1)] == ord("-")),
+        decimals=decimals,
+        pointed=pointed,
+        block=block,
+        start=offset[here],
+        number=offset[np.minimum(here + 1, len(at))],
+        stop=offset[stop - 1] + 1,
+        block_start=np.concatenate([[0], end_offset[:-1] + 1]).astype(np.int32),
+        block_stop=np.minimum(end_offset, len(text)),
+        line=np.concatenate([[0], np.cumsum(newline)[:-1]]).astype(np.int32),
+        skip=skip,
+        tape=tape,
+    )
+    if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
+        return words.before(_block_at(words, tape))
+    return words.before(fault.block, fault) if fault else words
+
+
+def _block_at(words: Words, offset: int) -> int:
+    return int(np.searchsorted(words.block_stop, offset, side="left"))
+
+
+def _mantissa(byte, begin, whole, digits, pointed, negative):
+    """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped over."""
+    value = np.zeros(len(begin), dtype=np.int64)
+    last = len(byte) - 1
+    for k in range(min(int(digits.max(initial=0)), LONGEST_NUMBER)):
+        place = begin + (k + (pointed & (whole <= k)))
+        longer = value * 10 + (byte[np.minimum(place, last)].astype(np.int64) - ord("0"))
+        value = np.where(digits > k, longer, value)
+    return np.where(negative, -value, value)
+
+
+def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first):
+    """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1: none)."""
+    faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
+    tape = -1
+    for i in np.flatnonzero(~used[:-3])[:2000]:
+        offset, number = int(at[mark[i]]), int(block_of_mark[i])
+        if mark_kind[i] == PERCENT:
+            if tape < 0:
+                tape = offset
+            continue
+        faults.append((offset, number, *_what(code, offset, int(mark_kind[i]))))
+        break
+    for i in np.flatnonzero(digits < 1)[:1]:
+        offset = int(at[mark[first[i]]])
+        letter = chr(code[offset])
+        faults.append((offset, int(block[i]), f"the letter {letter} has no number", ADVICE_EXPRESSION))
+    for i in np.flatnonzero(digits > LONGEST_NUMBER)[:1]:
+        offset = int(at[mark[first[i]]])
+        faults.append((offset, int(block[i]), f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})", ""))
+    for i in np.flatnonzero(kind[block_first] == DIGIT)[:1]:
+        offset = int(at[block_first[i]])
+        faults.append((offset, int(i), "a number without a letter", ADVICE_EXPRESSION))
+    if not faults:
+        return None, tape
+    offset, number, message, advice = min(faults)
+    return BlockFault(number, message, advice, offset, offset + 1), tape
+
+
+ADVICE_EXPRESSION = "expressions, variables, O-word subs and macro statements must be written out before compensation"
+
+
+def _what(code: bytes, offset: int, kind: int) -> tuple[str, str]:
+    character = chr(code[offset])
+    if kind == SLASH:
+        return "'/' is block delete only as the first character of a block, without a number", ADVICE_EXPRESSION
+    if kind in (SIGN, POINT):
+        return f"{character!r} does not belong to a number here", ADVICE_EXPRESSION
+    if character == "(":
+        return "a comment is opened and not closed in its line, or opened twice", "close it with ')'"
+    if character == ")":
+        return "')' closes a comment that was not opened", ""
+    if code[offset] == 0 or (code[offset] < 32):
+        return f"byte {code[offset]} is not text: this looks like a binary file", "give the NC program itself"
+    if code[offset] > 126:
+        return f"byte {code[offset]} is not ASCII", "outside comments a program is plain ASCII; save it as such"
+    return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION

@@ -1,0 +1,38 @@
+"""Whole numbers to decimal text, a column at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_FOUR = np.frombuffer("".join(f"{i:04d}" for i in range(10000)).encode(), np.uint8).reshape(10000, 4)
+
+
+def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """(T, W) uint8 cells holding value / 10**decimals, right-aligned, and (T,) where each text begins in its cell.
+
+    value (T,) int64. Always with a decimal point, never with a plus sign; minus zero does not occur. `room`: columns kept
+    free at the left.
+    """
+    size = np.abs(value)
+    most = max(len(str(int(size.max(initial=0)))), decimals + 1)
+    groups = -(-most // 4)
+    digit = np.empty((len(value), 4 * groups), np.uint8)
+    rest = size
+    for g in range(groups - 1, -1, -1):
+        high = rest // 10000
+        digit[:, 4 * g : 4 * g + 4] = _FOUR[rest - high * 10000]
+        rest = high
+    count = np.full(len(value), decimals + 1)
+    for k in range(decimals + 1, most):
+        count += size >= 10**k
+    width = room + 2 + 4 * groups
+    cell = np.zeros((len(value), width), np.uint8)
+    whole = 4 * groups - decimals
+    cell[:, width - decimals :] = digit[:, whole:]
+    cell[:, width - decimals - 1] = ord(".")
+    cell[:, width - decimals - 1 - whole : width - decimals - 1] = digit[:, :whole]
+    begin = width - 1 - count
+    negative = np.flatnonzero(value < 0)
+    begin[negative] -= 1
+    cell[negative, begin[negative]] = ord("-")
+    return cell, begin

@@ -1,0 +1,74 @@
+"""Put new text in place of old, a whole batch at once: what is not named keeps its bytes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.nc.numbers import decimal_cells
+
+
+class Splice:
+    """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the order of their rank."""
+
+    def __init__(self, text: bytes):
+        self.text = text
+        self._pool: list[bytes] = []
+        self._pool_size = 0
+        self._edits: list[tuple[np.ndarray, ...]] = []
+
+    def constants(self, start, stop, rank, text: bytes) -> None:
+        """The same new text at each of (T,) places."""
+        n = len(start)
+        if n:
+            self._add(text, start, stop, rank, np.zeros(n, np.int64), np.full(n, len(text)))
+
+    def texts(self, start, stop, rank, texts: list[bytes]) -> None:
+        """Their own new text at each of (T,) places."""
+        if len(texts):
+            size = np.array([len(t) for t in texts], np.int64)
+            self._add(b"".join(texts), start, stop, rank, np.cumsum(size) - size, size)
+
+    def numbers(self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None) -> None:
+        """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
+        for d in np.unique(decimals):
+            of = np.flatnonzero(decimals == d)
+            room = 0 if prefix is None else prefix.shape[1]
+            cell, begin = decimal_cells(value[of], int(d), room)
+            if prefix is not None:
+                for k in range(room - 1, -1, -1):
+                    mark = prefix[of, k]
+                    some = np.flatnonzero(mark)
+                    begin[some] -= 1
+                    cell[some, begin[some]] = mark[some]
+            width = cell.shape[1]
+            at = np.arange(len(of)) * width + begin
+            self._add(cell.tobytes(), start[of], stop[of], rank[of], at, width - begin)
+
+    def _add(self, text: bytes, start, stop, rank, at, size) -> None:
+        self._edits.append((np.asarray(start, np.int64), np.asarray(stop, np.int64), np.asarray(rank, np.int64), at + self._pool_size, size))
+        self._pool.append(text)
+        self._pool_size += len(text)
+
+    def result(self) -> bytes:
+        """The text with all edits made."""
+        if not self._edits:
+            return self.text
+        start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
+        order = np.lexsort((rank, start))
+        start, stop, at, size = start[order], stop[order], at[order], size[order]
+        source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
+        # Alternate: kept text, new text, kept text, ..., kept text.
+        n = len(start)
+        begin = np.empty(2 * n + 1, np.int64)
+        length = np.empty(2 * n + 1, np.int64)
+        begin[0::2] = np.concatenate([[0], stop])
+        length[0::2] = np.concatenate([start, [len(self.text)]]) - begin[0::2]
+        begin[1::2], length[1::2] = at + len(self.text), size
+        some = length > 0
+        begin, length = begin[some], length[some]
+        # One step per byte, and a jump where a run begins.
+        step = np.ones(int(length.sum()), np.int32)
+        first = np.cumsum(length) - length
+        step[first[1:]] = begin[1:] - (begin[:-1] + length[:-1] - 1)
+        step[:1] = begin[:1]
+        return source[np.cumsum(step, dtype=np.int32)].tobytes()

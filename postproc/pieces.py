@@ -1,0 +1,42 @@
+"""What to write for each motion: one or more pieces, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """P pieces in program order; A axes.
+
+    motion (P,): whose piece it is; code (P,): RAPID, FEED, CLOCKWISE, COUNTER; start, end (A, P): ticks commanded;
+    share (P,): part of the motion's length, 0 for a take-up; arc (P,): row of the motions' arcs, or -1;
+    centre (2, P): ticks from the piece's start to its centre, along the plane axes; nominal (A, P): ticks, where its end
+    lies on the nominal path. take_up (P,): turns the slides round, does not advance on the path. corrected (P,): whether its
+    motion was corrected at all; one that was not is left as written.
+    """
+
+    motion: np.ndarray
+    code: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+    share: np.ndarray
+    arc: np.ndarray
+    centre: np.ndarray
+    nominal: np.ndarray
+    take_up: np.ndarray
+    corrected: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.motion)
+
+
+def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
+    """Join sets of pieces; each comes with a (P, 2) key of stroke and order within it."""
+    key = np.concatenate([k for k, _ in parts])
+    order = np.lexsort((key[:, 1], key[:, 0]))
+    fields = Pieces.__dataclass_fields__
+    joined = {f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1)[..., order] for f in fields}
+    return Pieces(**joined)
