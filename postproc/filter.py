@@ -18,6 +18,7 @@ from postproc.nc.emitter import Emitter, Written
 from postproc.nc.interpreter import Interpreter, ModalState, Setup
 from postproc.nc.lexer import Words, lex
 from postproc.units import UM
+from postproc.verify import Verifier
 
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
 MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
@@ -63,6 +64,7 @@ class Filter:
     name: str = "<stdin>"
     notices: list[Notice] = field(default_factory=list)
     summary: Summary = field(default_factory=Summary)
+    verify: bool = False
 
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
@@ -72,8 +74,8 @@ class Filter:
         self.modal: ModalState = self.interpreter.initial()
         self.carry = self.compensator.initial()
         self.written = Written()
+        self.verifier = Verifier(self.machine, self.interpreter, self.compensator.mode, self.name) if self.verify else None
         self._rest = b""
-        self._tapes = 0
         self._begun = False
         self._told: set[str] = set()
 
@@ -152,6 +154,8 @@ class Filter:
         except MotionFault as fault:
             raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
+        if self.verifier:
+            self.verifier.check(words, motions, pieces, result, self.summary.lines)
         for notice in notices:
             self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
         for notice in more:

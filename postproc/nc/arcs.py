@@ -115,7 +115,7 @@ def _centre_by_radius(batch, blocks, by_radius, start, end, radius, counter):
     length = np.hypot(*chord)
     safe = np.where(length > 0, length, 1.0)
     height2 = radius**2 - (length / 2) ** 2
-    tolerance = batch.dialect.arc_tolerance_mm
+    tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
     for i in np.flatnonzero(short)[:1]:
         _because(batch, blocks[short], f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})", "check R and the end point")
@@ -150,7 +150,7 @@ def _check(batch, blocks, good, radius, radius_end) -> None:
     miss = np.abs(radius - radius_end)
     largest = np.maximum(radius, radius_end)
     wrong = (miss > d.arc_tolerance_most_mm) | ((miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest))
-    zero = (radius == 0) & good
+    zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     _because(batch, blocks[zero], "an arc of radius 0", "check I J K")
     bad = np.flatnonzero(wrong & good & ~zero)
     for i in bad:

@@ -25,8 +25,10 @@ class Dialect:
     `increments`: letter of an incremental word to its axis. `dwell`: letters of the dwell time in a G4 block.
     `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end
     radius of an arc may differ by the former, and by more only within the latter, never by more than
-    `arc_tolerance_most_mm`. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell who
-    writes coordinates without a decimal point. `comment_case`: how the control likes its comments.
+    `arc_tolerance_most_mm`; a smaller radius than
+    `radius_tolerance_mm` is none, and R may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell who
+    writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one block are
+    an error (else the last one holds).
     """
 
     name: str
@@ -42,10 +44,10 @@ class Dialect:
     arc_tolerance_mm: float = 0.01
     arc_tolerance_relative: float = 0.0
     arc_tolerance_most_mm: float = 0.01
+    radius_tolerance_mm: float = 0.001
     tool_offsets: bool = False
     integer_notice: str = ""
     one_code_per_group: bool = True
-    decimal_dwell: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

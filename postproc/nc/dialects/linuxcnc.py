@@ -1,7 +1,6 @@
 """LinuxCNC (RS274/NGC): `;` and `( )` comments, incremental arc centres, P turns, G7 diameter, G8 radius.
 
-Arc tolerance: rs274ngc interp_arc.cc, arc_data_ijk (spiral tolerances); checked against the interpreter in
-tests/linuxcnc.
+Arc tolerances: rs274ngc's constants of these names, measured on the interpreter (tests/linuxcnc/README.md).
 """
 
 from postproc.nc import codes
@@ -52,4 +51,8 @@ DIALECT = Dialect(
     plane=170,
     dwell="P",
     turns=True,
+    arc_tolerance_mm=0.02 * 2**0.5,  # CENTER_ARC_RADIUS_TOLERANCE_MM
+    arc_tolerance_relative=0.001,  # SPIRAL_RELATIVE_TOLERANCE
+    arc_tolerance_most_mm=2 * 2**0.5,
+    radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
 )

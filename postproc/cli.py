@@ -1,0 +1,97 @@
+"""The command line: opens, closes, and says what went wrong. Each subcommand is a file in postproc/commands."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import errno
+import importlib
+import os
+import pkgutil
+import signal
+import sys
+
+from postproc import __version__
+from postproc.errors import GcompError
+
+DEFAULT = "compensate"
+HELPERS = ("values",)
+REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
+
+
+def commands() -> list[str]:
+    """Names of the subcommands."""
+    from postproc import commands as package
+
+    return sorted(module.name for module in pkgutil.iter_modules(package.__path__) if module.name not in HELPERS)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
+    argv = sys.argv[1:] if argv is None else argv
+    try:
+        with contextlib.suppress(ValueError, AttributeError):
+            signal.signal(signal.SIGTERM, _interrupt)
+        status = _run(argv)
+        sys.stdout.flush()
+        return status
+    except GcompError as error:
+        return _complain(str(error), REFUSED)
+    except KeyboardInterrupt:
+        return _complain("interrupted: nothing was overwritten, and what was not yet written is dropped", INTERRUPTED)
+    except BrokenPipeError:
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+    except OSError as error:
+        what = f"{error.filename}: " if error.filename else ""
+        full = "; the output is not complete, a file that stood there before still does" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        return _complain(f"{what}{error.strerror or error}{full}", FAILED)
+    except MemoryError:
+        return _complain("out of memory", FAILED)
+
+
+def _run(argv: list[str]) -> int:
+    name = DEFAULT
+    if argv and argv[0] in commands():
+        name, argv = argv[0], argv[1:]
+    elif not argv or argv[0] in ("-h", "--help", "--version"):
+        return _overview(argv)
+    module = importlib.import_module(f"postproc.commands.{name}")
+    example = getattr(module, "EXAMPLE", "")
+    parser = argparse.ArgumentParser(
+        prog="gcomp" if name == DEFAULT else f"gcomp {name}", description=module.HELP,
+        epilog=f"example: {example}" if example else None,
+    )  # fmt: skip
+    module.arguments(parser)
+    try:
+        options = parser.parse_args(argv)
+    except SystemExit as end:
+        return int(end.code or 0)
+    return module.run(options)
+
+
+def _overview(argv: list[str]) -> int:
+    if argv == ["--version"]:
+        print(f"gcomp {__version__}")
+        return 0
+    parser = argparse.ArgumentParser(prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs")
+    parser.add_argument("--version", action="store_true", help="say which gcomp this is")
+    sub = parser.add_subparsers(metavar="COMMAND")
+    for name in commands():
+        module = importlib.import_module(f"postproc.commands.{name}")
+        sub.add_parser(name, help=module.HELP)
+        if name == DEFAULT:
+            parser.epilog = f"example: {module.EXAMPLE}    more: gcomp {name} --help"
+    parser.print_help(sys.stdout if argv else sys.stderr)
+    return 0 if argv else REFUSED
+
+
+def _interrupt(number, frame) -> None:
+    raise KeyboardInterrupt
+
+
+def _complain(message: str, status: int) -> int:
+    with contextlib.suppress(OSError, ValueError):
+        print(f"gcomp: {message}", file=sys.stderr)
+    return status

@@ -1,0 +1,1 @@
+"""Subcommands. One file each, found by its name: HELP, `arguments(parser)` and `run(options) -> exit status`."""

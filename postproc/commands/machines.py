@@ -1,0 +1,91 @@
+"""`gcomp machines` lists the machines, `gcomp machines show NAME` says what one is."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from postproc.errors import GcompError, UsageError
+from postproc.machine import places
+from postproc.machine.chain import XYZ
+from postproc.machine.file import read_machine
+from postproc.machine.model import Machine
+from postproc.machine.tables import COMPONENTS
+from postproc.units import UM, URAD
+
+HELP = "list the machines, or show one: gcomp machines show NAME"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", nargs="?", choices=("list", "show"), default="list")
+    parser.add_argument("name", nargs="?", metavar="NAME")
+
+
+def run(options: argparse.Namespace) -> int:
+    if options.what == "show":
+        if not options.name:
+            raise UsageError("which machine?", "gcomp machines show NAME")
+        print(show(places.load(options.name)))
+        return 0
+    found = places.every()
+    width = max((len(name) for name in found), default=0)
+    for name, path in found.items():
+        try:
+            title = read_machine(path).title
+        except GcompError as error:
+            title = f"can not be used: {error.message}"
+        print(f"{name:<{width}}  {title}  [{path}]")
+    return 0
+
+
+def show(machine: Machine) -> str:
+    """What a machine is, for a person."""
+    lines = [f"{machine.name}: {machine.title}", f"control {machine.control}, chain {'-'.join(_chain(machine))}, map {machine.digest}"]
+    if machine.diameter:
+        lines.append(f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius")
+    if machine.source:
+        lines.append(f"source: {machine.source}")
+    for letter, axis in machine.axes.items():
+        lines.append(f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} mm, least increment {axis.least_increment:g} mm")
+        if axis.table is None:
+            lines.append("  no error table")
+            continue
+        table = axis.table
+        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} mm, {len(table.nodes)} nodes")
+        for row in range(6):
+            forward, reverse = table.forward[row], table.reverse[row]
+            if not (np.any(forward) or np.any(reverse)):
+                continue
+            scale, unit = (UM, "um") if row < 3 else (URAD, "urad")
+            both = np.stack([forward, reverse]) / scale
+            worst = np.unravel_index(np.argmax(np.abs(both)), both.shape)
+            ways = f", reversal up to {np.abs(both[0] - both[1]).max():.1f}" if np.any(forward != reverse) else ""
+            lines.append(f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {unit}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} mm{ways}")
+        if table.is_zero:
+            lines.append("  all zero")
+    for letter, lean in machine.square.items():
+        for i, value in enumerate(lean):
+            if value:
+                lines.append(f"\nsquareness {'ABC'[i]}0{letter}  {value / URAD:+.1f} urad")
+    for term in machine.effects:
+        lines.append(f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items()))
+    for name, zero in machine.offsets.items():
+        lines.append(f"offset {name}: " + " ".join(f"{x}{v:g}" for x, v in zero.items()))
+    limits = machine.limits
+    lines.append(f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}")
+    if not machine.is_zero:
+        lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
+    return "\n".join(lines)
+
+
+def _chain(machine: Machine) -> list[str]:
+    axes = list(machine.chain.axes)
+    return ["w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t"]
+
+
+def _largest(machine: Machine) -> float:
+    """mm: largest deviation vector over the grid of all nodes, both ways."""
+    nodes = [machine.tables[x].nodes if x in machine.tables and x in XYZ else np.zeros(1) for x in machine.letters]
+    grid = np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")])
+    return max(float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max()) for s in (-1.0, 1.0))

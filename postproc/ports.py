@@ -1,0 +1,115 @@
+"""Files and pipes: the only place that opens anything. Nothing is overwritten before its successor is whole."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from postproc.errors import UsageError
+
+CHUNK = 1 << 18
+IN_MEMORY = 1 << 22
+
+
+def chunks(source: BinaryIO, live: bool) -> Iterator[bytes]:
+    """Pieces of a file or pipe: large ones, or, when `live`, whatever has come so far."""
+    while True:
+        data = os.read(source.fileno(), CHUNK) if live else source.read(CHUNK)
+        if not data:
+            return
+        yield data
+
+
+@contextlib.contextmanager
+def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
+    """The program to read: the stream, its name in messages, and its size (0: not known). None and "-": standard input."""
+    if path in (None, "-"):
+        if sys.stdin is None or sys.stdin.isatty():
+            raise UsageError("no program: nothing is piped in and no file is named", "gcomp --machine NAME FILE, or ... | gcomp --machine NAME")
+        yield sys.stdin.buffer, "<stdin>", 0
+        return
+    assert path is not None
+    try:
+        with open(path, "rb") as source:
+            if stat.S_ISDIR(os.fstat(source.fileno()).st_mode):
+                raise UsageError(f"{path} is a folder, not a program")
+            yield source, path, os.fstat(source.fileno()).st_size
+    except IsADirectoryError:
+        raise UsageError(f"{path} is a folder, not a program") from None
+    except OSError as error:
+        if error.filename != path:
+            raise
+        raise UsageError(f"{path} can not be read: {error.strerror}") from None
+
+
+def spool() -> BinaryIO:
+    """A place for output that may yet be refused; in memory while it is small, nameless on disk beyond."""
+    return tempfile.SpooledTemporaryFile(max_size=IN_MEMORY)  # type: ignore[return-value]
+
+
+def copy_out(source: BinaryIO, write: Callable[[bytes], object]) -> None:
+    """The whole spool to its destination."""
+    source.seek(0)
+    while data := source.read(CHUNK):
+        write(data)
+
+
+def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
+    """Put the spool in place of `path` in one step; with `backup` its old content stays beside it. Returns the backup.
+
+    The new file is whole and on the disk before the old name points to it; mode and links are kept.
+    """
+    path = Path(os.path.realpath(path))
+    if path.exists() and not path.is_file():
+        with open(path, "wb") as special:  # a device or a pipe has no successor
+            copy_out(source, special.write)
+        return None
+    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as new:
+            copy_out(source, new.write)
+            new.flush()
+            os.fsync(new.fileno())
+        if path.exists():
+            shutil.copymode(path, temporary)
+        else:
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(temporary, 0o666 & ~mask)
+        kept = _backup(path) if backup else None
+        os.replace(temporary, path)
+        return kept
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(temporary)
+        raise
+
+
+def _backup(path: Path) -> Path:
+    """A copy of `path` under a name that was free: part.nc.bak, part.nc.bak2, ..."""
+    for n in range(1, 1000):
+        name = path.with_name(f"{path.name}.bak{n if n > 1 else ''}")
+        try:
+            with open(name, "xb") as copy, open(path, "rb") as old:
+                shutil.copyfileobj(old, copy)
+                copy.flush()
+                os.fsync(copy.fileno())
+            shutil.copystat(path, name)
+            return name
+        except FileExistsError:
+            continue
+    raise UsageError(f"{path}: 999 backups stand beside it", "remove the old ones")
+
+
+def write_standard(data: bytes) -> None:
+    """To standard output, at once."""
+    view = memoryview(data)
+    while view:
+        view = view[os.write(sys.stdout.fileno(), view) :]

@@ -1,0 +1,182 @@
+"""Replay the output as the control would, run it through the machine's model, and measure what is left.
+
+The output's own text is read again by an interpreter of its own; its motions are sampled between the nodes, each
+commanded point is given its deviation, and the distance of that actual point from the nominal path is the result.
+Direction of approach comes from the nominal motion, as everywhere. Ends of rapids count, their ways do not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.compensate import approach
+from postproc.compensate.arcs import points
+from postproc.errors import BlockFault, GcompError, Place
+from postproc.machine.model import Machine
+from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
+from postproc.nc.interpreter import Interpreter, ModalState
+from postproc.nc.lexer import Words, lex
+from postproc.pieces import Pieces
+from postproc.units import TICKS_PER_MM, UM
+
+STEP_MM = 2.0  # a sample at least every 2 mm
+PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0  # golden section: never in step with the nodes
+
+
+@dataclass
+class Largest:
+    """The largest distance in mm, and the input line it belongs to."""
+
+    deviation: float = 0.0
+    line: int = 0
+
+
+class Verifier:
+    """Takes each batch and its output. `corrected` and `uncorrected`: Largest of both programs so far."""
+
+    def __init__(self, machine: Machine, interpreter: Interpreter, mode: str, name: str):
+        self.machine, self.interpreter, self.mode, self.name = machine, interpreter, mode, name
+        self.state: ModalState = interpreter.initial()
+        self.limit = 0 if mode == "mean" else 1
+        self.turn = np.zeros(len(machine.axes), np.int64)
+        self.corrected, self.uncorrected = Largest(), Largest()
+        self.motions_in = self.motions_out = 0
+
+    def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
+        """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
+        again = lex(output, self.interpreter.dialect.semicolon)
+        try:
+            if again.fault and not self.state.ended:
+                raise again.fault
+            back, self.state, _ = self.interpreter.run(again, self.state)
+        except BlockFault as fault:
+            line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode("latin-1")
+            raise GcompError(f"the output can not be read back: {fault.message}", "this is an error of gcomp: please report the program", Place(self.name, first_line + 1, line)) from None
+        if len(back) != len(pieces) or (back.code != pieces.code).any():
+            raise GcompError(f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})", "this is an error of gcomp: please report the program")
+        self.motions_in += len(motions)
+        self.motions_out += len(back)
+        if len(motions):
+            line = first_line + words.line[motions.block] + 1
+            self._measure(motions, np.arange(len(motions)), np.zeros(len(motions)), np.ones(len(motions)), motions, line, self.uncorrected, None)
+            owner = pieces.motion
+            begin = np.cumsum(pieces.share) - pieces.share
+            first = np.concatenate([[True], owner[1:] != owner[:-1]])
+            begin -= begin[first][np.cumsum(first) - 1]
+            self._measure(motions, owner, begin, begin + pieces.share, back, line, self.corrected, ~pieces.take_up & pieces.corrected)
+            self.turn = self.after
+
+    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, line, into: Largest, counts) -> None:
+        """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
+        known = self._all(run.target_known)
+        known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
+        whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
+        if counts is not None:
+            known &= counts
+        length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
+        curved = np.full(len(run), -1)
+        curved[run.arcs.motion] = np.arange(len(run.arcs))
+        arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
+        length[run.arcs.motion] = arc_length
+        count = np.where(whole & known, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
+        row = np.repeat(np.arange(len(run)), count)
+        place = PLACES[np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)]
+        ends = np.flatnonzero(known)
+        row, place = np.concatenate([row, ends]), np.concatenate([place, np.ones(len(ends))])
+        if not len(row):
+            self._follow(nominal, np.zeros(0, np.int64), np.zeros(0))
+            return
+        command = self._points(run, curved, row, place)
+        t = t0[row] + (t1 - t0)[row] * place
+        weight = self._follow(nominal, owner[row], t)
+        actual = command + self.machine.deviation(command, weight)
+        distance = self._distance(nominal, owner[row], t, actual)
+        worst = int(np.argmax(distance))
+        if distance[worst] > into.deviation:
+            into.deviation, into.line = float(distance[worst]), int(line[owner[row[worst]]])
+
+    def _all(self, known: np.ndarray) -> np.ndarray:
+        return known[list(self.machine.corrected)].all(axis=0)
+
+    @staticmethod
+    def _points(motions: Motions, curved, row, t) -> np.ndarray:
+        """(A, K) mm: points of motions at t."""
+        start, target = motions.start / TICKS_PER_MM, motions.target / TICKS_PER_MM
+        result = start[:, row] + (target - start)[:, row] * t
+        result = np.where(t == 1.0, target[:, row], result)
+        on = curved[row] >= 0
+        if on.any():
+            of = motions.arcs.motion
+            result[:, on] = points(motions.arcs, start[:, of], target[:, of], curved[row[on]], t[on])
+        return result
+
+    def _follow(self, nominal: Motions, owner, t) -> np.ndarray:
+        """(A, K) weight of approach at t of nominal motions, from the sign of the nominal move there."""
+        travel = np.where(nominal.start_known & nominal.target_known, nominal.target - nominal.start, 0)
+        forget = ~nominal.start_known & nominal.target_known & (nominal.word >= 0)
+        arcs = nominal.arcs
+        for k in range(len(arcs)):
+            end = arcs.angle[k] + arcs.sweep[k] * (1 - 1e-6)
+            for axis, rate in ((arcs.first[k], -np.sin(end)), (arcs.second[k], np.cos(end))):
+                travel[axis, arcs.motion[k]] = int(np.sign(rate * arcs.sweep[k]))
+        before, after = approach.follow(travel, forget, self.turn, self.limit)
+        self.after = after[:, -1].copy()
+        before = np.where(travel != 0, after, before)
+        weight = before[:, owner].astype(float)
+        curved = np.full(len(nominal), -1)
+        curved[arcs.motion] = np.arange(len(arcs))
+        on = np.flatnonzero(curved[owner] >= 0)
+        if len(on) and self.limit:
+            arc = curved[owner[on]]
+            angle = arcs.angle[arc] + arcs.sweep[arc] * np.minimum(t[on], 1 - 1e-6)
+            for axis, rate in ((arcs.first[arc], -np.sin(angle)), (arcs.second[arc], np.cos(angle))):
+                weight[axis, on] = np.sign(rate * arcs.sweep[arc])
+        return weight
+
+    def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:
+        """(K,) mm from actual points to their nominal path, in the corrected axes."""
+        rows = list(self.machine.corrected)
+        start, target = (nominal.start / TICKS_PER_MM)[:, owner], (nominal.target / TICKS_PER_MM)[:, owner]
+        point = actual[rows]
+        way = (target - start)[rows]
+        rapid = (nominal.code[owner] == RAPID) | ~self._all(nominal.start_known)[owner]
+        square = (way**2).sum(axis=0)
+        along = np.where(square > 0, ((point - start[rows]) * way).sum(axis=0) / np.where(square > 0, square, 1.0), 1.0)
+        along = np.where(rapid | (t == 1.0), 1.0, np.clip(along, 0.0, 1.0))
+        distance = np.sqrt(((point - start[rows] - way * along) ** 2).sum(axis=0))
+        at_target = np.sqrt(((point - target[rows]) ** 2).sum(axis=0))
+        distance = np.where(along == 1.0, at_target, distance)
+        curved = np.isin(nominal.code[owner], (CLOCKWISE, COUNTER)) & (t < 1.0) & ~rapid
+        if curved.any():
+            arc_of = np.full(len(nominal), -1)
+            arc_of[nominal.arcs.motion] = np.arange(len(nominal.arcs))
+            k = np.flatnonzero(curved)
+            distance[k] = self._from_arc(nominal, arc_of[owner[k]], t[k], actual[:, k], start[:, k], target[:, k])
+        return distance
+
+    def _from_arc(self, nominal: Motions, arc, t, actual, start, target) -> np.ndarray:
+        """(K,) mm from points to a circle, spiral or helix: across in the plane, and along the other axes."""
+        arcs, column = nominal.arcs, np.arange(len(arc))
+        first, second = arcs.first[arc], arcs.second[arc]
+        arm = np.stack([actual[first, column], actual[second, column]]) - arcs.centre[:, arc]
+        angle = np.arctan2(arm[1], arm[0])
+        expected = arcs.angle[arc] + arcs.sweep[arc] * t
+        t = t + np.angle(np.exp(1j * (angle - expected))) / arcs.sweep[arc]
+        t = np.clip(t, 0.0, 1.0)
+        radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
+        square = (np.hypot(*arm) - radius) ** 2
+        for row in self.machine.corrected:
+            other = (first != row) & (second != row)
+            square = square + np.where(other, (actual[row] - start[row] - (target - start)[row] * t) ** 2, 0.0)
+        return np.sqrt(square)
+
+    def report(self, tolerance: float) -> str:
+        """One line for a person."""
+        return (
+            f"largest deviation from the nominal path {self.corrected.deviation / UM:.2f} um (line {self.corrected.line}), "
+            f"uncorrected {self.uncorrected.deviation / UM:.2f} um (line {self.uncorrected.line}); tolerance {tolerance / UM:g} um; "
+            f"{self.motions_in} motions in, {self.motions_out} out"
+        )
+

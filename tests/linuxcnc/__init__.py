@@ -1,0 +1,1 @@
+"""LinuxCNC's interpreter as a witness for gcomp's own (README.md)."""

@@ -1,0 +1,1 @@
+"""The independent reference: written from the specification alone, slow and plain; shares no code with the product."""

@@ -1,0 +1,452 @@
+"""What is left: a program and its compensated form, run on the reference machine and laid against the nominal path.
+
+Both texts are run by the reference interpreter. Every motion of the compensated program is assigned to the nominal
+motion that it belongs to (dynamic programming on the actual end points), then sampled, carried through the machine,
+and its distance from the nominal path is the residual. Counted are
+
+- feeds and arcs: samples between the ends, the ends of all pieces, and the distance of the last end from the end point;
+- take-ups (a short piece at which the nominal motion does not advance): their end alone, in the direction that follows;
+- rapids, and motions whose start is unknown: their end point alone;
+- G53, G28, G30: nothing, they are only matched; and nothing where a machine axis is unknown.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .interpreter import run
+from .machine import UNIT
+
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+REVERSAL = 1e-6  # mm; an arc that goes back by less has not reversed: its ends were rounded
+SNAP = 0.02      # mm of path between a cut and the reversal that it was made for
+KINDS = {"rapid": ("rapid",), "feed": ("feed",), "arc": ("arc", "feed"), "machine": ("machine",)}
+
+
+class Misaligned(AssertionError):
+    """The compensated program does not do what the nominal one does; says where."""
+
+
+@dataclass
+class BlockResult:
+    """One nominal motion: where it came out."""
+    line: int
+    kind: str
+    output_lines: list
+    largest_mm: float = 0.0      # over all that counts
+    path_mm: float = 0.0         # distance from the path alone
+    end_mm: float | None = None  # distance of the last end from the end point
+    take_ups: int = 0
+    samples: int = 0
+    where: tuple | None = None   # (output line, {axis: commanded mm}) of largest_mm
+
+
+@dataclass
+class Report:
+    """The residual of a program."""
+    largest_mm: float
+    where: tuple | None                  # (nominal line, output line, {axis: commanded mm})
+    uncompensated_mm: float              # the same measure of the nominal program as it is
+    uncompensated_where: tuple | None
+    by_block: list
+    end_points: list                     # (nominal line, nominal (3,), actual (3,)), tool point, mm
+    nominal_motions: int = 0
+    output_motions: int = 0
+    take_ups: int = 0
+    unmeasured: list = field(default_factory=list)      # nominal lines with unknown coordinates
+    feed_changes: list = field(default_factory=list)    # (nominal line, output line, nominal feed, output feed)
+    outside_travel: list = field(default_factory=list)  # (output line, axis, mm)
+
+
+@dataclass
+class Leg:
+    """A stretch of a nominal motion in which no axis reverses."""
+    begin: float
+    end: float
+    approach: dict
+
+
+class Motion:
+    """A nominal motion: its path through the axes, and in which direction each axis last moved along it."""
+
+    def __init__(self, block, axes, carry, marks):
+        self.block, self.axes, self.marks = block, axes, marks
+        self.known = block.known and block.kind != "machine"
+        self.end_known = None not in block.end.values() and block.kind != "machine"
+        self.length = (block.length or 0.0) if self.known else 0.0
+        self.empty = self.known and self.length == 0.0
+        self.legs = self._legs(dict(carry))
+        self.carry = self.legs[-1].approach
+
+    def _legs(self, carry):
+        block, signs = self.block, {}
+        for axis in self.axes:
+            a, b = block.start[axis], block.end[axis]
+            if a is None or b is None:
+                # A move from or to nowhere known has no known direction: the mean holds again.
+                signs[axis] = [(0.0, 1.0, 0)] if a != b or block.kind == "machine" else [(0.0, 1.0, carry[axis])]
+            elif block.kind == "arc" and axis in block.plane_axes:
+                signs[axis] = self._turning(axis, carry[axis])
+            else:
+                signs[axis] = [(0.0, 1.0, (b > a) - (b < a) or carry[axis])]
+        if block.kind == "machine":
+            for axis in self.axes:
+                if block.start[axis] is None and block.end[axis] is None:
+                    signs[axis] = [(0.0, 1.0, 0)]
+        cuts = sorted({t for pieces in signs.values() for piece in pieces for t in piece[:2]})
+        legs = []
+        for begin, end in zip(cuts, cuts[1:]):
+            middle = (begin + end) / 2
+            legs.append(Leg(begin, end, {axis: next(sign for a, b, sign in pieces if a <= middle <= b)
+                                         for axis, pieces in signs.items()}))
+        return legs
+
+    def _turning(self, axis, carry):
+        """[(begin, end, sign)] of one plane axis of an arc, cut where it reverses."""
+        block = self.block
+        angle, _ = block.polar(0)
+        quarter = 0.0 if axis == block.plane_axes[0] else math.pi / 2
+        low, high = sorted((angle, angle + block.sweep))
+        cuts = {0.0, 1.0}
+        for k in range(math.ceil((low - quarter) / math.pi), math.floor((high - quarter) / math.pi) + 1):
+            cuts.add((quarter + k * math.pi - angle) / block.sweep)
+        cuts = sorted(t for t in cuts if 0.0 <= t <= 1.0)
+        pieces = []
+        for begin, end in zip(cuts, cuts[1:]):
+            moved = block.point(end)[axis] - block.point(begin)[axis]
+            if abs(moved) <= REVERSAL:
+                continue
+            pieces.append([begin, end, 1 if moved > 0 else -1])
+        if not pieces:
+            return [(0.0, 1.0, carry)]
+        pieces[0][0], pieces[-1][1] = 0.0, 1.0
+        for piece, following in zip(pieces, pieces[1:]):
+            piece[1] = following[0]
+        return [tuple(piece) for piece in pieces]
+
+    def approach(self, t):
+        """{axis: sign} at t; at a reversal that of what follows."""
+        return next((leg.approach for leg in self.legs if t < leg.end), self.legs[-1].approach)
+
+    def snapped(self, t):
+        """t, or the reversal that is no farther than SNAP of path."""
+        inner = [leg.end for leg in self.legs[:-1]]
+        near = min(inner, key=lambda cut: abs(cut - t), default=t)
+        return near if abs(near - t) * self.length <= SNAP else t
+
+    def at(self, t):
+        """(n,) mm: the path in the machine's axes."""
+        point = self.block.point(t)
+        return np.array([point[axis] for axis in self.axes])
+
+    def _slope(self, t):
+        block = self.block
+        slope = np.array([block.end[axis] - block.start[axis] for axis in self.axes])
+        if block.kind == "arc":
+            angle, radius = block.polar(t)
+            growth = block.polar(1)[1] - block.polar(0)[1]
+            for axis, unit, normal in zip(block.plane_axes, (math.cos(angle), math.sin(angle)),
+                                          (-math.sin(angle), math.cos(angle))):
+                slope[self.axes.index(axis)] = growth * unit + radius * block.sweep * normal
+        return slope
+
+    def nearest(self, point, hint=None):
+        """(t, distance in mm) of the point of the path that is nearest; among the turns of an arc, nearest to hint."""
+        if self.empty:
+            return 0.0, float(np.linalg.norm(self.at(0) - point))
+        guesses = [0.0]
+        if self.block.kind == "arc":
+            angle, _ = self.block.polar(0)
+            u, v = (point[self.axes.index(axis)] - c for axis, c in zip(self.block.plane_axes, self.block.centre))
+            turn = 2 * math.pi / abs(self.block.sweep)
+            first = (math.atan2(v, u) - angle) / self.block.sweep % turn - turn
+            guesses = [first + k * turn for k in range(math.floor(1.0 / turn) + 3)]
+            # Beyond an end the end itself is nearest, so a guess is worth what it is when held there.
+            guesses = sorted(guesses, key=lambda t: abs(t - hint)) [:2] if hint is not None else guesses
+        best = None
+        for t in guesses:
+            t = min(max(t, 0.0), 1.0)
+            for _ in range(4):
+                slope = self._slope(t)
+                t = min(max(t - float((self.at(t) - point) @ slope) / float(slope @ slope), 0.0), 1.0)
+            distance = float(np.linalg.norm(self.at(t) - point))
+            worth = distance if hint is None else distance + 1e-3 * abs(t - hint) * self.length
+            if best is None or worth < best[0]:
+                best = worth, t, distance
+        return best[1], best[2]
+
+
+class Judge:
+    """The machine and the settings of one judgement."""
+
+    def __init__(self, machine, samples_per_mm, clamp, take_up, near):
+        self.machine, self.axes = machine, list(machine.axes)
+        self.per_mm, self.clamp, self.take_up, self.near = samples_per_mm, clamp, take_up, near
+        self.columns = [int(np.argmax(UNIT[axis])) for axis in self.axes]
+
+    def motions(self, blocks):
+        """The blocks that move, each with the number of other events before it; and those events."""
+        marks, moving = [], []
+        for block in blocks:
+            if block.kind in KINDS:
+                moving.append((block, len(marks)))
+            elif block.kind == "dwell":
+                marks.append(("dwell", block.dwell))
+            else:
+                marks.extend(block.codes)
+        return moving, marks
+
+    def nominal(self, blocks):
+        """[Motion], directions carried from one to the next."""
+        carry, motions = {axis: 0 for axis in self.axes}, []
+        for block, marks in self.motions(blocks)[0]:
+            motions.append(Motion(block, self.axes, carry, marks))
+            carry = motions[-1].carry
+        return motions
+
+    def actual(self, command, approach, margin, clamp=None):
+        """(n,) mm: the actual point in the machine's axes, tool taken off, to be laid against slide positions."""
+        clamp = self.clamp if clamp is None else clamp
+        point = self.machine.actual(command, approach, clamp=clamp, margin=margin) - self.machine.tool
+        return point[self.columns]
+
+    def locate(self, motion, command, hint, margin=0.0, clamp=True):
+        """(t, approach, distance from the path) of a commanded point on a nominal motion."""
+        slide = np.array([command[axis] for axis in self.axes])
+        t, _ = motion.nearest(slide, hint)
+        for _ in range(2):
+            approach = motion.approach(min(t, 1.0 - 1e-12))
+            t, distance = motion.nearest(self.actual(command, approach, margin, clamp), hint)
+        return t, approach, distance
+
+    # Alignment -------------------------------------------------------------------------------------------------
+
+    def align(self, motions, outputs):
+        """For each nominal motion the output blocks that belong to it.
+
+        Least sum of squares of what the pieces (end and middle) are off the nominal path and their last end off the
+        end point, among the assignments in order in which every last end lies within `near` of the end point, no
+        motion is left out (but one that goes nowhere), and the events between the motions stay in their place.
+        """
+        states, trail = {-1: 0.0}, []
+        for j, (block, marks) in enumerate(outputs):
+            new, back = {}, {}
+            for i, cost in states.items():
+                steps = [(i, cost)] if i >= 0 else []
+                closing = self.closing(motions[i], outputs[j - 1][0]) if i >= 0 else 0.0
+                if closing is not None:
+                    k = i + 1
+                    while k < len(motions):
+                        steps.append((k, cost + closing + 1e-4 * (k - i - 1)))
+                        if not motions[k].empty:
+                            break
+                        k += 1
+                for k, so_far in steps:
+                    if k in new and new[k] <= so_far:
+                        continue
+                    price = self.price(motions[k], block) if motions[k].marks == marks else None
+                    if price is not None and so_far + price < new.get(k, math.inf):
+                        new[k], back[k] = so_far + price, i
+            if not new:
+                lines = sorted({motions[max(i, 0)].block.line for i in states})
+                raise Misaligned(f"output line {block.line} ({block.kind} to {block.end}) continues none of the "
+                                 f"nominal lines {lines} and does not begin what follows them")
+            states = new
+            trail.append(back)
+        finals = {}
+        for i, cost in states.items():
+            if all(motion.empty for motion in motions[i + 1:]):
+                closing = self.closing(motions[i], outputs[-1][0]) if i >= 0 else 0.0
+                if closing is not None:
+                    finals[i] = cost + closing
+        if not finals:
+            raise Misaligned(f"the output ends within nominal line {motions[max(max(states), 0)].block.line}; "
+                             f"the last motion is in line {motions[-1].block.line}")
+        i = min(finals, key=finals.get)
+        groups = [[] for _ in motions]
+        for j in range(len(outputs) - 1, -1, -1):
+            groups[i].insert(0, outputs[j][0])
+            i = trail[j][i]
+        return groups
+
+    def end_miss(self, motion, block):
+        """mm between the ends of an output block and of the motion, in the direction of the motion; None = too far."""
+        ends = [(block.end[axis], motion.block.end[axis]) for axis in self.axes]
+        if any((a is None) != (b is None) for a, b in ends):
+            return None
+        if motion.end_known:
+            end = np.array([b for _, b in ends])
+            miss = float(np.linalg.norm(self.actual(block.end, motion.approach(1.0), 0.0, True) - end))
+        else:
+            miss = math.hypot(*(a - b for a, b in ends if a is not None))
+        slide = max((abs(a - b) for a, b in ends if a is not None), default=0.0)
+        return miss if slide <= self.near else None
+
+    def closing(self, motion, block):
+        miss = self.end_miss(motion, block)
+        return None if miss is None else miss ** 2
+
+    def price(self, motion, block):
+        """What it costs to call a block a piece of a motion, mm²; None when it cannot be one."""
+        short = block.kind in ("rapid", "feed") and block.known and block.length <= self.take_up
+        fits = block.kind in KINDS[motion.block.kind]
+        if not fits and not (short and motion.block.kind != "machine"):
+            return None
+        if not motion.known:
+            return self.closing(motion, block)
+        if None in block.end.values():
+            return None
+        distances = [self.locate(motion, block.end, None)[2]]
+        if motion.block.kind != "rapid" and block.known:
+            distances.append(self.locate(motion, block.point(0.5), None)[2])
+        if max(distances) > 2 * self.near:
+            return None
+        return sum(d ** 2 for d in distances)
+
+    # Measurement -----------------------------------------------------------------------------------------------
+
+    def measure(self, motion, pieces, margin, result, end_points):
+        """Fill `result` for one nominal motion; append to end_points what it reached."""
+        def count(distance, block, command, path=True):
+            result.samples += 1
+            if path:
+                result.path_mm = max(result.path_mm, distance)
+            if distance > result.largest_mm or result.where is None:
+                result.largest_mm, result.where = max(distance, result.largest_mm), (block.line, dict(command))
+
+        last = pieces[-1]
+        if motion.known and motion.block.kind != "rapid":
+            t = 0.0
+            for block in pieces:
+                if not block.known:
+                    raise Misaligned(f"output line {block.line} begins at an unknown point, nominal line "
+                                     f"{motion.block.line} does not")
+                t = self.measure_piece(motion, block, t, block is last, margin, count, result)
+        end = np.array([motion.block.end[axis] for axis in self.axes])
+        reached = self.actual(last.end, motion.approach(1.0), margin)
+        result.end_mm = float(np.linalg.norm(reached - end))
+        count(result.end_mm, last, last.end, path=False)
+        if motion.known and motion.block.kind == "rapid":
+            result.take_ups = sum(b.known and b.length <= self.take_up for b in pieces[:-1])
+        tool_point = self.machine.actual(last.end, motion.approach(1.0), clamp=self.clamp, margin=margin)
+        end_points.append((motion.block.line, self.machine.nominal(motion.block.end), tool_point))
+
+    def measure_piece(self, motion, block, t, is_last, margin, count, result):
+        """One output block that begins at t of the nominal motion; returns where it ends."""
+        length = block.length
+        t_end = 1.0
+        if not is_last:
+            hint = min(t + length / motion.length, 1.0) if motion.length else 0.0
+            t_end = motion.snapped(self.locate(motion, block.end, hint, margin, self.clamp)[0])
+            if (t - t_end) * motion.length > self.near:
+                raise Misaligned(f"output line {block.line} goes back by {(t - t_end) * motion.length:.3f} mm on "
+                                 f"nominal line {motion.block.line}")
+            if length <= self.take_up and (t_end - t) * motion.length <= length / 2:
+                result.take_ups += 1
+                reached = self.actual(block.end, motion.approach(t), margin)
+                count(motion.nearest(reached, t)[1], block, block.end)
+                return t
+            t_end = max(t, t_end)
+        inside = (t_end - t) * 1e-6
+        steps = max(math.ceil(length * self.per_mm), 5) if length else 0
+        for u in [(k + GOLDEN) / steps for k in range(steps)] + [1.0]:
+            command = block.point(u)
+            hint = t + u * (t_end - t)
+            place = hint
+            for _ in range(2):
+                place = min(max(place, t + inside), t_end - inside)
+                reached = self.actual(command, motion.approach(place), margin)
+                place, distance = motion.nearest(reached, hint)
+            count(distance, block, command)
+        return t_end
+
+
+def judged(judge, motions, groups, margin):
+    """(results, end_points, unmeasured) of an alignment."""
+    results, end_points, unmeasured = [], [], []
+    for motion, pieces in zip(motions, groups):
+        result = BlockResult(motion.block.line, motion.block.kind, [block.line for block in pieces])
+        results.append(result)
+        if not pieces or motion.block.kind == "machine":
+            continue
+        if not motion.end_known:
+            unmeasured.append(motion.block.line)
+            continue
+        judge.measure(motion, pieces, margin, result, end_points)
+    return results, end_points, unmeasured
+
+
+def worst(results):
+    """(mm, (nominal line, output line, position)) of the largest."""
+    result = max((r for r in results if r.where), key=lambda r: r.largest_mm, default=None)
+    return (result.largest_mm, (result.line, *result.where)) if result else (0.0, None)
+
+
+def check_lengths(motion, pieces, judge):
+    """The pieces together are as long as the motion: a whole turn that became a sliver is found here."""
+    if not motion.known or not pieces or any(not block.known for block in pieces):
+        return
+    total = sum(block.length for block in pieces)
+    without_short = sum(block.length for block in pieces if block.length > judge.take_up)
+    room = judge.near + 0.02 * motion.length
+    if total < motion.length - room or without_short > motion.length + room:
+        raise Misaligned(f"nominal line {motion.block.line} is {motion.length:.6f} mm long, its pieces in lines "
+                         f"{[block.line for block in pieces]} together {total:.6f} mm")
+
+
+def feed_changes(motion, pieces, judge):
+    """(nominal line, output line, nominal feed, output feed) where a cutting piece has another feed."""
+    if motion.block.kind not in ("feed", "arc"):
+        return []
+    cutting = [b for b in pieces if len(pieces) == 1 or not b.known or b.length > judge.take_up or b is pieces[-1]]
+    wanted = (motion.block.feed_mode, motion.block.feed)
+    if motion.block.feed_mode == "G93" and motion.block.feed and all(b.feed and b.feed_mode == "G93" for b in pieces):
+        whole = 1.0 / sum(1.0 / b.feed for b in pieces)  # the times of the pieces add up
+        return [] if abs(whole / motion.block.feed - 1.0) < 0.01 else [(motion.block.line, pieces[0].line,
+                                                                       wanted[1], whole)]
+    return [(motion.block.line, b.line, wanted[1], b.feed) for b in cutting if (b.feed_mode, b.feed) != wanted]
+
+
+def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm=5.0, clamp=False, diameter=None,
+             offsets=None, block_delete=False, start={}, take_up_mm=0.5, near_mm=None):
+    """Report on a compensated program; Misaligned when it does not do what the nominal program does.
+
+    clamp: hold the tables' end values at nominal points outside them, else ValueError. Corrected points may always
+    pass the ends by the machine's max_correction. diameter, offsets: the machine's, unless given.
+    near_mm: how far an end may lie from the nominal end in any axis (default: the machine's max_correction).
+    """
+    near = machine.max_correction if near_mm is None else near_mm
+    judge = Judge(machine, samples_per_mm, clamp, take_up_mm, near)
+    settings = dict(axes=judge.axes, diameter=machine.diameter if diameter is None else diameter,
+                    offsets=machine.offsets if offsets is None else offsets, block_delete=block_delete, start=start)
+    nominal, output = run(nominal_text, dialect, **settings), run(compensated_text, dialect, **settings)
+
+    motions = judge.nominal(nominal)
+    before, _, _ = judged(judge, motions, [[motion.block] for motion in motions], 0.0)
+    uncompensated, uncompensated_where = worst(before)
+
+    outputs, marks = judge.motions(output)
+    _, wanted_marks = judge.motions(nominal)
+    if marks != wanted_marks:
+        at = next((k for k, pair in enumerate(zip(marks, wanted_marks)) if pair[0] != pair[1]), min(len(marks), len(wanted_marks)))
+        raise Misaligned(f"blocks that do not move: the nominal program has {wanted_marks[at:at + 3]}, "
+                         f"the output {marks[at:at + 3]}")
+    if len(outputs) < sum(not motion.empty for motion in motions):
+        raise Misaligned(f"{len(motions)} nominal motions, only {len(outputs)} in the output")
+    groups = judge.align(motions, outputs) if motions or outputs else []
+    report = Report(0.0, None, uncompensated, uncompensated_where, [], [], len(motions), len(outputs))
+    for motion, pieces in zip(motions, groups):
+        if not pieces and not motion.empty:
+            raise Misaligned(f"nominal line {motion.block.line} has no motion in the output")
+        check_lengths(motion, pieces, judge)
+        report.feed_changes += feed_changes(motion, pieces, judge)
+    report.by_block, report.end_points, report.unmeasured = judged(judge, motions, groups, near)
+    report.largest_mm, report.where = worst(report.by_block)
+    report.take_ups = sum(result.take_ups for result in report.by_block)
+    for block, _ in outputs:
+        for axis, value in block.end.items():
+            low, high = machine.axes[axis].travel
+            if value is not None and not low <= value <= high:
+                report.outside_travel.append((block.line, axis, value))
+    return report
