@@ -59,6 +59,8 @@ def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
             grid[k, of] = np.broadcast_to(least, batch.n)[blocks]
             unit[of] = np.broadcast_to(scale, batch.n)[blocks]
     centre_word[2] = word["R"]
+    both = (centre_word[2] >= 0) & (np.maximum(centre_word[0], centre_word[1]) >= 0)
+    _because(batch, circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one")
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
     motion = np.arange(n)

@@ -172,6 +172,9 @@ class _Batch:
         block = w.block[place]
         for g in np.flatnonzero(np.bincount(group[group >= 0], minlength=len(self.dialect.groups))):
             name, of = self.dialect.groups[g], group == g
+            if name == "motion" and (number[of] == 800).any():
+                others = np.bincount(block[of & (number != 800)], minlength=self.n)
+                of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
             column = np.full(self.n, NONE, np.int64)
             column[block[of]] = number[of]
             self.given[name] = column
@@ -233,8 +236,17 @@ class _Batch:
                 self.reason[block] = self.because(f"{code.word} ({code.meaning})", code.refuses)
             if number == 530:
                 machine[block] = True
+                wrong = block[np.broadcast_to(self.held("distance"), n)[block] == 910]
+                if len(wrong):
+                    self.reason[wrong] = self.because("G53 under G91", "controls disagree on what that means: write G90 G53")
             if number == 40 and self.dialect.dwell != "P":
                 taken[block] = True  # X and U are seconds here
+            elif number == 40:
+                timed = np.zeros(n, bool)
+                timed[w.block[self.once("P")]] = True
+                wrong = block[has_axis[block] & ~timed[block]]
+                if len(wrong):
+                    self.reason[wrong] = self.because("G4 with an axis word and no P", "this control's dwell time is P; for X or U in seconds use another --dialect")
         self.refused_groups(taken, has_axis)
         self.m_codes(foreign)
         motion = self.held("motion")

@@ -90,7 +90,7 @@ def lex(text: bytes, semicolon: str) -> Words:
     """
     code = text
     if b"(" in text or (semicolon == "comment" and b";" in text):
-        code = COMMENTS[semicolon].sub(lambda comment: b" " * len(comment[0]), text)
+        code = COMMENTS[semicolon].sub(_blank, text)
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
@@ -163,6 +163,17 @@ def lex(text: bytes, semicolon: str) -> Words:
     return words.before(fault.block, fault) if fault else words
 
 
+def _blank(comment: re.Match[bytes]) -> bytes:
+    """As many blanks; but a comment before a digit breaks a number in two, and stays, to be refused."""
+    end = comment.end()
+    follows = comment.string[end : end + 1]
+    if follows.isspace():
+        follows = comment.string[end : end + 40].lstrip(b" \t")[:1]
+    if follows and follows in b"0123456789.+-":
+        return comment[0]
+    return b" " * (end - comment.start())
+
+
 def _block_at(words: Words, offset: int) -> int:
     return int(np.searchsorted(words.block_stop, offset, side="left"))
 
@@ -216,7 +227,7 @@ def _what(code: bytes, offset: int, kind: int) -> tuple[str, str]:
     if kind in (SIGN, POINT):
         return f"{character!r} does not belong to a number here", ADVICE_EXPRESSION
     if character == "(":
-        return "a comment is opened and not closed in its line, or opened twice", "close it with ')'"
+        return "a comment is opened and not closed in its line, opened twice, or breaks a number in two", "close it with ')' and put it between words"
     if character == ")":
         return "')' closes a comment that was not opened", ""
     if code[offset] == 0 or (code[offset] < 32):
