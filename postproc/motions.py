@@ -50,7 +50,7 @@ class Motions:
     start, target (A, N): ticks; start_known, target_known (A, N). word (A, N): index of the
     axis' word, or -1; incremental (A, N): whether the axis' word is (or would be) a distance.
     grid (A, N): ticks of one least increment of that word; scale (A, N): ticks of one whole unit of it; origin (A, N):
-    ticks, where its zero lies when it is absolute. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
+    ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
     since the motion before. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
@@ -66,6 +66,7 @@ class Motions:
     grid: np.ndarray
     scale: np.ndarray
     origin: np.ndarray
+    places: np.ndarray
     alone: np.ndarray
     inverse: np.ndarray
     feed: np.ndarray

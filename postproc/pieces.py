@@ -35,6 +35,10 @@ class Pieces:
 
 def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     """Join sets of pieces; each comes with a (P, 2) key of stroke and order within it."""
+    if len(parts) == 1:
+        stroke = parts[0][0][:, 0]
+        if (stroke[1:] >= stroke[:-1]).all():  # straight strokes come in order already
+            return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))
     fields = Pieces.__dataclass_fields__

@@ -117,14 +117,14 @@ class _Batch:
         self.c, self.m, self.carry = compensator, motions, carry
         self.machine, self.options = compensator.machine, compensator.options
         self.rows = list(self.machine.corrected)
+        self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
 
     def pieces(self) -> tuple[Pieces, Carry, list[Notice]]:
         m = self.m
         self.refuse()
-        corrected = np.isin(np.arange(len(self.machine.axes)), self.rows)
-        self.known = (m.target_known | ~corrected[:, None]).all(axis=0)
-        self.start_known = (m.start_known | ~corrected[:, None]).all(axis=0)
+        self.known = m.target_known[self.rows].all(axis=0)
+        self.start_known = m.start_known[self.rows].all(axis=0)
         self.free = self.known & ~m.alone  # motions whose end is corrected
         self.check_unknown()
         self.strokes()
@@ -274,14 +274,15 @@ class _Batch:
         inner = np.flatnonzero(~self.last)
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
-        absolute = self.last & (m.word[:, motion] < 0) & ~m.incremental[:, motion]
-        zero = m.origin[:, motion]
-        on_grid = zero + np.rint((self.exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
-        loose = (on_grid - self.end) % step == 0  # the nominal place is on the grid already
-        self.end = np.where(absolute & ~loose, on_grid, self.end)
-        not_corrected = np.setdiff1d(np.arange(len(self.machine.axes)), self.rows)
-        self.end[not_corrected] = nominal_ticks[not_corrected]
-        self.end[:, ~free] = nominal_ticks[:, ~free]
+        # A word that is not there is written on the grid of its own zero.
+        row, absent = np.nonzero(self.last & (m.word[:, motion] < 0) & ~m.incremental[:, motion])
+        zero, step = m.origin[row, motion[absent]], step[row, absent]
+        on_grid = zero + np.rint((self.exact[row, absent] * TICKS_PER_MM - zero) / step).astype(np.int64) * step
+        loose = (on_grid - self.end[row, absent]) % step != 0  # the nominal place itself is off the grid
+        self.end[row[loose], absent[loose]] = on_grid[loose]
+        self.end[self.fixed] = nominal_ticks[self.fixed]
+        if not free.all():
+            self.end[:, ~free] = nominal_ticks[:, ~free]
         self.sure = np.concatenate([[self.carry.sure], free[:-1]]) if n else free
         self.known_before = self.start_known[motion] | (self.t0 > 0)
 
@@ -298,8 +299,7 @@ class _Batch:
         self.wanted = np.zeros_like(self.end)
         exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
         self.wanted[:, which] = self.grid(which, exact)
-        not_corrected = np.setdiff1d(np.arange(len(self.machine.axes)), self.rows)
-        self.wanted[not_corrected] = self.before[not_corrected]
+        self.wanted[self.fixed] = self.before[self.fixed]
 
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its correction has changed by
@@ -375,13 +375,17 @@ class _Batch:
             bend = bend + (np.abs(self.weight_end - self.weight_begin)[:, straight] > 0).any(axis=0)
         still = ((self.travel[self.rows][:, straight] == 0)).any(axis=0)
         chosen = straight[may & (bend > np.where(still, self.c.chord / 2, self.c.chord))]
+        if len(chosen) and self.c.mode != "ramp":
+            chosen = chosen[lines.may_bend(self.machine, self.begin_nominal[:, chosen], self.end_nominal[:, chosen], self.c.slack)]
         owner, t, exact = self._cuts(chosen)
+        if not len(owner):
+            return self.pack(straight, np.zeros(len(straight), np.int64), code[straight], self.begin[:, straight], self.end[:, straight],
+                             np.ones(len(straight)), self.nominal_end[:, straight])  # fmt: skip
         stroke = np.concatenate([straight, chosen[owner]])
         time = np.concatenate([np.ones(len(straight)), t])
         end = np.concatenate([self.end[:, straight], self.grid(chosen[owner], exact)], axis=1)
-        not_corrected = np.setdiff1d(np.arange(len(self.machine.axes)), self.rows)
         nominal = np.concatenate([self.nominal_end[:, straight], np.rint(self.nominal(motion[chosen[owner]], t) * TICKS_PER_MM).astype(np.int64)], axis=1)
-        end[not_corrected] = nominal[not_corrected]
+        end[self.fixed] = nominal[self.fixed]
         order = np.lexsort((time, stroke))
         stroke, time, end, nominal = stroke[order], time[order], end[:, order], nominal[:, order]
         # An axis that stands still keeps still in the middle too; a piece of no length is none.

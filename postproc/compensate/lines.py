@@ -11,6 +11,8 @@ import numpy as np
 
 from postproc.machine.model import Machine
 
+NEAR = 1e-6  # mm
+
 
 def candidates(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t from 0 to 1.
@@ -41,6 +43,22 @@ def candidates(machine: Machine, start: np.ndarray, target: np.ndarray, slack: f
     times.append((index + 1) / np.maximum(parts, 1)[owner])
     axes.append(np.full(len(owner), -1))
     return np.concatenate(owners), np.concatenate(times), np.concatenate(axes)
+
+
+def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
+    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, or product terms."""
+    way = np.abs(target - start)
+    bend = np.zeros(start.shape[1])
+    for i, j in zip(*np.nonzero(machine.twist), strict=True):
+        bend += machine.twist[i, j] * way[i] * way[j] / 4
+    result = bend > slack
+    for row, letter in enumerate(machine.letters):
+        table = machine.tables.get(letter)
+        if table is not None and not table.is_zero:
+            low, high = np.minimum(start[row], target[row]), np.maximum(start[row], target[row])
+            # A command lies beside its nominal point: a node may be passed that the nominal way only comes near.
+            result |= table.interval(low - NEAR) != table.interval(high + NEAR)
+    return result
 
 
 def spread(count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

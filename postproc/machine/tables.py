@@ -66,6 +66,14 @@ class AxisTable:
         half = [(self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None for i in self.rows]
         return mean, half
 
+    def interval(self, position: np.ndarray) -> np.ndarray:
+        """(N,) index of the node below each position, mm; the first or last interval's beyond the ends."""
+        last = len(self.nodes) - 2
+        if self.step:
+            place = np.clip((position - self.nodes[0]) * (1.0 / self.step), 0.0, last + 1.0)
+            return np.minimum(place.astype(np.int64), last)
+        return np.clip(np.searchsorted(self.nodes, position, side="right") - 1, 0, last)
+
     def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
         """Six (N,) columns, None for a component that is zero everywhere.
 
@@ -75,14 +83,11 @@ class AxisTable:
         if not self.rows:
             return result
         nodes = self.nodes
+        interval = self.interval(position)
         if self.step:
-            place = np.clip((position - nodes[0]) * (1.0 / self.step), 0.0, len(nodes) - 1.0)
-            interval = np.minimum(place.astype(np.int64), len(nodes) - 2)
-            share = place - interval
+            share = np.clip((position - nodes[0]) * (1.0 / self.step), 0.0, len(nodes) - 1.0) - interval
         else:
-            inside = np.clip(position, nodes[0], nodes[-1])
-            interval = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, len(nodes) - 2)
-            share = (inside - nodes[interval]) / (nodes[interval + 1] - nodes[interval])
+            share = (np.clip(position, nodes[0], nodes[-1]) - nodes[interval]) / (nodes[interval + 1] - nodes[interval])
         mean, half = self._bins
         for i, (base, rise), turn in zip(self.rows, mean, half, strict=True):
             value = base[interval] + rise[interval] * share

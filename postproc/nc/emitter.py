@@ -22,6 +22,7 @@ from postproc.nc.splice import Splice
 from postproc.units import TICKS_PER_MM
 
 MOST_DECIMALS = 9
+POWERS = 10 ** np.arange(19)
 INSERT_CODE, INSERT_WORD = 1, 100
 AFTER, AFTER_END = -(10**12), 10_000  # ranks of added blocks: before all else at their place, unless that is the end of the text
 
@@ -140,16 +141,9 @@ class _Batch:
     def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""
         m, w = self.m, self.w
-        least = np.zeros(len(motion), np.int64)
-        for grid, scale in {(int(g), int(s)) for g, s in zip(*self._pairs(row), strict=True)}:
-            least[(m.grid[row, motion] == grid) & (m.scale[row, motion] == scale)] = round(np.log10(scale / grid))
         word = m.word[row, motion]
         own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
-        return np.minimum(np.maximum(least, own), MOST_DECIMALS)
-
-    def _pairs(self, row: int):
-        both = np.unique(np.stack([self.m.grid[row], self.m.scale[row]]), axis=1)
-        return both[0], both[1]
+        return np.minimum(np.maximum(m.places[row, motion], own), MOST_DECIMALS)
 
     def axis_words(self) -> None:
         m, p, w = self.m, self.p, self.w
@@ -157,14 +151,16 @@ class _Batch:
         arc = p.arc >= 0
         for row, letter in enumerate(self.axes):
             word = m.word[row, p.motion[first]]
-            changed = p.end[row, first] != m.target[row, p.motion[first]]
-            shifted = m.incremental[row, p.motion[first]] & (p.start[row, first] != m.start[row, p.motion[first]])
-            replace = first[(word >= 0) & ~m.alone[p.motion[first]] & self._differs(row, first, word, changed | shifted)]
+            suspect = p.end[row, first] != m.target[row, p.motion[first]]
+            suspect |= m.incremental[row, p.motion[first]] & (p.start[row, first] != m.start[row, p.motion[first]])
+            replace = first[suspect & (word >= 0) & ~m.alone[p.motion[first]]]
             motion = p.motion[replace]
             word = m.word[row, motion]
             decimals = self.decimals(row, motion)
-            self.splice.numbers(w.number[word], w.stop[word], np.zeros(len(word)), self.value(row, replace, decimals), decimals)
-            self.touched[motion] = True
+            value = self.value(row, replace, decimals)
+            differs = value != self._stands(word, decimals)
+            self._replace(word, value, decimals, differs)
+            self.touched[motion[differs]] = True
             moves = p.end[row] != p.start[row]
             in_plane = np.zeros(len(p), bool)
             if arc.any():
@@ -182,18 +178,19 @@ class _Batch:
             self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
             self.touched[motion] = True
 
-    def _differs(self, row: int, first: np.ndarray, word: np.ndarray, suspects: np.ndarray) -> np.ndarray:
-        """(N,) whether the number that should stand there is another than the one that does."""
-        result = np.zeros(len(first), bool)
-        which = np.flatnonzero(suspects & (word >= 0))
-        if len(which):
-            w = self.w
-            decimals = self.decimals(row, self.p.motion[first[which]])
-            value = self.value(row, first[which], decimals)
-            own = np.minimum(w.decimals[word[which]], MOST_DECIMALS)
-            stands = w.mantissa[word[which]] // 10 ** (w.decimals[word[which]] - own) * 10 ** np.maximum(decimals - own, 0)
-            result[which] = value != stands
-        return result
+    def _stands(self, word: np.ndarray, decimals: np.ndarray) -> np.ndarray:
+        """(K,) the numbers that stand in the text, in 10**-decimals."""
+        w = self.w
+        own = w.decimals[word]
+        if (own <= decimals).all():
+            return w.mantissa[word] * POWERS[decimals - own]
+        kept = np.minimum(own, decimals)
+        return w.mantissa[word] // 10 ** (own - kept) * POWERS[decimals - kept]
+
+    def _replace(self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray) -> None:
+        if not where.all():
+            word, value, decimals = word[where], value[where], decimals[where]
+        self.splice.numbers(self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals)
 
     def _letters(self, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
         """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has one."""
@@ -387,7 +384,7 @@ class _Batch:
 
 def _counts(ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
-    per = (scale if unit is None else unit) // 10**decimals
+    per = (scale if unit is None else unit) // POWERS[decimals]
     low = ticks // per
     rest = 2 * (ticks - low * per)
     return low + ((rest > per) | ((rest == per) & (low % 2 == 1)))

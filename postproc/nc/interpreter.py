@@ -184,7 +184,7 @@ class _Batch:
             if name == "motion":
                 self.code_word[block[of]] = place[of]
         self.single: dict[int, np.ndarray] = {}
-        for code in np.unique(number[group == NO_GROUP]):
+        for code in sorted(set(number[group == NO_GROUP].tolist())):
             self.single[int(code)] = block[number == code]
 
     def held(self, group: str):
@@ -310,7 +310,7 @@ class _Batch:
             before = self.state.codes.get(group, NONE)
             if group in self.given:
                 column = self.given[group]
-                for number in np.unique(column[column != NONE]):
+                for number in sorted(set(column[column != NONE].tolist())):
                     code = self.dialect.by_number[int(number)]
                     if code.takes:
                         taken |= column == number
@@ -332,7 +332,7 @@ class _Batch:
         """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown ones become reasons."""
         work = self.held("work offset")
         self.offset = np.zeros((len(self.rows), 1), np.int64)
-        for number in np.unique(work):
+        for number in sorted(set(np.asarray(work).ravel()[_changes(work)].tolist())):
             name = "" if number == NONE else self.dialect.by_number[int(number)].word
             self._add_offset(name, work == number)
         tool_place = self.places.get("T") if self.dialect.tool_offsets else None
@@ -373,7 +373,7 @@ class _Batch:
         place = self.places.get("M")
         if place is None:
             return
-        for number in np.unique(self.words.mantissa[place]):
+        for number in sorted(set(self.words.mantissa[place].tolist())):
             of = place[self.words.mantissa[place] == number]
             block = self.words.block[of]
             if number in self.dialect.m_refuses:
@@ -427,12 +427,14 @@ class _Batch:
         self.start_known, self.target_known = np.zeros(shape, bool), np.zeros(shape, bool)
         self.word = np.full(shape, -1, np.int64)
         self.incremental = np.zeros(shape, bool)
-        self.grid, self.scale, self.origin = (np.zeros(shape, np.int64) for _ in range(3))
+        self.grid, self.scale, self.origin, self.least = (np.zeros(shape, np.int64) for _ in range(4))
         self.end_position, self.end_known = self.state.position.copy(), self.state.known.copy()
         forget = loses | foreign
         for letter, row in self.rows.items():
             scale, grid = self.unit_scale(letter)
             half = self.halves(letter)
+            least = -round(np.log10(self.setup.least_increment.get(letter, 1e-4)))
+            least = least + ((self.held("units") == 200) if letter in LINEAR else 0)
             scale, grid = scale // half, grid // half
             offset = self.offset[row]
             offset = offset if len(offset) == 1 else np.where(machine, 0, offset)
@@ -440,28 +442,33 @@ class _Batch:
                 offset = np.where(machine, 0, offset)
             position, known = np.full(n, self.state.position[row]), np.full(n, self.state.known[row])
             absolute, increment = axis_words[letter]
-            both = np.intersect1d(w.block[absolute], w.block[increment])
+            both = np.intersect1d(w.block[absolute], w.block[increment]) if len(increment) else increment
             if len(both):
                 raise self.fault(increment[w.block[increment] == both[0]][0], f"{letter} and its increment in one block", "keep one of them")
             place = absolute if not len(increment) else np.sort(np.concatenate([absolute, increment]))
-            place = place[~taken[w.block[place]]]
+            if taken.any():
+                place = place[~taken[w.block[place]]]
             by = w.block[place]
-            is_inc = (np.broadcast_to(distance, n)[by] == 910) & ~machine[by]
+            is_inc = at(distance == 910, by) & ~machine[by]
             if len(increment):
                 is_inc |= w.letter[place] != ord(letter)
-            value = self.ticks(place, np.broadcast_to(scale, n)[by])
+            value = self.ticks(place, at(scale, by))
+            named = np.zeros(n, bool)
             if len(by):
-                moved = np.zeros(n, np.int64)
-                moved[by[is_inc]] = value[is_inc]
-                run = np.cumsum(moved)
+                run: np.ndarray | int = 0
+                here, set_to = by, value
+                if is_inc.any():
+                    moved = np.zeros(n, np.int64)
+                    moved[by[is_inc]] = value[is_inc]
+                    run = np.cumsum(moved)
+                    here, set_to = by[~is_inc], value[~is_inc]
                 base = np.zeros(n, np.int64)
-                here = by[~is_inc]
-                base[here] = value[~is_inc] + np.broadcast_to(offset, n)[here] - run[here]
-                named = np.zeros(n, bool)
+                base[here] = set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
                 named[here] = True
-                position = np.where(hold_index(named) >= 0, base[np.maximum(hold_index(named), 0)], self.state.position[row]) + run
-            else:
-                named = np.zeros(n, bool)
+                last = hold_index(named)
+                position = base[last]
+                position[: np.searchsorted(last, 0)] = self.state.position[row]
+                position += run
             drop = forget.copy()
             for number in (280, 300):
                 if number in self.single:
@@ -476,12 +483,14 @@ class _Batch:
             word = np.full(n, -1, np.int64)
             word[by] = place
             self.word[row] = word[block]
-            inc = np.broadcast_to(distance == 910, n).copy()
-            inc[by] = is_inc
-            self.incremental[row] = inc[block]
-            self.grid[row] = np.broadcast_to(grid, n)[block]
-            self.scale[row] = np.broadcast_to(scale, n)[block]
-            self.origin[row] = np.broadcast_to(offset, n)[block]
+            if is_inc.any() or np.any(distance == 910):
+                inc = np.broadcast_to(distance == 910, n).copy()
+                inc[by] = is_inc
+                self.incremental[row] = inc[block]
+            self.grid[row] = at(grid, block)
+            self.least[row] = at(least, block)
+            self.scale[row] = at(scale, block)
+            self.origin[row] = at(offset, block)
             if n:
                 self.end_position[row], self.end_known[row] = position[-1], known[-1]
 
@@ -536,7 +545,7 @@ class _Batch:
         return Motions(
             block=block, code=code, start=self.start, target=self.target, start_known=self.start_known,
             target_known=self.target_known, word=self.word, incremental=self.incremental, grid=self.grid,
-            scale=self.scale, origin=self.origin, alone=machine[block], inverse=feed_mode == 930, feed=feed[block],
+            scale=self.scale, origin=self.origin, places=self.least, alone=machine[block], inverse=feed_mode == 930, feed=feed[block],
             feed_word=feed_word[block], code_word=self.code_word[block], reason=self.reason[block], renamed=renamed, arcs=arcs,
             reasons=self.reasons,
         )  # fmt: skip
@@ -546,6 +555,18 @@ class _Batch:
             self.state, codes=self.after(), position=self.end_position, known=self.end_known, tool=self.tool,
             feed=self.feed, lost=self.lost, ended=self.ended, renamed=self.renamed,
         )  # fmt: skip
+
+
+def at(column, index: np.ndarray):
+    """A column at some blocks; a single number stays one."""
+    column = np.asarray(column)
+    return column.ravel()[0] if column.size == 1 else column[index]
+
+
+def _changes(column) -> np.ndarray:
+    """Indices at which a column takes another value, the first one among them."""
+    column = np.asarray(column).ravel()
+    return np.concatenate([[0], np.flatnonzero(column[1:] != column[:-1]) + 1]) if len(column) else np.zeros(0, np.int64)
 
 
 def hold_index(named: np.ndarray) -> np.ndarray:

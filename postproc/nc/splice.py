@@ -30,8 +30,10 @@ class Splice:
 
     def numbers(self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
-        for d in np.unique(decimals):
+        for d in range(int(decimals.min()), int(decimals.max()) + 1) if len(decimals) else ():
             of = np.flatnonzero(decimals == d)
+            if not len(of):
+                continue
             room = 0 if prefix is None else prefix.shape[1]
             cell, begin = decimal_cells(value[of], int(d), room)
             if prefix is not None:
@@ -54,7 +56,8 @@ class Splice:
         if not self._edits:
             return self.text
         start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
-        order = np.lexsort((rank, start))
+        # Most edits come as a few ascending runs of one rank, which a stable sort merges quickly.
+        order = np.lexsort((rank, start)) if rank.any() else np.argsort(start, kind="stable")
         start, stop, at, size = start[order], stop[order], at[order], size[order]
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.

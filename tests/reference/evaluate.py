@@ -85,15 +85,11 @@ class Motion:
             a, b = block.start[axis], block.end[axis]
             if a is None or b is None:
                 # A move from or to nowhere known has no known direction: the mean holds again.
-                signs[axis] = [(0.0, 1.0, 0)] if a != b or block.kind == "machine" else [(0.0, 1.0, carry[axis])]
+                signs[axis] = [(0.0, 1.0, 0 if a != b else carry[axis])]
             elif block.kind == "arc" and axis in block.plane_axes:
                 signs[axis] = self._turning(axis, carry[axis])
             else:
                 signs[axis] = [(0.0, 1.0, (b > a) - (b < a) or carry[axis])]
-        if block.kind == "machine":
-            for axis in self.axes:
-                if block.start[axis] is None and block.end[axis] is None:
-                    signs[axis] = [(0.0, 1.0, 0)]
         cuts = sorted({t for pieces in signs.values() for piece in pieces for t in piece[:2]})
         legs = []
         for begin, end in zip(cuts, cuts[1:]):
@@ -163,13 +159,15 @@ class Motion:
             first = (math.atan2(v, u) - angle) / self.block.sweep % turn - turn
             guesses = [first + k * turn for k in range(math.floor(1.0 / turn) + 3)]
             # Beyond an end the end itself is nearest, so a guess is worth what it is when held there.
-            guesses = sorted(guesses, key=lambda t: abs(t - hint)) [:2] if hint is not None else guesses
+            guesses = sorted(guesses, key=lambda t: abs(t - hint))[:2] if hint is not None else guesses
         best = None
         for t in guesses:
             t = min(max(t, 0.0), 1.0)
-            for _ in range(4):
-                slope = self._slope(t)
+            for _ in range(30):
+                slope, before = self._slope(t), t
                 t = min(max(t - float((self.at(t) - point) @ slope) / float(slope @ slope), 0.0), 1.0)
+                if abs(t - before) * self.length < 1e-9:
+                    break
             distance = float(np.linalg.norm(self.at(t) - point))
             worth = distance if hint is None else distance + 1e-3 * abs(t - hint) * self.length
             if best is None or worth < best[0]:
@@ -412,12 +410,13 @@ def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm
              offsets=None, block_delete=False, start={}, take_up_mm=0.5, near_mm=None):
     """Report on a compensated program; Misaligned when it does not do what the nominal program does.
 
-    clamp: hold the tables' end values at nominal points outside them, else ValueError. Corrected points may always
+    clamp, or the machine's outside = "clamp": hold the tables' end values at nominal points outside them, else
+    ValueError. Corrected points may always
     pass the ends by the machine's max_correction. diameter, offsets: the machine's, unless given.
     near_mm: how far an end may lie from the nominal end in any axis (default: the machine's max_correction).
     """
     near = machine.max_correction if near_mm is None else near_mm
-    judge = Judge(machine, samples_per_mm, clamp, take_up_mm, near)
+    judge = Judge(machine, samples_per_mm, clamp or machine.outside == "clamp", take_up_mm, near)
     settings = dict(axes=judge.axes, diameter=machine.diameter if diameter is None else diameter,
                     offsets=machine.offsets if offsets is None else offsets, block_delete=block_delete, start=start)
     nominal, output = run(nominal_text, dialect, **settings), run(compensated_text, dialect, **settings)
@@ -429,7 +428,8 @@ def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm
     outputs, marks = judge.motions(output)
     _, wanted_marks = judge.motions(nominal)
     if marks != wanted_marks:
-        at = next((k for k, pair in enumerate(zip(marks, wanted_marks)) if pair[0] != pair[1]), min(len(marks), len(wanted_marks)))
+        at = next((k for k, (a, b) in enumerate(zip(marks, wanted_marks)) if a != b),
+                  min(len(marks), len(wanted_marks)))
         raise Misaligned(f"blocks that do not move: the nominal program has {wanted_marks[at:at + 3]}, "
                          f"the output {marks[at:at + 3]}")
     if len(outputs) < sum(not motion.empty for motion in motions):
@@ -439,6 +439,9 @@ def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm
     for motion, pieces in zip(motions, groups):
         if not pieces and not motion.empty:
             raise Misaligned(f"nominal line {motion.block.line} has no motion in the output")
+        codes = sorted(code for block in pieces for code in block.codes)
+        if pieces and codes != sorted(motion.block.codes):
+            raise Misaligned(f"nominal line {motion.block.line} has {motion.block.codes}, its pieces {codes}")
         check_lengths(motion, pieces, judge)
         report.feed_changes += feed_changes(motion, pieces, judge)
     report.by_block, report.end_points, report.unmeasured = judged(judge, motions, groups, near)

@@ -20,16 +20,17 @@ CENTRE_LETTER = {"X": "I", "Y": "J", "Z": "K"}
 INCREMENT_OF = {"U": "X", "V": "Y", "W": "Z"}
 
 GROUPS = [
-    {"G0", "G1", "G2", "G3", "G80"}, {"G4", "G28", "G30", "G53"}, {"G17", "G18", "G19"}, {"G20", "G21"}, {"G7", "G8"},
+    {"G0", "G1", "G2", "G3"}, {"G4", "G28", "G30", "G53"}, {"G17", "G18", "G19"}, {"G20", "G21"}, {"G7", "G8"},
     {"G90", "G91"}, {"G90.1", "G91.1"}, {"G93", "G94", "G95"}, {"G54", "G55", "G56", "G57", "G58", "G59"},
-    {"G40"}, {"G49"}, {"G61", "G61.1", "G64"}, {"G96", "G97"}, {"G98", "G99"}, {"G92"},
+    {"G40"}, {"G49"}, {"G61", "G61.1", "G64"}, {"G96", "G97"}, {"G98", "G99"}, {"G92"}, {"G80"},
 ]
 ONLY_LINUXCNC = {"G7", "G8", "G90.1", "G91.1", "G49", "G61.1"}
 ONLY_FANUC = {"G92"}  # spindle speed limit; with axis words it is refused
 REFUSED_M = {96, 97, 98, 99, 198}
 
-# When start and end radius differ by more than this the control stops (LinuxCNC: 0.5 mm, or 0.005 mm and 0.1 %).
-SPIRAL_LIMIT, SPIRAL_FINE, SPIRAL_PART = 0.5, 0.005, 0.001
+# An arc is refused whose radii differ by 0.5 mm, or by both 0.0283 mm and 0.1 % (seen of LinuxCNC 2.9).
+SPIRAL_LIMIT, SPIRAL_FINE, SPIRAL_PART = 0.5, 0.0283, 0.001
+SHORT_RADIUS = 0.005  # mm that R may be too short to reach across, from rounding
 
 
 class NotUnderstood(ValueError):
@@ -253,7 +254,7 @@ class Control:
 
     def _modes(self, codes, values, extra, place):
         self.feed_mode_changed = False
-        for code in codes:
+        for code in sorted(codes, key=lambda code: code != "G80"):  # another motion code on its line outlives it
             if code in ("G20", "G21"):
                 self.unit = INCH if code == "G20" else Fraction(1)
             elif code in ("G7", "G8"):
@@ -403,7 +404,7 @@ def arc_by_radius(ends, radius, sign, place):
     if chord == 0 or radius == 0:
         raise NotUnderstood(f"{place}: an arc with R needs two points and a radius")
     half = chord / 2
-    if half - abs(radius) > SPIRAL_FINE:
+    if half - abs(radius) > SHORT_RADIUS:
         raise NotUnderstood(f"{place}: R {radius} mm cannot reach an end {chord} mm away")
     height = math.sqrt(max(radius * radius - half * half, 0.0))
     side = sign if radius > 0 else -sign  # left of the chord for the short way counterclockwise
