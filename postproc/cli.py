@@ -14,6 +14,9 @@ import sys
 from postproc import __version__
 from postproc.errors import GcompError
 
+# numpy's own threads serve nothing here, and cost start-up time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 DEFAULT = "compensate"
 HELPERS = ("values",)
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141

@@ -18,7 +18,7 @@ from postproc.motions import Arcs
 from postproc.units import TICKS_PER_MM
 
 LARGEST_SWEEP = np.radians(300.0)  # beyond, centre and radius are ill-determined: quarter it
-SMALLEST_STEP = np.radians(5.0)
+MOST_SAMPLES = 50_000
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
 
@@ -90,13 +90,18 @@ class Fitter:
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start
 
     def samples(self, rows: Rows) -> np.ndarray:
-        """(R,) how many steps make each part's samples dense enough."""
-        sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
-        radius = np.maximum(self.arcs.radius, self.arcs.radius_end)[rows.arc]
-        slack = self.tolerance / 16
-        by_kink = sweep * radius * 4 * self.machine.kink / slack / 4
-        by_curve = sweep * np.sqrt(self.machine.steepest * radius / (8 * slack))
-        return np.clip(np.ceil(np.maximum(np.maximum(by_kink, by_curve), sweep / SMALLEST_STEP)), 4, 20000).astype(np.int64)
+        """(R,) how many steps make each part's samples dense enough: between two of them at most an eighth of the
+        tolerance may hide, from nodes (kink * step / 4) and from the ellipse that a stretched circle is."""
+        arcs = self.arcs
+        sweep = np.abs(arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
+        radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
+        sagitta = radius * (1 - np.cos(np.minimum(sweep, 2 * np.pi) / 2))
+        ends = [points(arcs, self.start, self.target, rows.arc, t) for t in (rows.t0, rows.t1)]
+        kink, steep = self.machine.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
+        slack = self.tolerance / 8
+        by_kink = sweep * radius * kink / (4 * slack)
+        by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
+        return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)
 
     def settle(self, rows: Rows) -> Rows:
         """Accept, halve or turn to chords until every part is within tolerance; in no particular order."""
@@ -108,7 +113,7 @@ class Fitter:
         for halving in range(HALVINGS + 1):
             if not len(rows):
                 break
-            good, rows, middle = self.fit(rows)
+            good, rows, middle = self.fit_all(rows)
             good &= ~force
             short = self._short(rows) | (halving == HALVINGS)
             done.append(rows.pick(good))
@@ -128,9 +133,22 @@ class Fitter:
         tiny = sweep * radius < SHORTEST * self.arcs.grid[:, rows.arc].max(axis=0) / TICKS_PER_MM
         return tiny | (sagitta < self.tolerance / 8)
 
-    def fit(self, rows: Rows) -> tuple[np.ndarray, Rows, np.ndarray]:
+    def fit_all(self, rows: Rows) -> tuple[np.ndarray, Rows, np.ndarray]:
         """(R,) whether an arc will do; the rows with their centres; (A, R) ticks commanded at the middle of each."""
-        arcs, count = self.arcs, self.samples(rows) // 2 * 2 + 1  # odd: one sample is the middle
+        count = self.samples(rows) // 2 * 2 + 1  # odd: one sample is the middle
+        group = (np.cumsum(count) - count) // MOST_SAMPLES
+        parts = []
+        for g in range(int(group[-1]) + 1):  # so many at a time that memory stays flat
+            which = np.flatnonzero(group == g)
+            if len(which):
+                parts.append(self.fit(rows.pick(which), count[which]))
+        good, fitted, middle = zip(*parts, strict=True)
+        joined = Rows(**{f: np.concatenate([getattr(r, f) for r in fitted], axis=-1) for f in Rows.__dataclass_fields__})
+        return np.concatenate(good), joined, np.concatenate(middle, axis=1)
+
+    def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, Rows, np.ndarray]:
+        """The same for a few rows with `count` (R,) samples each."""
+        arcs = self.arcs
         row = np.repeat(np.arange(len(rows)), count)
         first = np.cumsum(count) - count
         step = np.arange(len(row)) - first[row]
@@ -168,6 +186,11 @@ class Fitter:
         off = np.hypot(*(point2 - middle_at[:, row])) - (radius0[row] + (radius1 - radius0)[row] * share)
         worst = np.maximum.reduceat(np.abs(off), first)
         good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
+        turned = np.arctan2(*(end2 - middle_at)[::-1]) - np.arctan2(*(begin2 - middle_at)[::-1])
+        sweep = arcs.sweep[rows.arc] * (rows.t1 - rows.t0)
+        turned = np.where(sweep > 0, turned % (2 * np.pi), -(-turned % (2 * np.pi)))
+        whole = np.abs(sweep) > 2 * np.pi - 0.1  # a full circle that was not moved
+        good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
         good &= np.abs(radius1 - radius0) <= was + self.mismatch
         for axis in self.machine.corrected:

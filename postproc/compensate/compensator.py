@@ -66,7 +66,7 @@ class Compensator:
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold = self.chord / 2
-        self.limit = approach.reach(self.mode, options.ramp or self._ramp())
+        self.limit = approach.reach(self.mode if machine.two_way.any() else "mean", options.ramp or self._ramp())
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
@@ -132,6 +132,7 @@ class _Batch:
         self.ends()
         self.starts()
         self.settle_ends()
+        self.spread_reversals()
         parts = [self.take_ups(), self.lines(), self.arcs()]
         pieces = in_order([p for p in parts if p is not None])
         self.check_limits()
@@ -177,12 +178,17 @@ class _Batch:
         self.motion, self.t0, self.t1 = motion, t0, t1
         self.last = t1 == 1.0
         self.begin_nominal, self.end_nominal = self.nominal(motion, t0), self.nominal(motion, t1)
-        travel = np.rint((self.end_nominal - self.begin_nominal) * TICKS_PER_MM).astype(np.int64)
-        whole = (t0 == 0) & (t1 == 1) & (self.arc_of[motion] < 0)
-        travel[:, whole] = (m.target - m.start)[:, motion[whole]]
-        unsure = ~(m.start_known & m.target_known)[:, motion]
-        travel[unsure] = 0
-        forget = unsure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
+        if len(arcs):
+            travel = np.rint((self.end_nominal - self.begin_nominal) * TICKS_PER_MM).astype(np.int64)
+            whole = self.arc_of[motion] < 0
+            travel[:, whole] = (m.target - m.start)[:, motion[whole]]
+        else:
+            travel = m.target - m.start
+        sure = (m.start_known & m.target_known)[:, motion]
+        forget = np.zeros_like(sure)
+        if not sure.all():
+            travel = np.where(sure, travel, 0)
+            forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
         before, after = approach.follow(travel, forget, self.carry.turn, self.c.limit)
         self.turn_after = after
@@ -194,6 +200,8 @@ class _Batch:
     def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
         m = self.m
+        if (t == 1.0).all() or (t == 0.0).all():
+            return (m.target if t[:1] == 1.0 else m.start)[:, motion] / TICKS_PER_MM
         start, target = m.start[:, motion] / TICKS_PER_MM, m.target[:, motion] / TICKS_PER_MM
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
@@ -208,9 +216,16 @@ class _Batch:
         way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / self.c.limit)
         return np.clip(self.weight_begin[:, stroke] + way, -1.0, 1.0)
 
-    def needed(self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """(A, K) mm: exact commands."""
-        return command(self.machine, nominal, weight, self.motion[stroke])
+    def needed(self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """(A, K) mm: exact commands at t (of the motion) along strokes.
+
+        In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block.
+        """
+        exact = command(self.machine, nominal, weight, self.motion[stroke])
+        if self.c.mode == "off" and self.c.limit:
+            rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
+            exact += self.differs[:, stroke] * rest
+        return exact
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of each axis' word."""
@@ -275,7 +290,8 @@ class _Batch:
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
         # A word that is not there is written on the grid of its own zero.
-        row, absent = np.nonzero(self.last & (m.word[:, motion] < 0) & ~m.incremental[:, motion])
+        bare = m.word < 0
+        row, absent = np.nonzero(self.last & (bare & ~m.incremental)[:, motion]) if bare.any() else (np.zeros(0, np.int64),) * 2
         zero, step = m.origin[row, motion[absent]], step[row, absent]
         on_grid = zero + np.rint((self.exact[row, absent] * TICKS_PER_MM - zero) / step).astype(np.int64) * step
         loose = (on_grid - self.end[row, absent]) % step != 0  # the nominal place itself is off the grid
@@ -306,11 +322,16 @@ class _Batch:
         more than half the tolerance. Sets `begin` (A, S), where each stroke is begun, and the final `before` and `end`."""
         hold = self.c.hold * TICKS_PER_MM
         free, known = self.free[self.motion], self.known_before
+        turning, all_known = self.turning.any(), known.all()
+        self.induced = self.carry.induced
+        held = (self.travel == 0).any(axis=1)
+        if all_known and not turning and not held[self.rows].any():
+            self.begin = self.before
+            return
         self.begin = self.before.copy()
-        self.induced = self.carry.induced.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows:
+            if row in self.rows and held[row]:
                 still = np.flatnonzero((self.travel[row] == 0) & free & known & (self.sure | self.turning))
                 if len(still):
                     value, exact = end.tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
@@ -334,6 +355,14 @@ class _Batch:
         return np.where(self.t0 == 0, self.m.start[row, self.motion], np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64))
 
     # -- pieces --------------------------------------------------------------------------------------------------------
+
+    def spread_reversals(self) -> None:
+        """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""
+        if self.c.mode == "off" and self.c.limit:
+            which = np.flatnonzero(self.known_before & self.free[self.motion])
+            exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], self.motion[which])
+            self.differs = np.zeros_like(self.exact)
+            self.differs[:, which] = self.begin[:, which] / TICKS_PER_MM - exact
 
     def take_ups(self):
         """A piece for every stroke that must be begun elsewhere than the last one ended."""
@@ -362,42 +391,45 @@ class _Batch:
         straight = np.flatnonzero((code == RAPID) | (code == FEED) | (code == FOREIGN) | ~self.free[motion])
         if not len(straight):
             return None
-        way = self.travel[self.rows][:, straight] / TICKS_PER_MM
-        length = np.sqrt((way**2).sum(axis=0))
-        bend = self.machine.kink * length / 4
-        if self.machine.twist.any():
-            full = np.abs(self.travel[:, straight] / TICKS_PER_MM)
-            for i, j in zip(*np.nonzero(self.machine.twist), strict=True):
-                bend = bend + self.machine.twist[i, j] * full[i] * full[j] / 4
         may = (code[straight] == FEED) | (self.options.cut_rapids & (code[straight] == RAPID))
         may &= self.free[motion[straight]] & self.known_before[straight]
-        if self.c.mode == "ramp":
-            bend = bend + (np.abs(self.weight_end - self.weight_begin)[:, straight] > 0).any(axis=0)
-        still = ((self.travel[self.rows][:, straight] == 0)).any(axis=0)
-        chosen = straight[may & (bend > np.where(still, self.c.chord / 2, self.c.chord))]
-        if len(chosen) and self.c.mode != "ramp":
+        chosen = straight[may]
+        if self.c.mode != "ramp":
             chosen = chosen[lines.may_bend(self.machine, self.begin_nominal[:, chosen], self.end_nominal[:, chosen], self.c.slack)]
         owner, t, exact = self._cuts(chosen)
         if not len(owner):
             return self.pack(straight, np.zeros(len(straight), np.int64), code[straight], self.begin[:, straight], self.end[:, straight],
                              np.ones(len(straight)), self.nominal_end[:, straight])  # fmt: skip
-        stroke = np.concatenate([straight, chosen[owner]])
-        time = np.concatenate([np.ones(len(straight)), t])
-        end = np.concatenate([self.end[:, straight], self.grid(chosen[owner], exact)], axis=1)
-        nominal = np.concatenate([self.nominal_end[:, straight], np.rint(self.nominal(motion[chosen[owner]], t) * TICKS_PER_MM).astype(np.int64)], axis=1)
+        # Cuts come before the end of their own stroke; both are in order already.
+        cut = chosen[owner]
+        of = np.searchsorted(straight, cut)
+        place_cut = of + np.arange(len(of))
+        place_end = np.arange(len(straight)) + np.cumsum(np.bincount(of, minlength=len(straight)))
+        n = len(straight) + len(cut)
+        stroke, time = np.empty(n, np.int64), np.ones(n)
+        stroke[place_end], stroke[place_cut], time[place_cut] = straight, cut, t
+        end, nominal = self.end[:, stroke], self.nominal_end[:, stroke]
+        end[:, place_cut] = self.grid(cut, exact)
+        nominal[:, place_cut] = np.rint(self.nominal(motion[cut], t) * TICKS_PER_MM).astype(np.int64)
         end[self.fixed] = nominal[self.fixed]
-        order = np.lexsort((time, stroke))
-        stroke, time, end, nominal = stroke[order], time[order], end[:, order], nominal[:, order]
         # An axis that stands still keeps still in the middle too; a piece of no length is none.
         first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
-        start = np.where(first, self.begin[:, stroke], np.roll(end, 1, axis=1))
+        start = self._starts(stroke, first, end)
         none = (start == end).all(axis=0) & (time < 1.0)
         if none.any():
             stroke, time, end, nominal = stroke[~none], time[~none], end[:, ~none], nominal[:, ~none]
             first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
-            start = np.where(first, self.begin[:, stroke], np.roll(end, 1, axis=1))
-        share = time - np.where(first, 0.0, np.roll(time, 1))
+            start = self._starts(stroke, first, end)
+        share = time.copy()
+        share[1:] -= np.where(first[1:], 0.0, time[:-1])
         return self.pack(stroke, np.arange(len(stroke)), m.code[motion[stroke]], start, end, share, nominal)
+
+    def _starts(self, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(A, K) ticks at which pieces begin: where the one before ended, or where their stroke is begun."""
+        start = np.empty_like(end)
+        start[:, 1:] = end[:, :-1]
+        start[:, first] = self.begin[:, stroke[first]]
+        return start
 
     def _cuts(self, chosen: np.ndarray):
         """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen strokes."""
@@ -430,7 +462,7 @@ class _Batch:
         """(A, K) mm exact commands at t along straight strokes."""
         start = self.begin_nominal[:, chosen[owner]]
         nominal = start + (self.end_nominal[:, chosen[owner]] - start) * t
-        return self.needed(chosen[owner], nominal, self.weight(chosen[owner], nominal))
+        return self.needed(chosen[owner], nominal, self.weight(chosen[owner], nominal), t)
 
     def _ramp_ends(self, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Where a ramp ends inside a stroke: there the correction bends."""
@@ -460,7 +492,7 @@ class _Batch:
         fitter = Fitter(
             machine=self.machine, arcs=arcs, start=self.arc_start, target=self.arc_target, tolerance=self.c.plane,
             tolerance_across=self.c.chord, mismatch=self.options.arc_mismatch, base=written,
-            needed=lambda r, row, t, p: self.needed(r.stroke[row], p, self.weight(r.stroke[row], p)),
+            needed=lambda r, row, t, p: self.needed(r.stroke[row], p, self.weight(r.stroke[row], p), t),
             round_to=lambda r, row, exact: self.grid(r.stroke[row], exact),
         )  # fmt: skip
         rows = fitter.settle(rows)

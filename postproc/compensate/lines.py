@@ -11,7 +11,6 @@ import numpy as np
 
 from postproc.machine.model import Machine
 
-NEAR = 1e-6  # mm
 
 
 def candidates(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -55,9 +54,7 @@ def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: flo
     for row, letter in enumerate(machine.letters):
         table = machine.tables.get(letter)
         if table is not None and not table.is_zero:
-            low, high = np.minimum(start[row], target[row]), np.maximum(start[row], target[row])
-            # A command lies beside its nominal point: a node may be passed that the nominal way only comes near.
-            result |= table.interval(low - NEAR) != table.interval(high + NEAR)
+            result |= table.interval(start[row]) != table.interval(target[row])
     return result
 
 

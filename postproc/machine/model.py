@@ -119,6 +119,20 @@ class Machine:
             total += float(np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self._reach(letter))
         return total
 
+    def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
+        kink, steep = np.zeros(low.shape[1]), np.full(low.shape[1], sum(float(np.linalg.norm(lean)) for lean in self.square.values()))
+        for row, letter in enumerate(self.letters):
+            table = self.tables.get(letter)
+            if table is None or table.is_zero:
+                continue
+            spread, slope = table.slope_range(low[row], high[row])
+            reach = self._reach(letter)
+            kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
+            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
+            steep += np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach + float(np.linalg.norm(angle))
+        return kink, steep
+
     @cached_property
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way travelled."""

@@ -48,6 +48,16 @@ class AxisTable:
         """(6, 2, K - 1) slopes between nodes, forward and reverse; mm/mm and rad/mm."""
         return np.stack([np.diff(self.forward), np.diff(self.reverse)], axis=1) / np.diff(self.nodes)
 
+    def slope_range(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(6, N) how much the slope of each component differs, and (6, N) its largest size, between low and high (N,) mm."""
+        first, last = self.interval(low), self.interval(high)
+        least, most = self.slopes[:, :, first].copy(), self.slopes[:, :, first].copy()
+        for k in range(1, int((last - first).max(initial=0)) + 1):
+            slope = self.slopes[:, :, np.minimum(first + k, last)]
+            np.minimum(least, slope, out=least)
+            np.maximum(most, slope, out=most)
+        return (most - least).max(axis=1), np.maximum(np.abs(least), np.abs(most)).max(axis=1)
+
     @cached_property
     def rows(self) -> list[int]:
         """Components that are not zero everywhere."""

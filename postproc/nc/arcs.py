@@ -63,7 +63,6 @@ def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
     _because(batch, circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one")
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
-    motion = np.arange(n)
     start = np.stack([batch.start[row_a, arc], batch.start[row_b, arc]])
     end = np.stack([batch.target[row_a, arc], batch.target[row_b, arc]])
     known = batch.start_known[row_a, arc] & batch.start_known[row_b, arc] & batch.target_known[row_a, arc] & batch.target_known[row_b, arc]
@@ -76,8 +75,7 @@ def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
         value[k, written] = batch.ticks(centre_word[k, written], unit[written])
     by_radius = centre_word[2] >= 0
     absolute = circle.absolute[arc] & ~by_radius
-    origin = np.stack([np.broadcast_to(batch.offset[row], (len(row), batch.offset.shape[1]))[motion, np.minimum(blocks, batch.offset.shape[1] - 1)] for row in (row_a, row_b)])
-    origin = np.where(circle.alone[arc], 0, origin)
+    origin = np.stack([batch.origin[row_a, arc], batch.origin[row_b, arc]])
     missing = ~by_radius & (np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0)
     _because(batch, blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
     centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM

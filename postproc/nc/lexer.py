@@ -68,19 +68,17 @@ class Words:
 
 
 @lru_cache
-def _classes(semicolon: str) -> np.ndarray:
-    """(256,) class of each byte."""
-    table = np.full(256, OTHER, dtype=np.uint8)
-    table[[ord(c) for c in " \t\r"]] = BLANK
-    table[ord("0") : ord("9") + 1] = DIGIT
-    table[[ord("+"), ord("-")]] = SIGN
-    table[ord(".")] = POINT
-    table[ord("A") : ord("Z") + 1] = LETTER
-    table[ord("a") : ord("z") + 1] = LETTER
-    table[ord("/")], table[ord("%")], table[ord("\n")] = SLASH, PERCENT, END
+def _classes(semicolon: str) -> bytes:
+    """The class of each of the 256 bytes, for bytes.translate."""
+    table = bytearray([OTHER]) * 256
+    classes = {BLANK: b" \t\r", DIGIT: b"0123456789", SIGN: b"+-", POINT: b".", SLASH: b"/", PERCENT: b"%", END: b"\n"}
+    classes[LETTER] = bytes(range(ord("A"), ord("Z") + 1)) + bytes(range(ord("a"), ord("z") + 1))
     if semicolon == "end of block":
-        table[ord(";")] = END
-    return table
+        classes[END] += b";"
+    for kind, characters in classes.items():
+        for character in characters:
+            table[character] = kind
+    return bytes(table)
 
 
 def lex(text: bytes, semicolon: str) -> Words:
@@ -90,25 +88,25 @@ def lex(text: bytes, semicolon: str) -> Words:
     """
     code = text
     if b"(" in text or (semicolon == "comment" and b";" in text):
-        code = COMMENTS[semicolon].sub(_blank, text)
+        code = COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
-    kind = _classes(semicolon)[byte]
-    at = np.flatnonzero(kind).astype(np.int32)  # offsets of all that is not blank
-    kind = kind[at]
-    byte = byte[at]
-    mark = np.flatnonzero(kind != DIGIT).astype(np.int32)
+    kind = np.frombuffer(code.translate(_classes(semicolon)), dtype=np.uint8)
+    at = np.flatnonzero(kind != BLANK)  # offsets of all that is not blank
+    if len(at) < len(kind):
+        kind, byte = kind[at], byte[at]
+    mark = np.flatnonzero(kind != DIGIT)
     mark_kind = kind[mark]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([mark_kind, np.full(3, END, np.uint8)])
-    mark = np.concatenate([mark, np.full(3, len(at), np.int32)])
+    mark = np.concatenate([mark, np.full(3, len(at))])
 
     is_letter = mark_kind == LETTER
     is_end = mark_kind == END
     first = np.flatnonzero(is_letter)
     here = mark[first]
-    block_of_mark = np.cumsum(is_end, dtype=np.int32)
+    block_of_mark = np.cumsum(is_end)
     block = block_of_mark[first]
     signed = (mark_kind[first + 1] == SIGN) & (mark[first + 1] == here + 1)
     after = first + 1 + signed
@@ -128,7 +126,7 @@ def lex(text: bytes, semicolon: str) -> Words:
     used |= is_end
     end = np.flatnonzero(is_end[:-3])
     end_at = mark[end]
-    block_first = np.concatenate([[0], end_at[:-1] + 1]).astype(np.int32)
+    block_first = np.concatenate([[0], end_at[:-1] + 1])
     skip = kind[block_first] == SLASH
     if skip.any():
         used[np.searchsorted(mark, block_first[skip])] = True
@@ -139,7 +137,7 @@ def lex(text: bytes, semicolon: str) -> Words:
     else:
         tape = -1
 
-    offset = np.concatenate([at, np.array([len(code)], np.int32)])
+    offset = np.concatenate([at, [len(code)]])
     end_offset = offset[end_at]
     newline = byte[end_at] == ord("\n")
     words = Words(
@@ -152,9 +150,9 @@ def lex(text: bytes, semicolon: str) -> Words:
         start=offset[here],
         number=offset[np.minimum(here + 1, len(at))],
         stop=offset[stop - 1] + 1,
-        block_start=np.concatenate([[0], end_offset[:-1] + 1]).astype(np.int32),
+        block_start=np.concatenate([[0], end_offset[:-1] + 1]),
         block_stop=np.minimum(end_offset, len(text)),
-        line=np.concatenate([[0], np.cumsum(newline)[:-1]]).astype(np.int32),
+        line=np.concatenate([[0], np.cumsum(newline)[:-1]]),
         skip=skip,
         tape=tape,
     )

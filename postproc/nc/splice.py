@@ -70,8 +70,8 @@ class Splice:
         some = length > 0
         begin, length = begin[some], length[some]
         # One step per byte, and a jump where a run begins.
-        step = np.ones(int(length.sum()), np.int32)
+        step = np.ones(int(length.sum()), np.int64)
         first = np.cumsum(length) - length
         step[first[1:]] = begin[1:] - (begin[:-1] + length[:-1] - 1)
         step[:1] = begin[:1]
-        return source[np.cumsum(step, dtype=np.int32)].tobytes()
+        return source[np.cumsum(step)].tobytes()
