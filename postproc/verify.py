@@ -90,7 +90,8 @@ class Verifier:
             return
         command = self._points(run, curved, row, place)
         t = t0[row] + (t1 - t0)[row] * place
-        weight = self._follow(nominal, owner[row], t)
+        # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
+        weight = self._follow(nominal, owner[row], t0[row] + (t1 - t0)[row] * np.minimum(place, 1 - 1e-6))
         actual = command + self.machine.deviation(command, weight)
         distance = self._distance(nominal, owner[row], t, actual)
         worst = int(np.argmax(distance))

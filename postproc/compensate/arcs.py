@@ -18,7 +18,7 @@ from postproc.motions import Arcs
 from postproc.units import TICKS_PER_MM
 
 LARGEST_SWEEP = np.radians(300.0)  # beyond, centre and radius are ill-determined: quarter it
-MOST_SAMPLES = 50_000
+MOST_SAMPLES = 20_000
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
 
