@@ -7,6 +7,7 @@ control keeps between two blocks: so any cut of the input gives the same bytes.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from postproc import __version__
@@ -16,10 +17,12 @@ from postproc.machine.model import Machine
 from postproc.nc.dialects import Dialect
 from postproc.nc.emitter import Emitter, Written
 from postproc.nc.interpreter import Interpreter, ModalState, Setup
+from postproc.motions import Motions
 from postproc.nc.lexer import Words, lex
+from postproc.pieces import Pieces
 from postproc.units import UM
-from postproc.verify import Verifier
 
+Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
 MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
 
@@ -52,7 +55,7 @@ def marker_of(machine: Machine, tolerance: float) -> str:
 
 @dataclass
 class Filter:
-    """feed(text) -> text, finish() -> text. `name` is what errors call the program.
+    """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see every batch.
 
     On a fault everything before the faulty block has been handled: the ProgramError carries it as `delivered`.
     """
@@ -64,7 +67,7 @@ class Filter:
     name: str = "<stdin>"
     notices: list[Notice] = field(default_factory=list)
     summary: Summary = field(default_factory=Summary)
-    verify: bool = False
+    watchers: list[Watcher] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
@@ -74,7 +77,6 @@ class Filter:
         self.modal: ModalState = self.interpreter.initial()
         self.carry = self.compensator.initial()
         self.written = Written()
-        self.verifier = Verifier(self.machine, self.interpreter, self.compensator.mode, self.name) if self.verify else None
         self._rest = b""
         self._begun = False
         self._told: set[str] = set()
@@ -154,8 +156,8 @@ class Filter:
         except MotionFault as fault:
             raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
-        if self.verifier:
-            self.verifier.check(words, motions, pieces, result, self.summary.lines)
+        for watcher in self.watchers:
+            watcher(words, motions, pieces, result, self.summary.lines)
         for notice in notices:
             self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
         for notice in more:

@@ -7,22 +7,36 @@ import contextlib
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from postproc import ports
 from postproc.commands import values
 from postproc.errors import GcompError, Notice, UsageError
+
+if TYPE_CHECKING:
+    from postproc.filter import Filter
 
 HELP = "correct a program for a machine (the default: gcomp --machine NAME FILE)"
 EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--machine", metavar="NAME", required=True, help="a machine by name (gcomp machines) or by the path of its folder")
+    reading(parser)
     out = parser.add_argument_group("where it goes")
     out.add_argument("-o", "--output", metavar="FILE", help="write here instead of to standard output; in one step, when all is accepted")
     out.add_argument("--in-place", action="store_true", help="correct FILE itself; its old content stays beside it as FILE.bak")
     out.add_argument("--unbuffered", action="store_true", help="pass block by block, for live pipes; a refusal then comes after what is already out")
     out.add_argument("--dry-run", action="store_true", help="write no program: say what would change")
+    say = parser.add_argument_group("what it says")
+    say.add_argument("--verify", action="store_true", help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance")
+    say.add_argument("--quiet", action="store_true", help="no notices, no summary")
+    say.add_argument("--filter-progress", action="store_true", help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do")
+    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
+
+
+def reading(parser: argparse.ArgumentParser) -> None:
+    """The options that say for which machine, how, and in which language: shared by all that read programs."""
+    parser.add_argument("--machine", metavar="NAME", required=True, help="a machine by name (gcomp machines) or by the path of its folder")
     how = parser.add_argument_group("how it is corrected")
     how.add_argument("--tolerance", metavar="LENGTH", type=values.length, help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)")
     how.add_argument("--reversal", choices=("mean", "step", "ramp", "off"), help="what to do where an axis turns back (default: the machine's, or step)")
@@ -35,36 +49,36 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     program.add_argument("--start", metavar="X0,Z0", type=values.place, default={}, help="where the machine stands before the program, mm, radius, machine coordinates")
     program.add_argument("--block-delete", choices=("on", "off"), default="off", help="whether blocks that begin with / are skipped at the machine")
     program.add_argument("--arc-centre", choices=("incremental", "absolute"), default="incremental", help="what I J K mean when no G90.1 or G91.1 says so")
-    say = parser.add_argument_group("what it says")
-    say.add_argument("--verify", action="store_true", help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance")
-    say.add_argument("--quiet", action="store_true", help="no notices, no summary")
-    say.add_argument("--filter-progress", action="store_true", help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do")
-    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
 
 
 def run(options: argparse.Namespace) -> int:
-    filter_, dialect = _filter(options)
+    filter_ = filter_of(options)
     if options.in_place and (options.output or options.file in (None, "-")):
         raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
     if options.unbuffered and (options.output or options.in_place or options.dry_run):
         raise UsageError("--unbuffered writes to standard output as it goes: not with --output, --in-place or --dry-run")
     with ports.opened(options.file) as (source, name, size):
         filter_.name = name
-        if filter_.verifier:
-            filter_.verifier.name = name
+        verifier = None
+        if options.verify:
+            from postproc.verify import Verifier
+
+            verifier = Verifier(filter_)
         if options.unbuffered:
             _live(filter_, source)
         else:
-            _whole(filter_, source, size, options)
-    status = _check(filter_, options)
+            _whole(filter_, source, size, options, verifier)
+    if verifier:
+        print(f"gcomp: verified: {verifier.report()}", file=sys.stderr)
     if not options.quiet:
         _say(filter_.notices)
         if not options.dry_run:
             print(f"gcomp: {summary(filter_)}", file=sys.stderr)
-    return status
+    return 0
 
 
-def _filter(options: argparse.Namespace):
+def filter_of(options: argparse.Namespace) -> Filter:
+    """A filter as the options want it."""
     from postproc.compensate import Options
     from postproc.filter import Filter, setup_of
     from postproc.machine import places
@@ -78,10 +92,10 @@ def _filter(options: argparse.Namespace):
                 raise UsageError(f"{name} names {axis}, which is no axis of {machine.name}", f"its axes are {' '.join(machine.letters)}")
     setup = setup_of(machine, dict(options.offset), options.start, options.block_delete == "on", options.arc_centre)
     how = Options(options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids)
-    return Filter(machine, dialect, setup, how, verify=options.verify), dialect
+    return Filter(machine, dialect, setup, how)
 
 
-def _live(filter_, source) -> None:
+def _live(filter_: Filter, source) -> None:
     """Block by block; on a fault what came before it is out already."""
     try:
         for data in ports.chunks(source, live=True):
@@ -92,14 +106,15 @@ def _live(filter_, source) -> None:
         raise
 
 
-def _whole(filter_, source, size: int, options: argparse.Namespace) -> None:
+def _whole(filter_: Filter, source, size: int, options: argparse.Namespace, verifier) -> None:
     """Everything accepted first, then everything written."""
     with ports.spool() as spool, _progress(size, options) as step:
         for data in ports.chunks(source, live=False):
             spool.write(filter_.feed(data))
             step(len(data))
         spool.write(filter_.finish())
-        _refuse_unverified(filter_)
+        if verifier and not verifier.passed:
+            raise GcompError(f"verification failed: {verifier.report()}", "nothing was written; this is an error of gcomp: please report the program")
         if options.dry_run:
             print(summary(filter_))
         elif options.in_place:
@@ -112,23 +127,7 @@ def _whole(filter_, source, size: int, options: argparse.Namespace) -> None:
             ports.copy_out(spool, ports.write_standard)
 
 
-def _refuse_unverified(filter_) -> None:
-    verifier = filter_.verifier
-    if verifier is None or filter_.compensator.mode in ("ramp", "off"):
-        return
-    tolerance = filter_.compensator.tolerance
-    least = max(axis.least_increment for axis in filter_.machine.axes.values())
-    if verifier.corrected.deviation > tolerance + least / 2 + 1e-9:
-        raise GcompError(f"verification failed: {verifier.report(tolerance)}", "nothing was written; this is an error of gcomp: please report the program")
-
-
-def _check(filter_, options: argparse.Namespace) -> int:
-    if filter_.verifier:
-        print(f"gcomp: verified: {filter_.verifier.report(filter_.compensator.tolerance)}", file=sys.stderr)
-    return 0
-
-
-def summary(filter_) -> str:
+def summary(filter_: Filter) -> str:
     """What was done, in one line."""
     s = filter_.summary
     if filter_.machine.is_zero:

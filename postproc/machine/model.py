@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import ModuleType
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc import effects
 from postproc.machine.chain import XYZ, Chain, tip_deviation
-from postproc.machine.tables import AxisTable
+from postproc.machine.tables import COMPONENTS, AxisTable
 
 
 @dataclass(frozen=True)
@@ -106,6 +106,25 @@ class Machine:
         result = np.zeros_like(position)
         for row in self.corrected:
             result[row] = parts[XYZ.index(self.letters[row])]
+        return result
+
+    def contributions(self, position: np.ndarray, approach: np.ndarray) -> list[tuple[str, np.ndarray]]:
+        """Name and (A, N) mm of every part of the deviation by itself: components, squareness, effects."""
+        result = []
+        bare = {x: replace(axis, table=None) for x, axis in self.axes.items()}
+        for x, table in self.tables.items():
+            for i in table.rows:
+                only = np.arange(6)[:, None] == i
+                one = replace(table, forward=np.where(only, table.forward, 0.0), reverse=np.where(only, table.reverse, 0.0))
+                part = replace(self, axes={**bare, x: replace(self.axes[x], table=one)}, square={}, effects=())
+                result.append((f"{COMPONENTS[i]}{x}", part.deviation(position, approach)))
+        for x, lean in self.square.items():
+            for i in np.flatnonzero(lean):
+                part = replace(self, axes=bare, square={x: np.where(np.arange(3) == i, lean, 0.0)}, effects=())
+                result.append((f"{'ABC'[i]}0{x}", part.deviation(position, approach)))
+        for term in self.effects:
+            part = replace(self, axes=bare, square={}, effects=(term,))
+            result.append((term.name, part.deviation(position, approach)))
         return result
 
     @cached_property

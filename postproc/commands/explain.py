@@ -1,0 +1,108 @@
+"""`gcomp explain FILE --machine M`: what each block does, in words, and what was changed in it and why.
+
+The words are pygcode's, an interpreter of its own: where it reads other numbers than gcomp does, that is said.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+import numpy as np
+
+from postproc import ports
+from postproc.commands import compensate
+from postproc.motions import FOREIGN, Motions
+from postproc.nc.lexer import Words
+from postproc.pieces import Pieces
+from postproc.units import TICKS_PER_MM, UM
+
+HELP = "say in words what each block does and what is changed in it"
+EXAMPLE = "gcomp explain part.nc --machine studer-s36"
+SMALLEST_UM = 0.05
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    compensate.reading(parser)
+    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
+
+
+def run(options: argparse.Namespace) -> int:
+    filter_ = compensate.filter_of(options)
+    seen: list[tuple[Words, Motions, Pieces]] = []
+    filter_.watchers.append(lambda words, motions, pieces, output, line: seen.append((words, motions, pieces)))
+    with ports.opened(options.file) as (source, name, _):
+        filter_.name = name
+        number = 0
+        for line in source:
+            number += 1
+            told = len(filter_.notices)
+            output = filter_.feed(line) if line.endswith(b"\n") else filter_.feed(line) + filter_.finish()
+            print(f"{number:>5}  {line.decode('latin-1').rstrip()}")
+            for words, motions, pieces in seen:
+                for block in range(words.blocks):
+                    for sentence in _block(filter_, words, motions, pieces, block):
+                        print(f"       | {sentence}")
+            if seen and output != line:
+                text = output.decode("latin-1").rstrip().splitlines()
+                print("       > " + "\n       > ".join(text))
+            for notice in filter_.notices[told:]:
+                print(f"       ! {notice.message}")
+            seen.clear()
+    return 0
+
+
+def _block(filter_, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:
+    """Sentences about one block."""
+    text = words.text[words.block_start[block] : words.block_stop[block]].decode("latin-1")
+    mine = {}
+    for w in np.flatnonzero(words.block == block):
+        mine.setdefault(chr(words.letter[w]), []).append(int(words.mantissa[w]) / 10.0 ** int(words.decimals[w]))
+    if not mine:
+        return []
+    says = [_second_opinion(re.sub(r"\([^)]*\)", "", text), mine)]
+    for i in np.flatnonzero(motions.block == block):
+        says += _motion(filter_, motions, pieces, int(i))
+    return says
+
+
+def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
+    """What pygcode makes of a block, and whether it read the same numbers."""
+    from pygcode import Line
+    from pygcode.exceptions import GCodeParameterError, GCodeWordStrError
+
+    try:
+        line = Line(text.strip().lstrip("/"))
+    except (GCodeParameterError, GCodeWordStrError, AssertionError, ValueError, TypeError, IndexError) as error:
+        return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(f"{k}{v:g}" for k, vs in mine.items() for v in vs)
+    theirs: dict[str, list[float]] = {}
+    for word in line.block.words:
+        theirs.setdefault(word.letter, []).append(float(word.value))
+    names = [str(g.description) for g in line.block.gcodes] or ["modal: goes on as before"]
+    says = "; ".join(dict.fromkeys(names))
+    if {k: sorted(v) for k, v in theirs.items()} != {k: sorted(v) for k, v in mine.items()}:
+        says += f"  [pygcode reads {theirs}, gcomp {mine}]"
+    return says
+
+
+def _motion(filter_, motions: Motions, pieces: Pieces, i: int) -> list[str]:
+    """Where a motion goes, what the machine would make of it, and what is written for it."""
+    machine = filter_.machine
+    if motions.code[i] == FOREIGN or not motions.target_known[list(machine.corrected), i].all():
+        return ["its place is not known: left as it is"]
+    target = motions.target[:, i : i + 1] / TICKS_PER_MM
+    where = " ".join(f"{x} {target[k, 0]:.4f}" for k, x in enumerate(machine.letters))
+    says = [f"to {where} (slide position, mm)"]
+    if machine.is_zero:
+        return says
+    turn = filter_.carry.turn[:, None] / max(filter_.compensator.limit, 1)
+    total = machine.deviation(target, turn)[:, 0]
+    parts = machine.contributions(target, turn)
+    for row in machine.corrected:
+        named = ", ".join(f"{name} {value[row, 0] / UM:+.1f}" for name, value in parts if abs(value[row, 0]) > SMALLEST_UM * UM)
+        says.append(f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um" + (f" ({named})" if named else ""))
+    n = int((pieces.motion == i).sum())
+    turns = int(pieces.take_up[pieces.motion == i].sum())
+    if n > 1:
+        says.append(f"written as {n} blocks" + (f", {turns} of them to turn a slide round" if turns else ""))
+    return says
