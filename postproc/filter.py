@@ -14,10 +14,10 @@ from postproc import __version__
 from postproc.compensate import Compensator, Options
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
+from postproc.motions import Motions
 from postproc.nc.dialects import Dialect
 from postproc.nc.emitter import Emitter, Written
 from postproc.nc.interpreter import Interpreter, ModalState, Setup
-from postproc.motions import Motions
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.units import UM

@@ -14,9 +14,8 @@ import numpy as np
 from postproc.compensate import approach
 from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
-from postproc.machine.model import Machine
-from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
 from postproc.filter import Filter
+from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
@@ -107,7 +106,7 @@ class Verifier:
                 into.deviation, into.line = float(distance[worst]), int(line[owner[row[worst]]])
 
     def _all(self, known: np.ndarray) -> np.ndarray:
-        return known[list(self.machine.corrected)].all(axis=0)
+        return np.all(known[list(self.machine.corrected)], axis=0)
 
     @staticmethod
     def _points(motions: Motions, curved, row, t) -> np.ndarray:

@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
 def _block(filter_, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:
     """Sentences about one block."""
     text = words.text[words.block_start[block] : words.block_stop[block]].decode("latin-1")
-    mine = {}
+    mine: dict[str, list[float]] = {}
     for w in np.flatnonzero(words.block == block):
         mine.setdefault(chr(words.letter[w]), []).append(int(words.mantissa[w]) / 10.0 ** int(words.decimals[w]))
     if not mine:

@@ -87,8 +87,9 @@ def tip_deviation(
         for other in chain.arm(letter):
             arm[XYZ.index(other)] = arm[XYZ.index(other)] + position[other]
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-            if parts[3 + j] is not None:
-                total[i] += parts[3 + j] * arm[k]
-            if parts[3 + k] is not None:
-                total[i] -= parts[3 + k] * arm[j]
+            turn, back = parts[3 + j], parts[3 + k]
+            if turn is not None:
+                total[i] += turn * arm[k]
+            if back is not None:
+                total[i] -= back * arm[j]
     return total

@@ -149,7 +149,7 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
     toml.check_keys(name, section, KEYS["axes."])
     travel = section.get("travel")
     good = isinstance(travel, list) and len(travel) == 2 and all(isinstance(t, (int, float)) and math.isfinite(t) for t in travel)
-    if not good or travel[0] >= travel[1]:
+    if not good or not travel or travel[0] >= travel[1]:
         raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
     least = toml.number(name, section, "least_increment")
     if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:

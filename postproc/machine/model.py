@@ -119,7 +119,7 @@ class Machine:
                 part = replace(self, axes={**bare, x: replace(self.axes[x], table=one)}, square={}, effects=())
                 result.append((f"{COMPONENTS[i]}{x}", part.deviation(position, approach)))
         for x, lean in self.square.items():
-            for i in np.flatnonzero(lean):
+            for i in map(int, np.flatnonzero(lean)):
                 part = replace(self, axes=bare, square={x: np.where(np.arange(3) == i, lean, 0.0)}, effects=())
                 result.append((f"{'ABC'[i]}0{x}", part.deviation(position, approach)))
         for term in self.effects:

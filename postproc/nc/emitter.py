@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.pieces import Pieces
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, RAPID, Motions
 from postproc.nc import codes
 from postproc.nc.arcs import PLANES
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
 from postproc.nc.lexer import Words
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, RAPID, Motions
 from postproc.nc.splice import Splice
+from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
 MOST_DECIMALS = 9
@@ -313,7 +313,7 @@ class _Batch:
     def inverse_time(self) -> None:
         """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
         m, p, w = self.m, self.p, self.w
-        for i in np.flatnonzero(m.inverse[p.motion] & self.several & (p.code != RAPID)):
+        for i in map(int, np.flatnonzero(m.inverse[p.motion] & self.several & (p.code != RAPID))):
             motion = p.motion[i]
             share = p.share[i] or self._take_up_share(i)
             text = _plain(m.feed[motion] / share)

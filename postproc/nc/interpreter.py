@@ -15,11 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.motions import FOREIGN, Motions
 from postproc.nc import codes
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.dialects import NO_GROUP, UNKNOWN, Dialect
 from postproc.nc.lexer import Words
-from postproc.motions import FOREIGN, Motions
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
 LINEAR = "XYZUVW"
@@ -249,6 +249,7 @@ class _Batch:
                     self.reason[wrong] = self.because("G4 with an axis word and no P", "this control's dwell time is P; for X or U in seconds use another --dialect")
         self.refused_groups(taken, has_axis)
         self.m_codes(foreign)
+        self.check_points(taken)
         motion = self.held("motion")
         centre_words = {c: self.once(c) for c in "IJKR" if c in self.places}
         moving = has_axis & ~taken
@@ -288,19 +289,22 @@ class _Batch:
             if letter in "ABCUVWXYZ":
                 raise self.fault(place[0], f"the machine has no axis {letter}", f"its axes are {' '.join(self.setup.axes)}; choose the right --machine")
             raise self.fault(place[0], f"the letter {letter} has no meaning in {self.dialect.title}", "it could move an axis: use another --dialect, or take it out")
-        if self.dialect.integer_notice:
-            for letter in self.rows:
-                place = self.places.get(letter, np.zeros(0, np.int64))
-                bare = place[~self.words.pointed[place] & (self.words.mantissa[place] != 0)]
-                if len(bare):
-                    self.notices.append(Notice("integer", self.dialect.integer_notice, int(self.words.line[self.words.block[bare[0]]])))
-                    break
         if self.words.skip.any() and not self.state.ended:
             how = "left alone, as with the switch on" if self.setup.block_delete else "read as executed, as with the switch off"
             self.notices.append(
                 Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
                        "not right (--block-delete on|off)", int(self.words.line[np.flatnonzero(self.words.skip)[0]]))
             )  # fmt: skip
+
+    def check_points(self, taken: np.ndarray) -> None:
+        """Say once that coordinates without a decimal point mean different things to different controls."""
+        if self.dialect.integer_notice:
+            for letter in self.rows:
+                place = self.places.get(letter, np.zeros(0, np.int64))
+                bare = place[~self.words.pointed[place] & (self.words.mantissa[place] != 0) & ~taken[self.words.block[place]]]
+                if len(bare):
+                    self.notices.append(Notice("integer", self.dialect.integer_notice, int(self.words.line[self.words.block[bare[0]]])))
+                    return
 
     def refused_groups(self, taken: np.ndarray, has_axis: np.ndarray) -> None:
         """Fill `reason` wherever a modal code that can not be followed is in force."""
@@ -341,7 +345,7 @@ class _Batch:
             self._add_offset(self.tool, True)
             return
         edges = [0, *self.words.block[tool_place].tolist(), self.n]
-        names = [self.state.tool] + [self._tool_name(p) for p in tool_place]
+        names = [self.state.tool] + [self._tool_name(int(p)) for p in tool_place]
         for name, a, b in zip(names, edges[:-1], edges[1:], strict=True):
             within = np.zeros(self.n, dtype=bool)
             within[a:b] = True
@@ -529,7 +533,7 @@ class _Batch:
             feed[:] = self.state.feed
             self.feed = self.state.feed
         named = np.cumsum(self.code_word >= 0)
-        until = named - (self.code_word >= 0)  # codes named before each block
+        until: np.ndarray = named - (self.code_word >= 0)  # codes named before each block
         since = np.concatenate([[0], named[block[:-1]]]) if len(block) else named[:0]
         renamed = until[block] > since
         if len(block):

@@ -1,0 +1,168 @@
+"""From strokes to pieces: take-ups where an axis turns back, straight strokes cut at nodes, arcs kept or halved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.compensate import nodes
+from postproc.compensate.arcs import Fitter, Rows, points
+from postproc.compensate.batch import Batch, written_centre
+from postproc.errors import MotionFault
+from postproc.motions import FEED, FOREIGN, RAPID
+from postproc.pieces import Pieces
+from postproc.units import TICKS_PER_MM
+
+
+def take_ups(b: Batch):
+    """A piece for every stroke that must be begun elsewhere than the last one ended."""
+    which = np.flatnonzero(b.turning & (b.begin != b.before).any(axis=0))
+    if not len(which):
+        return None
+    return pack(b, which, np.full(len(which), -1), np.full(len(which), FEED), b.before[:, which], b.begin[:, which],
+                     np.zeros(len(which)), _begin_ticks(b, which), take_up=True)  # fmt: skip
+
+
+def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
+    return np.rint(b.begin_nominal[:, which] * TICKS_PER_MM).astype(np.int64)
+
+
+def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None):
+    n = len(stroke)
+    pieces = Pieces(
+        motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
+        arc=np.full(n, -1) if arc is None else arc, centre=np.zeros((2, n), np.int64) if centre is None else centre,
+        nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]],
+    )  # fmt: skip
+    return np.stack([stroke, order], axis=1), pieces
+
+
+def straight_pieces(b: Batch):
+    """Straight strokes: whole, or cut where the map asks for it."""
+    m, motion = b.m, b.motion
+    code = m.code[motion]
+    straight = np.flatnonzero((code == RAPID) | (code == FEED) | (code == FOREIGN) | ~b.free[motion])
+    if not len(straight):
+        return None
+    may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
+    may &= b.free[motion[straight]] & b.known_before[straight]
+    chosen = straight[may]
+    if b.c.mode != "ramp":
+        chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
+    owner, t, exact = _cuts(b, chosen)
+    if not len(owner):
+        return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
+                         np.ones(len(straight)), b.nominal_end[:, straight])  # fmt: skip
+    # Cuts come before the end of their own stroke; both are in order already.
+    cut = chosen[owner]
+    of = np.searchsorted(straight, cut)
+    place_cut = of + np.arange(len(of))
+    place_end = np.arange(len(straight)) + np.cumsum(np.bincount(of, minlength=len(straight)))
+    n = len(straight) + len(cut)
+    stroke, time = np.empty(n, np.int64), np.ones(n)
+    stroke[place_end], stroke[place_cut], time[place_cut] = straight, cut, t
+    end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
+    end[:, place_cut] = b.grid(cut, exact)
+    nominal[:, place_cut] = np.rint(b.nominal(motion[cut], t) * TICKS_PER_MM).astype(np.int64)
+    end[b.fixed] = nominal[b.fixed]
+    # An axis that stands still keeps still in the middle too; a piece of no length is none.
+    first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
+    start = _starts(b, stroke, first, end)
+    none = (start == end).all(axis=0) & (time < 1.0)
+    if none.any():
+        stroke, time, end, nominal = stroke[~none], time[~none], end[:, ~none], nominal[:, ~none]
+        first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
+        start = _starts(b, stroke, first, end)
+    share = time.copy()
+    share[1:] -= np.where(first[1:], 0.0, time[:-1])
+    return pack(b, stroke, np.arange(len(stroke)), m.code[motion[stroke]], start, end, share, nominal)
+
+
+def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(A, K) ticks at which pieces begin: where the one before ended, or where their stroke is begun."""
+    start = np.empty_like(end)
+    start[:, 1:] = end[:, :-1]
+    start[:, first] = b.begin[:, stroke[first]]
+    return start
+
+
+def _cuts(b: Batch, chosen: np.ndarray):
+    """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen strokes."""
+    if not len(chosen):
+        return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
+    start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
+    owner, t, axis = nodes.candidates(b.machine, start, target, b.c.slack)
+    for more, at in _ramp_ends(b, chosen):
+        owner, t, axis = np.concatenate([owner, more]), np.concatenate([t, at]), np.concatenate([axis, np.full(len(at), -1)])
+    exact = _along(b, chosen, owner, t)
+    # It is the command that passes the node, not the nominal point: step back by the correction.
+    node = np.flatnonzero(axis >= 0)
+    way = (target - start)[axis[node], owner[node]]
+    there = start[axis[node], owner[node]] + way * t[node]
+    t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
+    exact[:, node] = _along(b, chosen, owner[node], t[node])
+    order = nodes.tidy(owner, t)
+    owner, t, exact = owner[order], t[order], exact[:, order]
+    correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
+    first = np.concatenate([[True], owner[1:] != owner[:-1]])
+    final = np.concatenate([owner[1:] != owner[:-1], [True]])
+    correction[:, first] = b.begin[:, chosen] / TICKS_PER_MM - start
+    correction[:, final] = b.end[:, chosen] / TICKS_PER_MM - target
+    tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
+    rows = b.rows
+    cut = nodes.merge(owner, t, correction[rows], tolerance[rows])
+    return owner[cut], t[cut], exact[:, cut]
+
+
+def _along(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(A, K) mm exact commands at t along straight strokes."""
+    start = b.begin_nominal[:, chosen[owner]]
+    nominal = start + (b.end_nominal[:, chosen[owner]] - start) * t
+    return b.needed(chosen[owner], nominal, b.weight(chosen[owner], nominal), t)
+
+
+def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Where a ramp ends inside a stroke: there the correction bends."""
+    result = []
+    if b.c.mode == "ramp":
+        for row in range(len(b.travel)):
+            way = b.travel[row, chosen] / b.c.limit
+            with np.errstate(divide="ignore", invalid="ignore"):
+                t = (np.sign(way) - b.weight_begin[row, chosen]) / way
+            inside = np.flatnonzero((t > 0) & (t < 1))
+            result.append((inside, t[inside]))
+    return result
+
+
+def arc_pieces(b: Batch):
+    """Strokes of arcs: kept, halved, or chords."""
+    m, motion, arcs = b.m, b.motion, b.m.arcs
+    which = np.flatnonzero((b.arc_of[motion] >= 0) & b.free[motion])
+    if not len(which):
+        return None
+    for i in which[~b.known_before[which]][:1]:
+        raise MotionFault(int(motion[i]), "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
+    rows = Rows(
+        arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which], begin=b.begin[:, which],
+        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), chord=np.zeros(len(which), bool),
+    )  # fmt: skip
+    written = written_centre(m)
+    fitter = Fitter(
+        machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
+        tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written,
+        needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
+        round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
+    )  # fmt: skip
+    rows = fitter.settle(rows)
+    order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)
+    code = np.where(rows.chord, FEED, m.code[motion[rows.stroke]])
+    nominal = np.rint(points(arcs, b.arc_start, b.arc_target, rows.arc, rows.t1) * TICKS_PER_MM).astype(np.int64)
+    none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
+    key, pieces = pack(b,
+        rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
+        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre,
+    )  # fmt: skip
+    if none.any():
+        fields = Pieces.__dataclass_fields__
+        pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})
+        key = key[~none]
+    return key, pieces

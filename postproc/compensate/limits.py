@@ -1,0 +1,91 @@
+"""What is refused: motions that can not be trusted, places outside the tables or the travel, corrections too large."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.compensate.arcs import points, quadrants
+from postproc.compensate.batch import Batch
+from postproc.errors import MotionFault, Notice
+from postproc.motions import FEED, RAPID
+from postproc.units import TICKS_PER_MM
+
+EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
+
+
+def refuse(b: Batch) -> None:
+    bad = np.flatnonzero(b.m.reason)
+    if len(bad):
+        raise MotionFault(int(bad[0]), *b.m.reasons[int(b.m.reason[bad[0]])])
+
+
+def check_unknown(b: Batch) -> None:
+    """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
+    lost = ~b.known & ~b.m.alone
+    for i in np.flatnonzero(lost & (b.m.code != RAPID))[:1]:
+        axes = " ".join(x for k, x in enumerate(b.machine.letters) if k in b.rows and not b.m.target_known[k, i])
+        raise MotionFault(int(i), f"where {axes} stands is not known here, and the correction depends on it", f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100")
+    for i in np.flatnonzero(lost)[:1]:
+        b.notices.append(Notice("rapid", "rapids before every axis has its position are left as they are", int(i)))
+    for i in np.flatnonzero(b.free & ~b.start_known & (b.m.code == FEED))[:1]:
+        b.notices.append(Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i)))
+
+
+def check_inside(b: Batch) -> None:
+    """Nominal points must lie in the tables, unless they may be held at the ends."""
+    if b.c.outside == "clamp":
+        return
+    free = b.free[b.motion]
+    for row, letter in enumerate(b.machine.letters):
+        table = b.machine.tables.get(letter)
+        if table is None:
+            continue
+        low, high = table.nodes[0] - EDGE, table.nodes[-1] + EDGE
+        value = b.end_nominal[row]
+        bad = free & ((value < low) | (value > high))
+        extent = _arc_extent(b, row)
+        bad |= (extent[0] < low) | (extent[1] > high)
+        for i in np.flatnonzero(bad)[:1]:
+            worst = value[i] if not low <= value[i] <= high else extent[0, i] if extent[0, i] < low else extent[1, i]
+            raise MotionFault(
+                int(b.motion[i]), f"{letter} = {worst:.4f} mm lies outside the error table of {letter} ({table.nodes[0]:g} to {table.nodes[-1]:g} mm)",
+                "stay inside it, measure further out, or hold the end value with --outside clamp",
+            )  # fmt: skip
+
+
+def _arc_extent(b: Batch, row: int) -> np.ndarray:
+    """(2, S) lowest and highest place on each stroke that is part of an arc; 0, 0 inside any table elsewhere."""
+    table = b.machine.tables[b.machine.letters[row]]
+    result = np.full((2, len(b.motion)), table.nodes[0])
+    arcs = b.m.arcs
+    if len(arcs):
+        arc, t = quadrants(arcs)
+        value = points(arcs, b.arc_start, b.arc_target, arc, np.clip(t, 1e-12, 1 - 1e-12))[row]
+        first = np.searchsorted(b.motion, arcs.motion[arc])
+        value = np.where((t > 0) & (t < 1) & b.free[arcs.motion[arc]], value, table.nodes[0])
+        np.minimum.at(result[0], first, value)
+        np.maximum.at(result[1], first, value)
+    return result
+
+
+def check_limits(b: Batch) -> float:
+    """Corrections and corrected ends must stay within their limits. Returns the largest correction, mm."""
+    free = b.free[b.motion]
+    correction = np.abs(b.end - b.nominal_end)[b.rows] / TICKS_PER_MM
+    largest = b.machine.limits.max_correction
+    over = np.flatnonzero(free & (correction > largest).any(axis=0))
+    faults = [(int(i), "over") for i in over[:1]]
+    for row in b.rows:
+        low, high = b.machine.axes[b.machine.letters[row]].travel
+        value = b.end[row] / TICKS_PER_MM
+        faults += [(int(i), b.machine.letters[row]) for i in np.flatnonzero(free & ((value < low - EDGE) | (value > high + EDGE)))[:1]]
+    if not faults:
+        return float(correction[:, free].max(initial=0.0))
+    i, what = min(faults)
+    if what == "over":
+        row = int(np.argmax(correction[:, i]))
+        letter = b.machine.letters[b.rows[row]]
+        raise MotionFault(int(b.motion[i]), f"the correction of {letter} is {correction[row, i]:.4f} mm (limit max_correction = {largest:g} mm)", "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml")
+    axis = b.machine.axes[what]
+    value = b.end[b.machine.letters.index(what), i] / TICKS_PER_MM
+    raise MotionFault(int(b.motion[i]), f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)", "the slide can not go there: move the part or the work offset")
