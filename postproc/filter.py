@@ -24,6 +24,7 @@ from postproc.units import UM
 
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
+DEFAULTS = Options()
 MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
 
 
@@ -63,7 +64,7 @@ class Filter:
     machine: Machine
     dialect: Dialect
     setup: Setup
-    options: Options = Options()
+    options: Options = DEFAULTS
     name: str = "<stdin>"
     notices: list[Notice] = field(default_factory=list)
     summary: Summary = field(default_factory=Summary)

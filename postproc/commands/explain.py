@@ -33,9 +33,7 @@ def run(options: argparse.Namespace) -> int:
     filter_.watchers.append(lambda words, motions, pieces, output, line: seen.append((words, motions, pieces)))
     with ports.opened(options.file) as (source, name, _):
         filter_.name = name
-        number = 0
-        for line in source:
-            number += 1
+        for number, line in enumerate(source, 1):
             told = len(filter_.notices)
             output = filter_.feed(line) if line.endswith(b"\n") else filter_.feed(line) + filter_.finish()
             print(f"{number:>5}  {line.decode('latin-1').rstrip()}")

@@ -42,8 +42,8 @@ class Batch:
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
-        self.known = motions.target_known[self.rows].all(axis=0)
-        self.start_known = motions.start_known[self.rows].all(axis=0)
+        self.known: np.ndarray = np.all(motions.target_known[self.rows], axis=0)
+        self.start_known: np.ndarray = np.all(motions.start_known[self.rows], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
 
     def strokes(self) -> None:
@@ -158,7 +158,7 @@ class Batch:
         m, motion = self.m, self.motion
         cutting = (m.code[motion] != RAPID) & (m.code[motion] != FOREIGN)
         weight_before = np.concatenate([(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1)
-        turned = np.any((weight_before != self.weight_begin) & self.machine.two_way[:, None], axis=0)
+        turned: np.ndarray = np.any((weight_before != self.weight_begin) & self.machine.two_way[:, None], axis=0)
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
         if self.c.mode != "step":
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode != "off")

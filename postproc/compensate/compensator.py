@@ -66,7 +66,7 @@ class Compensator:
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
         largest = 0.0
-        for letter, table in self.machine.tables.items():
+        for table in self.machine.tables.values():
             largest = max(largest, 2 * float(np.abs(table.half[:3]).max()))
         for term in self.machine.effects:
             if term.name == "backlash":

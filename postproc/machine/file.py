@@ -250,7 +250,7 @@ def _columns(header: list[str], letter: str, place: Place) -> dict[tuple[int, st
         if key in columns:
             raise MachineError(f"{name!r} stands twice", "", place)
         columns[key] = i
-    for component, direction in list(columns):
+    for component in {c for c, _ in columns}:
         others = {d for c, d in columns if c == component}
         if others not in ({""}, {"fwd", "rev"}):
             raise MachineError(f"{allowed[component]}: give one column, or both _fwd and _rev", "", place)

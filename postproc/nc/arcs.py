@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER, Arcs
+from postproc.nc.batch import Batch
+from postproc.nc.positions import Places
 from postproc.units import TICKS_PER_MM
 
 PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
@@ -27,7 +29,7 @@ class Circle:
     alone: np.ndarray
 
 
-def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
+def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
     """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only where it is corrected."""
     arc = np.flatnonzero((circle.code == CLOCKWISE) | (circle.code == COUNTER))
     if not len(arc):
@@ -50,24 +52,24 @@ def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
         if a in batch.rows and b in batch.rows:
             first[of], second[of] = batch.rows[a], batch.rows[b]
         else:
-            _because(batch, blocks, f"an arc in the {a}{b} plane, and the machine has no such axes", "choose the plane with G17, G18 or G19")
+            batch.blame(blocks, f"an arc in the {a}{b} plane, and the machine has no such axes", "choose the plane with G17, G18 or G19")
         centre_word[0, of], centre_word[1, of] = word[i][of], word[j][of]
         strange = word["IJK".replace(i, "").replace(j, "")][of] >= 0
-        _because(batch, blocks[strange], f"a centre word that does not belong to the {a}{b} plane", f"use {i} and {j}, or change the plane")
+        batch.blame(blocks[strange], f"a centre word that does not belong to the {a}{b} plane", f"use {i} and {j}, or change the plane")
         for k, letter in enumerate((a, b)):
             scale, least = batch.unit_scale(letter)
             grid[k, of] = np.broadcast_to(least, batch.n)[blocks]
             unit[of] = np.broadcast_to(scale, batch.n)[blocks]
     centre_word[2] = word["R"]
     both = (centre_word[2] >= 0) & (np.maximum(centre_word[0], centre_word[1]) >= 0)
-    _because(batch, circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one")
+    batch.blame(circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one")
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
-    start = np.stack([batch.start[row_a, arc], batch.start[row_b, arc]])
-    end = np.stack([batch.target[row_a, arc], batch.target[row_b, arc]])
-    known = batch.start_known[row_a, arc] & batch.start_known[row_b, arc] & batch.target_known[row_a, arc] & batch.target_known[row_b, arc]
+    start = np.stack([places.start[row_a, arc], places.start[row_b, arc]])
+    end = np.stack([places.target[row_a, arc], places.target[row_b, arc]])
+    known = places.start_known[row_a, arc] & places.start_known[row_b, arc] & places.target_known[row_a, arc] & places.target_known[row_b, arc]
     blocks = circle.block[arc]
-    _because(batch, blocks[~known & good], "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
+    batch.blame(blocks[~known & good], "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
     counter = circle.code[arc] == COUNTER
     value = np.zeros((3, n), np.int64)
     for k in range(3):
@@ -75,9 +77,9 @@ def arcs_of(batch, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
         value[k, written] = batch.ticks(centre_word[k, written], unit[written])
     by_radius = centre_word[2] >= 0
     absolute = circle.absolute[arc] & ~by_radius
-    origin = np.stack([batch.origin[row_a, arc], batch.origin[row_b, arc]])
+    origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
     missing = ~by_radius & (np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0)
-    _because(batch, blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
+    batch.blame(blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
     centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM
     start_mm, end_mm = start / TICKS_PER_MM, end / TICKS_PER_MM
     if by_radius.any():
@@ -103,13 +105,7 @@ def _empty() -> Arcs:
     return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, i.astype(bool), two.astype(np.int64))
 
 
-def _because(batch, blocks: np.ndarray, message: str, advice: str) -> None:
-    free = blocks[batch.reason[blocks] == 0]
-    if len(free):
-        batch.reason[free] = batch.because(message, advice)
-
-
-def _centre_by_radius(batch, blocks, by_radius, start, end, radius, counter):
+def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
     """(2, n) mm: the centre left of the chord for a short counter-clockwise arc, else right of it."""
     chord = end - start
     length = np.hypot(*chord)
@@ -118,15 +114,15 @@ def _centre_by_radius(batch, blocks, by_radius, start, end, radius, counter):
     tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
     for i in np.flatnonzero(short)[:1]:
-        _because(batch, blocks[short], f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})", "check R and the end point")
-    _because(batch, blocks[by_radius & (length == 0)], "an R arc that ends where it begins has no centre", "write full circles with I J K")
+        batch.blame(blocks[short], f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})", "check R and the end point")
+    batch.blame(blocks[by_radius & (length == 0)], "an R arc that ends where it begins has no centre", "write full circles with I J K")
     height = np.sqrt(np.maximum(height2, 0.0))
     side = np.where(counter == (radius > 0), 1.0, -1.0)
     normal = np.stack([-chord[1], chord[0]]) / safe
     return (start + end) / 2 + normal * (height * side)
 
 
-def _turns(batch, circle: Circle, arc, sweep):
+def _turns(batch: Batch, circle: Circle, arc, sweep):
     """P counts full turns where the dialect says so; elsewhere it has no business in an arc."""
     place = batch.places.get("P")
     if place is None:
@@ -136,26 +132,26 @@ def _turns(batch, circle: Circle, arc, sweep):
     of = column[circle.block[arc]]
     has = of >= 0
     if not batch.dialect.turns:
-        _because(batch, circle.block[arc][has], "P in an arc", "this control has no turns in arcs")
+        batch.blame(circle.block[arc][has], "P in an arc", "this control has no turns in arcs")
         return sweep
     turns = np.where(has, batch.numbers(np.maximum(of, 0)), 1.0)
     wrong = (turns < 1) | (turns != np.floor(turns))
-    _because(batch, circle.block[arc][wrong], "P of an arc is not a whole number of turns", "write P1, P2, ...")
+    batch.blame(circle.block[arc][wrong], "P of an arc is not a whole number of turns", "write P1, P2, ...")
     return sweep + np.sign(sweep) * (turns - 1) * 2 * np.pi
 
 
-def _check(batch, blocks, good, radius, radius_end) -> None:
+def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
     """The control's radius check."""
     d = batch.dialect
     miss = np.abs(radius - radius_end)
     largest = np.maximum(radius, radius_end)
     wrong = (miss > d.arc_tolerance_most_mm) | ((miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest))
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
-    _because(batch, blocks[zero], "an arc of radius 0", "check I J K")
+    batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
     bad = np.flatnonzero(wrong & good & ~zero)
     for i in bad:
-        _because(
-            batch, blocks[i : i + 1],
+        batch.blame(
+            blocks[i : i + 1],
             f"the arc misses its own end point by {miss[i]:.4f} mm (limit {d.arc_tolerance_mm:g} mm)",
             "I J K were read as " + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
             + ": if the program means it the other way, say so with --arc-centre",

@@ -146,7 +146,7 @@ class _Batch:
         return np.minimum(np.maximum(m.places[row, motion], own), MOST_DECIMALS)
 
     def axis_words(self) -> None:
-        m, p, w = self.m, self.p, self.w
+        m, p = self.m, self.p
         first = np.flatnonzero(self.first)
         arc = p.arc >= 0
         for row, letter in enumerate(self.axes):
@@ -326,7 +326,7 @@ class _Batch:
 
     def _take_up_share(self, i: int) -> float:
         """Length of a take-up over the length of its motion."""
-        p, m = self.p, self.m
+        p = self.p
         own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
         same = np.flatnonzero(p.motion == p.motion[i])
         whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])

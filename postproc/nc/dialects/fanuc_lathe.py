@@ -50,7 +50,7 @@ DIALECT = Dialect(
     m_codes={
         **codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on", 24: "chamfering off",
         40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear",
-    },  # fmt: skip
+    },
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     semicolon="end of block",
     plane=180,

@@ -45,7 +45,7 @@ DIALECT = Dialect(
         **codes.SPINDLE_AND_COOLANT, 50: "feed override", 51: "speed override", 52: "adaptive feed", 53: "feed stop",
         61: "set tool number", 62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input",
         67: "analog output", 68: "analog output", 70: "save modal state", 71: "forget modal state",
-    },  # fmt: skip
+    },
     m_refuses={98: codes.CALL, 99: codes.CALL, 72: "modal state comes back from elsewhere: write the codes out", 73: codes.CALL},
     semicolon="comment",
     plane=170,

@@ -1,0 +1,177 @@
+"""The words of one batch by letter, and its modal groups as columns over its blocks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.errors import BlockFault, Notice
+from postproc.nc import codes
+from postproc.nc.columns import hold_last
+from postproc.nc.dialects import NO_GROUP, UNKNOWN
+from postproc.nc.lexer import Words
+from postproc.nc.state import NONE, ModalState
+from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.nc.interpreter import Interpreter
+
+LINEAR = "XYZUVW"
+
+
+class Batch:
+    """The columns of one batch while they are worked out."""
+
+    def __init__(self, interpreter: Interpreter, words: Words, state: ModalState):
+        self.dialect, self.setup, self.rows = interpreter.dialect, interpreter.setup, interpreter.rows
+        self.interpreter, self.words, self.state = interpreter, words, state
+        self.notices: list[Notice] = []
+        self.reasons: list[tuple[str, str]] = [("", "")]
+        self.n = words.blocks
+        present = np.flatnonzero(np.bincount(words.letter, minlength=128))
+        self.places = {chr(c): np.flatnonzero(words.letter == c) for c in present}  # letter to its words
+        self.ended = state.ended
+        self.live = self._live()
+        self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
+        self.single: dict[int, np.ndarray] = {}  # code without a group to its blocks
+        self.code_word = np.full(self.n, -1, np.int64)  # (B,) word of the motion code
+        self.reason = np.zeros(self.n, np.int64)  # (B,) index into reasons
+        self.has_axis = np.zeros(self.n, bool)  # (B,) names an axis
+        self.taken = np.zeros(self.n, bool)  # (B,) its axis words are no motion
+        self.loses = np.zeros(self.n, bool)  # (B,) sends axes to places that are not known
+        self.foreign = np.zeros(self.n, bool)  # (B,) moves, or may, in a way that is not followed
+        self.machine = np.zeros(self.n, bool)  # (B,) G53
+        self.offset = np.zeros((len(self.rows), 1), np.int64)  # (A, B) or (A, 1) ticks, zero of absolute words
+        self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
+
+    def fault(self, word: int, message: str, advice: str = "") -> BlockFault:
+        w = self.words
+        return BlockFault(int(w.block[word]), message, advice, int(w.start[word]), int(w.stop[word]))
+
+    def _live(self) -> np.ndarray:
+        """(B,) bool: blocks that the control reads; none after the end of the program, none that block delete drops."""
+        w, live = self.words, np.ones(self.n, dtype=bool)
+        if self.setup.block_delete:
+            live &= ~w.skip
+        if self.ended:
+            live[:] = False
+        for place in self.places.get("M", ())[:] if not self.ended else ():
+            if w.mantissa[place] in codes.END_OF_PROGRAM and w.decimals[place] == 0 and live[w.block[place]]:
+                live[w.block[place] + 1 :] = False
+                self.ended = True
+                break
+        if not live.all():
+            self.places = {letter: p[live[w.block[p]]] for letter, p in self.places.items()}
+            self.places = {letter: p for letter, p in self.places.items() if len(p)}
+        return live
+
+    def once(self, letter: str) -> np.ndarray:
+        """Word indices of a letter that may stand once in a block."""
+        place = self.places.get(letter)
+        if place is None:
+            return np.zeros(0, np.int64)
+        block = self.words.block[place]
+        twice = np.flatnonzero(block[1:] == block[:-1])
+        if len(twice):
+            raise self.fault(place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one")
+        return place
+
+    def numbers(self, place: np.ndarray) -> np.ndarray:
+        """(n,) float64 values of words."""
+        return self.words.mantissa[place] / 10.0 ** self.words.decimals[place]
+
+    def ticks(self, place: np.ndarray, scale) -> np.ndarray:
+        """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the tick beyond."""
+        mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
+        scale = np.broadcast_to(np.asarray(scale, np.int64), mantissa.shape)
+        size = np.abs(mantissa) * (scale / 10.0**decimals)
+        far = np.flatnonzero(size > LARGEST_WORD_MM * TICKS_PER_MM)
+        if len(far):
+            text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode("ascii", "replace")
+            raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
+        value = mantissa * (scale // 10 ** np.minimum(decimals, 9))
+        for i in np.flatnonzero(decimals > 9):
+            over = 10 ** int(decimals[i])
+            value[i] = (2 * int(mantissa[i]) * int(scale[i]) + over) // (2 * over)
+        return value
+
+    def read_codes(self) -> None:
+        """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE where not named."""
+        place = self.places.get("G", np.zeros(0, np.int64))
+        w = self.words
+        number = w.mantissa[place] * 10
+        fraction = w.decimals[place] > 0
+        number = np.where(fraction, w.mantissa[place] * 10 // 10 ** np.minimum(w.decimals[place], 17), number)
+        valid = (number >= 0) & (number < len(self.dialect.group_of)) & (w.decimals[place] < 18)
+        valid &= number * 10 ** np.minimum(w.decimals[place], 17) == w.mantissa[place] * 10
+        group = np.where(valid, self.dialect.group_of[np.where(valid, number, 0)], UNKNOWN)
+        bad = np.flatnonzero(group == UNKNOWN)
+        if len(bad):
+            text = w.text[w.start[place[bad[0]]] : w.stop[place[bad[0]]]].decode("ascii", "replace")
+            raise self.fault(place[bad[0]], f"{text} is not a code of {self.dialect.title}", "it could move an axis: use another --dialect, or take it out")
+        block = w.block[place]
+        for g in np.flatnonzero(np.bincount(group[group >= 0], minlength=len(self.dialect.groups))):
+            name, of = self.dialect.groups[g], group == g
+            if name == "motion" and (number[of] == 800).any():
+                others = np.bincount(block[of & (number != 800)], minlength=self.n)
+                of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
+            column = np.full(self.n, NONE, np.int64)
+            column[block[of]] = number[of]
+            self.given[name] = column
+            twice = np.flatnonzero(block[of][1:] == block[of][:-1])
+            if len(twice) and self.dialect.one_code_per_group:
+                raise self.fault(place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one")
+            if name == "motion":
+                self.code_word[block[of]] = place[of]
+        for code in sorted(set(number[group == NO_GROUP].tolist())):
+            self.single[int(code)] = block[number == code]
+
+    def held(self, group: str):
+        """The code of a group in force at each block: (B,) where the batch names it, else one number."""
+        if group not in self.given:
+            return self.state.codes.get(group, NONE)
+        return hold_last(self.given[group], self.state.codes.get(group, NONE))
+
+    def after(self) -> dict[str, int]:
+        """The codes in force behind the batch."""
+        result = dict(self.state.codes)
+        for group, column in self.given.items():
+            named = np.flatnonzero(column != NONE)
+            if len(named):
+                result[group] = int(column[named[-1]])
+        return result
+
+    def because(self, message: str, advice: str) -> int:
+        """The number of a reason, for the `reason` column."""
+        self.reasons.append((message, advice))
+        return len(self.reasons) - 1
+
+    def blame(self, blocks: np.ndarray, message: str, advice: str) -> None:
+        """Give blocks a reason, unless they have one."""
+        free = blocks[self.reason[blocks] == 0]
+        if len(free):
+            self.reason[free] = self.because(message, advice)
+
+    def held_absolute(self, block: int) -> bool:
+        """Whether arc centres are absolute at a block."""
+        return bool(np.broadcast_to(self.held("arc centre"), self.n)[block] == 901)
+
+    def unit_scale(self, letter: str):
+        """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
+        lii = self.setup.least_increment.get(letter, 1e-4)
+        units = self.held("units")
+        scale = np.where(units == 200, TICKS_PER_INCH, TICKS_PER_MM)
+        # A control with 0.0001 mm has 0.00001 inch.
+        grid = np.where(units == 200, round(lii / 10 * TICKS_PER_INCH), round(lii * TICKS_PER_MM))
+        if letter not in LINEAR:
+            scale, grid = np.asarray(TICKS_PER_MM), np.asarray(round(lii * TICKS_PER_MM))
+        return scale, grid
+
+    def halves(self, letter: str):
+        """(B,) or number: 2 where words of this axis are diameters, else 1."""
+        if letter == "X" and "diameter" in self.dialect.groups:
+            mode = self.held("diameter")
+            default = 2 if letter in self.setup.diameter else 1
+            return np.where(mode == 70, 2, np.where(mode == 80, 1, default))
+        return np.asarray(2 if letter in self.setup.diameter else 1)

@@ -1,0 +1,36 @@
+"""Columns over blocks: values that hold until the next one is given. A value that never changes may stay a number."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.nc.state import NONE
+
+
+def at(column, index: np.ndarray):
+    """A column at some blocks; a single number stays one."""
+    column = np.asarray(column)
+    return column.ravel()[0] if column.size == 1 else column[index]
+
+
+def changes(column) -> np.ndarray:
+    """Indices at which a column takes another value, the first one among them."""
+    column = np.asarray(column).ravel()
+    return np.concatenate([[0], np.flatnonzero(column[1:] != column[:-1]) + 1]) if len(column) else np.zeros(0, np.int64)
+
+
+def hold_index(named: np.ndarray) -> np.ndarray:
+    """(B,) index of the last named block up to each block, -1 before the first."""
+    return np.maximum.accumulate(np.where(named, np.arange(len(named)), -1))
+
+
+def hold_last(column: np.ndarray, carry: int) -> np.ndarray:
+    """Fill the gaps (-1) of a column with the last value given before them, or with `carry`."""
+    last = hold_index(column != NONE)
+    return np.where(last >= 0, column[np.maximum(last, 0)], carry)
+
+
+def hold_last_float(column: np.ndarray, carry: float) -> np.ndarray:
+    """The same with nan for the gaps."""
+    last = hold_index(~np.isnan(column))
+    return np.where(last >= 0, column[np.maximum(last, 0)], carry)

@@ -1,0 +1,122 @@
+"""From axis words to places: absolute words set a position, incremental ones add to it, all in whole ticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.nc.batch import LINEAR, Batch
+from postproc.nc.columns import at, hold_index, hold_last
+
+
+@dataclass
+class Places:
+    """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how each axis' word is (or
+    would be) written; end_position, end_known (A,): behind the batch."""
+
+    start: np.ndarray
+    target: np.ndarray
+    start_known: np.ndarray
+    target_known: np.ndarray
+    word: np.ndarray
+    incremental: np.ndarray
+    grid: np.ndarray
+    scale: np.ndarray
+    origin: np.ndarray
+    least: np.ndarray
+    end_position: np.ndarray
+    end_known: np.ndarray
+
+
+def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Places:
+    """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
+    w, n = b.words, b.n
+    distance = b.held("distance")
+    shape = (len(b.rows), len(block))
+    whole = [np.zeros(shape, np.int64) for _ in range(6)]
+    p = Places(
+        start=whole[0], target=whole[1], start_known=np.zeros(shape, bool), target_known=np.zeros(shape, bool),
+        word=np.full(shape, -1, np.int64), incremental=np.zeros(shape, bool), grid=whole[2], scale=whole[3], origin=whole[4],
+        least=whole[5], end_position=b.state.position.copy(), end_known=b.state.known.copy(),
+    )  # fmt: skip
+    taken, machine = b.taken, b.machine
+    forget = b.loses | b.foreign
+    for letter, row in b.rows.items():
+        scale, grid = b.unit_scale(letter)
+        half = b.halves(letter)
+        least = -round(np.log10(b.setup.least_increment.get(letter, 1e-4)))
+        least = least + ((b.held("units") == 200) if letter in LINEAR else 0)
+        scale, grid = scale // half, grid // half
+        offset = b.offset[row]
+        offset = offset if len(offset) == 1 else np.where(machine, 0, offset)
+        if len(offset) == 1 and machine.any():
+            offset = np.where(machine, 0, offset)
+        position, known = np.full(n, b.state.position[row]), np.full(n, b.state.known[row])
+        absolute, increment = axis_words[letter]
+        both = np.intersect1d(w.block[absolute], w.block[increment]) if len(increment) else increment
+        if len(both):
+            raise b.fault(increment[w.block[increment] == both[0]][0], f"{letter} and its increment in one block", "keep one of them")
+        place = absolute if not len(increment) else np.sort(np.concatenate([absolute, increment]))
+        if taken.any():
+            place = place[~taken[w.block[place]]]
+        by = w.block[place]
+        is_inc = at(distance == 910, by) & ~machine[by]
+        if len(increment):
+            is_inc |= w.letter[place] != ord(letter)
+        value = b.ticks(place, at(scale, by))
+        named = np.zeros(n, bool)
+        if len(by):
+            run: np.ndarray | int = 0
+            here, set_to = by, value
+            if is_inc.any():
+                moved = np.zeros(n, np.int64)
+                moved[by[is_inc]] = value[is_inc]
+                run = np.cumsum(moved)
+                here, set_to = by[~is_inc], value[~is_inc]
+            base = np.zeros(n, np.int64)
+            base[here] = set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
+            named[here] = True
+            last = hold_index(named)
+            position = base[last]
+            position[: np.searchsorted(last, 0)] = b.state.position[row]
+            position += run
+        drop = forget.copy()
+        for number in (280, 300):
+            if number in b.single:
+                _reference(b, number, letter, drop)
+        if named.any() or drop.any():
+            event = np.where(drop, 0, np.where(named, 1, -1))
+            known = hold_last(event, int(b.state.known[row])).astype(bool)
+        before = np.concatenate([[b.state.position[row]], position[:-1]])
+        before_known = np.concatenate([[b.state.known[row]], known[:-1]])
+        p.start[row], p.target[row] = before[block], position[block]
+        p.start_known[row], p.target_known[row] = before_known[block], known[block]
+        word = np.full(n, -1, np.int64)
+        word[by] = place
+        p.word[row] = word[block]
+        if is_inc.any() or np.any(distance == 910):
+            inc = np.broadcast_to(distance == 910, n).copy()
+            inc[by] = is_inc
+            p.incremental[row] = inc[block]
+        p.grid[row] = at(grid, block)
+        p.least[row] = at(least, block)
+        p.scale[row] = at(scale, block)
+        p.origin[row] = at(offset, block)
+        if n:
+            p.end_position[row], p.end_known[row] = position[-1], known[-1]
+    return p
+
+
+def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:
+    """G28 with axis words sends those axes away, without any all of them."""
+    block = b.single[number]
+    named = np.zeros(b.n, bool)
+    mine = np.zeros(b.n, bool)
+    reverse = {u: b.setup.axes[row] for u, row in b.interpreter.increment_rows.items()}
+    for other, place in b.places.items():
+        if other in b.rows or other in reverse:
+            named[b.words.block[place]] = True
+            if reverse.get(other, other) == letter:
+                mine[b.words.block[place]] = True
+    drop[block] = mine[block] | ~named[block]

@@ -1,0 +1,146 @@
+"""What is refused, and what is handed on with a reason because it can not be followed; offsets that are not stated.
+
+A reason is kept beside the motion: it matters only where a correction depends on the place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.errors import Notice
+from postproc.nc.batch import Batch
+from postproc.nc.columns import changes, hold_last
+from postproc.nc.state import NONE
+from postproc.units import TICKS_PER_MM
+
+
+def check_letters(b: Batch) -> None:
+    """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
+    for letter, place in b.places.items():
+        if letter in b.interpreter.letters:
+            continue
+        if letter in "ABCUVWXYZ":
+            raise b.fault(place[0], f"the machine has no axis {letter}", f"its axes are {' '.join(b.setup.axes)}; choose the right --machine")
+        raise b.fault(place[0], f"the letter {letter} has no meaning in {b.dialect.title}", "it could move an axis: use another --dialect, or take it out")
+    if b.words.skip.any() and not b.state.ended:
+        how = "left alone, as with the switch on" if b.setup.block_delete else "read as executed, as with the switch off"
+        b.notices.append(
+            Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
+                   "not right (--block-delete on|off)", int(b.words.line[np.flatnonzero(b.words.skip)[0]]))
+        )  # fmt: skip
+
+
+def check_points(b: Batch) -> None:
+    """Say once that coordinates without a decimal point mean different things to different controls."""
+    if b.dialect.integer_notice:
+        for letter in b.rows:
+            place = b.places.get(letter, np.zeros(0, np.int64))
+            bare = place[~b.words.pointed[place] & (b.words.mantissa[place] != 0) & ~b.taken[b.words.block[place]]]
+            if len(bare):
+                b.notices.append(Notice("integer", b.dialect.integer_notice, int(b.words.line[b.words.block[bare[0]]])))
+                return
+
+
+def refused_groups(b: Batch) -> None:
+    """Fill `reason` wherever a modal code that can not be followed is in force."""
+    for group in b.dialect.groups:
+        if group == "motion":
+            continue
+        before = b.state.codes.get(group, NONE)
+        if group in b.given:
+            column = b.given[group]
+            for number in sorted(set(column[column != NONE].tolist())):
+                code = b.dialect.by_number[int(number)]
+                if code.takes:
+                    b.taken |= column == number
+                    harmless = (column == number) & ~b.has_axis & (number != 100)
+                    column[harmless] = NONE  # G92 S: a speed limit, no position
+            held = hold_last(column, before)
+            refused = b.dialect.is_refused[np.maximum(held, 0)] & (held >= 0)
+            for number in np.unique(held[refused]):
+                b.reason[held == number] = _in_force(b, int(number))
+        elif before >= 0 and b.dialect.is_refused[before]:
+            b.reason[:] = _in_force(b, before)
+    offset_columns(b)
+
+
+def _in_force(b: Batch, number: int) -> int:
+    code = b.dialect.by_number[number]
+    return b.because(f"{code.word} ({code.meaning}) is in force", code.refuses)
+
+
+def offset_columns(b: Batch) -> None:
+    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown ones become reasons."""
+    work = b.held("work offset")
+    for number in sorted(set(np.asarray(work).ravel()[changes(work)].tolist())):
+        name = "" if number == NONE else b.dialect.by_number[int(number)].word
+        _add_offset(b, name, work == number)
+    tool_place = b.places.get("T") if b.dialect.tool_offsets else None
+    if tool_place is None:
+        _add_offset(b, b.tool, True)
+        return
+    edges = [0, *b.words.block[tool_place].tolist(), b.n]
+    names = [b.state.tool] + [_tool_name(b, int(p)) for p in tool_place]
+    for name, a, b in zip(names, edges[:-1], edges[1:], strict=True):
+        within = np.zeros(b.n, dtype=bool)
+        within[a:b] = True
+        _add_offset(b, name, within)
+    b.tool = names[-1]
+
+
+def _tool_name(b: Batch, place: int) -> str:
+    number = int(b.words.mantissa[place])
+    return f"T{number:04d}" if number >= 100 and number % 100 else ""
+
+
+def _add_offset(b: Batch, name: str, where) -> None:
+    if not name or not np.any(where):
+        return
+    if name not in b.setup.offsets:
+        kind = "work" if name.startswith("G") else "tool"
+        stated = ", ".join(sorted(b.setup.offsets)) or "none"
+        number = b.because(
+            f"the {kind} offset {name} is not stated",
+            f"say where its zero lies in machine coordinates, mm and radius: --offset {name}="
+            f"{','.join(x + '0' for x in b.rows)} (stated: {stated})",
+        )
+        b.reason = np.where(where, number, b.reason)
+        return
+    shift = [round(b.setup.offsets[name].get(x, 0.0) * TICKS_PER_MM) for x in b.rows]
+    b.offset = b.offset + np.array(shift, np.int64)[:, None] * np.atleast_1d(np.asarray(where, np.int64))
+
+
+def m_codes(b: Batch) -> None:
+    """M codes that call other text are foreign; ones that nobody knows are passed with a notice."""
+    place = b.places.get("M")
+    if place is None:
+        return
+    for number in sorted(set(b.words.mantissa[place].tolist())):
+        of = place[b.words.mantissa[place] == number]
+        block = b.words.block[of]
+        if number in b.dialect.m_refuses:
+            b.foreign[block] = True
+            b.reason[block] = b.because(f"M{number}", b.dialect.m_refuses[int(number)])
+        elif number not in b.dialect.m_codes:
+            b.notices.append(Notice(f"M{number}", f"M{number} is not a code of {b.dialect.title}: passed as it is", int(b.words.line[block[0]])))
+
+
+def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
+    """Motions whose code can not be followed, or that have none. motion (B,): the code in force."""
+    refused = b.dialect.is_refused[np.maximum(motion, 0)] & (motion >= 0) & moving
+    if "motion" in b.given:
+        given = b.given["motion"]
+        refused |= b.dialect.is_refused[np.maximum(given, 0)] & (given >= 0)
+    for number in sorted(set(motion[refused].tolist())):
+        code = b.dialect.by_number[int(number)]
+        b.reason[refused & (motion == number)] = b.because(f"{code.word} ({code.meaning})", code.refuses)
+    bare = moving & ~b.foreign & ~refused & ((motion == NONE) | (motion == 800))
+    b.blame(np.flatnonzero(bare), "axis words, but no motion code (G0 G1 G2 G3) is in force", "begin the program with the motion code it means")
+    b.foreign |= refused | bare
+
+
+def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndarray) -> None:
+    """I J K R in a block that is no arc: round a corner on some controls, an error on others. straight (B,) bool."""
+    for letter, place in centre_words.items():
+        block = b.words.block[place]
+        b.blame(block[straight[block]], f"{letter} in a straight motion", "corner rounding and chamfers are not followed: write the corner out")
