@@ -48,7 +48,11 @@ def main(argv: list[str] | None = None) -> int:
         return CLOSED_PIPE
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
-        full = "; the output is not complete, a file that stood there before still does" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        full = (
+            "; the output is not complete, a file that stood there before still does"
+            if error.errno in (errno.ENOSPC, errno.EDQUOT)
+            else ""
+        )
         return _complain(f"{what}{error.strerror or error}{full}", FAILED)
     except MemoryError:
         return _complain("out of memory", FAILED)
@@ -78,7 +82,9 @@ def _overview(argv: list[str]) -> int:
     if argv == ["--version"]:
         print(f"gcomp {__version__}")
         return 0
-    parser = argparse.ArgumentParser(prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs")
+    parser = argparse.ArgumentParser(
+        prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs"
+    )
     parser.add_argument("--version", action="store_true", help="say which gcomp this is")
     sub = parser.add_subparsers(metavar="COMMAND")
     for name in commands():

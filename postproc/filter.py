@@ -40,7 +40,13 @@ class Summary:
     largest: float = 0.0
 
 
-def setup_of(machine: Machine, offsets: dict | None = None, start: dict | None = None, block_delete: bool = False, arc_centre: str = "incremental") -> Setup:
+def setup_of(
+    machine: Machine,
+    offsets: dict | None = None,
+    start: dict | None = None,
+    block_delete: bool = False,
+    arc_centre: str = "incremental",
+) -> Setup:
     """What the text layer must know of a machine, and of how its control is set."""
     return Setup(
         axes=machine.letters, diameter=frozenset(machine.diameter),
@@ -90,7 +96,11 @@ class Filter:
         if not end:
             self._rest += data
             if len(self._rest) > LONGEST_LINE:
-                raise self._error(Place(self.name, self.summary.lines + 1), f"a line of more than {LONGEST_LINE:,} characters", "this is no NC program, or its line ends were lost")
+                raise self._error(
+                    Place(self.name, self.summary.lines + 1),
+                    f"a line of more than {LONGEST_LINE:,} characters",
+                    "this is no NC program, or its line ends were lost",
+                )
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
         return self._lines(text)
@@ -130,7 +140,11 @@ class Filter:
     def _tape(self, line: bytes) -> None:
         """The first "%" opens the program, one after blocks ends it: the control reads no further."""
         if line.strip()[:1] != b"%":
-            raise self._error(Place(self.name, self.summary.lines + 1, line.decode("latin-1")), "'%' stands inside a block", "'%' begins and ends a program, in a line of its own")
+            raise self._error(
+                Place(self.name, self.summary.lines + 1, line.decode("latin-1")),
+                "'%' stands inside a block",
+                "'%' begins and ends a program, in a line of its own",
+            )
         if self._begun:
             self.modal = replace(self.modal, ended=True)
         self._begun = True
@@ -188,7 +202,13 @@ class Filter:
                 return self._deliver(before, earlier, out)
         line = words.text[line_start:].split(b"\n", 1)[0].decode("latin-1")
         a = max(fault.start, start) if fault.stop else 0
-        place = Place(self.name, error_line, line, a - line_start + 1 if fault.stop else 0, fault.stop - line_start + 1 if fault.stop else 0)
+        place = Place(
+            self.name,
+            error_line,
+            line,
+            a - line_start + 1 if fault.stop else 0,
+            fault.stop - line_start + 1 if fault.stop else 0,
+        )
         error = self._error(place, fault.message, fault.advice)
         error.delivered = b"".join(out)
         return error

@@ -32,7 +32,10 @@ def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
     """The program to read: the stream, its name in messages, and its size (0: not known). None and "-": standard input."""
     if path in (None, "-"):
         if sys.stdin is None or sys.stdin.isatty():
-            raise UsageError("no program: nothing is piped in and no file is named", "gcomp --machine NAME FILE, or ... | gcomp --machine NAME")
+            raise UsageError(
+                "no program: nothing is piped in and no file is named",
+                "gcomp --machine NAME FILE, or ... | gcomp --machine NAME",
+            )
         yield sys.stdin.buffer, "<stdin>", 0
         return
     assert path is not None

@@ -56,20 +56,47 @@ class Verifier:
                 raise again.fault
             back, self.state, _ = self.interpreter.run(again, self.state)
         except BlockFault as fault:
-            line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode("latin-1")
-            raise GcompError(f"the output can not be read back: {fault.message}", "this is an error of gcomp: please report the program", Place(self.name, first_line + 1, line)) from None
+            line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode(
+                "latin-1"
+            )
+            raise GcompError(
+                f"the output can not be read back: {fault.message}",
+                "this is an error of gcomp: please report the program",
+                Place(self.name, first_line + 1, line),
+            ) from None
         if len(back) != len(pieces) or (back.code != pieces.code).any():
-            raise GcompError(f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})", "this is an error of gcomp: please report the program")
+            raise GcompError(
+                f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})",
+                "this is an error of gcomp: please report the program",
+            )
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
             line = first_line + words.line[motions.block] + 1
-            self._measure(motions, np.arange(len(motions)), np.zeros(len(motions)), np.ones(len(motions)), motions, line, self.uncorrected, None)
+            self._measure(
+                motions,
+                np.arange(len(motions)),
+                np.zeros(len(motions)),
+                np.ones(len(motions)),
+                motions,
+                line,
+                self.uncorrected,
+                None,
+            )
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
-            self._measure(motions, owner, begin, begin + pieces.share, back, line, self.corrected, ~pieces.take_up & pieces.corrected)
+            self._measure(
+                motions,
+                owner,
+                begin,
+                begin + pieces.share,
+                back,
+                line,
+                self.corrected,
+                ~pieces.take_up & pieces.corrected,
+            )
             self.turn = self.after
 
     def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, line, into: Largest, counts) -> None:
@@ -196,4 +223,3 @@ class Verifier:
             f"uncorrected {self.uncorrected.deviation / UM:.2f} um (line {self.uncorrected.line}); tolerance {self.tolerance / UM:g} um; "
             f"{self.motions_in} motions in, {self.motions_out} out"
         )
-

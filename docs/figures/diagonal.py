@@ -29,7 +29,7 @@ HERE = Path(__file__).resolve().parent
 MACHINE = HERE.parents[1] / "machines" / "studer-s36"
 PROGRAM = b"G90 G94 G21 G54\nG0 X0. Z0.\nG1 X340. Z510. F1000.\nM30\n"  # X is a diameter
 MAGNIFIED = 2000
-SAMPLES = 5101
+SAMPLES = 1021  # one in 0.5 mm of Z
 EVERY = 30.0  # mm of Z between two error vectors: the spacing of the measurement
 DPI = 112  # 9 inches: 1008 pixels
 
@@ -39,13 +39,13 @@ NOMINAL, PLAIN, ENDS, GCOMP, INK = "#BBBBBB", "#D55E00", "#009E73", "#0072B2", "
 
 def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
     """(2, K + 1) mm: X (radius) and Z of the ends of the K blocks that the Filter makes of the diagonal; (K + 1,) the part of the
-    way that each stands for, from 0 to 1; mm, the tolerance."""
+    way that each stands for, from 0 to 1; mm, the tolerance. The take-up before them, on the spot, is none of them."""
     seen = []
     filter_ = Filter(machine, dialects.load(machine.control), setup_of(machine))
     filter_.watchers.append(lambda words, motions, pieces, output, lines: seen.append(pieces))
     filter_.feed(PROGRAM)
     pieces = seen[0]
-    mine = pieces.motion == 1
+    mine = (pieces.motion == 1) & ~pieces.take_up
     start, end = pieces.start[:, mine] / TICKS_PER_MM, pieces.end[:, mine] / TICKS_PER_MM
     return np.column_stack([start[:, 0], end]), np.append(0.0, np.cumsum(pieces.share[mine])), filter_.compensator.tolerance
 
@@ -80,7 +80,8 @@ def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], par
     axes.set_yticks([0, 50, 100, 150, 200])
     scale = 50 * UM * MAGNIFIED
     axes.plot([500, 500 + scale], [30, 30], color=INK, linewidth=2, marker="|", markersize=8)
-    axes.text(500 + scale / 2, 24, f"50 µm of deviation\n(magnified {MAGNIFIED}×)", ha="center", va="top", color=INK)
+    axes.text(500 + scale / 2, 22, "50 µm of deviation", ha="center", va="top", color=INK)
+    axes.text(0, 236, f"deviations by the measured error map,\nmagnified {MAGNIFIED}×", va="top", color=INK)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2, handlelength=1.8, columnspacing=1.6)
 
 
@@ -89,7 +90,7 @@ def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np
     size = {name: np.hypot(*d) / UM for name, d in deviation.items()}
     z = nominal[1]
     large.plot(z, size["plain"], color=PLAIN, linewidth=2.2, label=f"uncompensated: {size['plain'].max():.1f} µm")
-    large.plot(z, size["ends"], color=ENDS, linewidth=2.2, linestyle=(0, (5, 1.6)), label=f"only its end corrected: {size['ends'].max():.1f} µm")
+    large.plot(z, size["ends"], color=ENDS, linewidth=2.2, linestyle=(0, (5, 1.6)), label=f"only its ends corrected: {size['ends'].max():.1f} µm")
     for axes in (large, small):
         axes.plot(z, size["gcomp"], color=GCOMP, linewidth=1.8, label=f"gcomp: {size['gcomp'].max():.2f} µm")
         axes.set(xlim=(-10, 520), xticks=np.arange(0, 511, 60))
@@ -98,9 +99,10 @@ def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np
     small.plot(z, size["ends"], color=ENDS, linewidth=2.2, linestyle=(0, (5, 1.6)))
     small.axhline(tolerance / UM, color=INK, linewidth=1.5, linestyle=(0, (1, 1.5)))
     small.text(255, tolerance / UM - 0.02, f"tolerance {tolerance / UM:g} µm", ha="center", va="top", color=INK)
-    large.set(ylim=(0, 80), yticks=[0, 20, 40, 60, 80])
+    large.set(ylim=(-2, 80), yticks=[0, 20, 40, 60, 80])
     large.tick_params(labelbottom=False)
-    small.set(ylim=(0, 0.6), yticks=[0, 0.2, 0.4, 0.6], xlabel="Z, mm")
+    small.text(16, 0.62, "the same, enlarged", va="center", color=INK)
+    small.set(ylim=(-0.02, 0.7), yticks=[0, 0.2, 0.4, 0.6], xlabel="Z, mm")
     large.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2, handlelength=2.2, columnspacing=1.6)
 
 
@@ -111,15 +113,15 @@ def main() -> None:
         "font.family": "DejaVu Sans", "font.size": 11, "axes.labelsize": 11, "legend.fontsize": 11, "axes.titlesize": 12, "axes.edgecolor": INK, "axes.labelcolor": INK, "xtick.color": INK,
         "ytick.color": INK, "text.color": INK, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#E6E6E6", "axes.axisbelow": True, "svg.hashsalt": "gcomp",
     })  # fmt: skip
-    figure = plt.figure(figsize=(9.0, 8.9), dpi=DPI, facecolor="white")
+    figure = plt.figure(figsize=(9.0, 8.6), dpi=DPI, facecolor="white")
     frame = {"left": 0.088, "right": 0.985}
-    top = figure.add_gridspec(1, 1, top=0.895, bottom=0.47, **frame).subplots()
-    large, small = figure.add_gridspec(2, 1, top=0.355, bottom=0.065, hspace=0.16, height_ratios=[1.5, 1], **frame).subplots(sharex=True)
+    top = figure.add_gridspec(1, 1, top=0.925, bottom=0.495, **frame).subplots()
+    large, small = figure.add_gridspec(2, 1, top=0.372, bottom=0.066, hspace=0.16, height_ratios=[1.5, 1], **frame).subplots(sharex=True)
     paths(top, nominal, deviation, part)
     sizes(large, small, nominal, deviation, tolerance)
-    top.set_title("One straight G1, X0 Z0 to X340 Z510, on a Studer S-36 (model of its measured errors)", loc="left", pad=30, fontweight="bold")
-    large.set_title("Deviation from the programmed position, and the largest on the way", loc="left", pad=28, fontweight="bold")
-    figure.text(0.022, 0.21, "deviation, µm", rotation=90, ha="center", va="center")
+    top.set_title("One G1 over the diagonal of a Studer S-36: X0 Z0 to X340 Z510", loc="left", pad=30, fontweight="bold")
+    large.set_title("How far the tool is from where the program says, and the largest on the way", loc="left", pad=28, fontweight="bold")
+    figure.text(0.022, 0.22, "deviation, µm", rotation=90, ha="center", va="center")
     figure.savefig(HERE / "diagonal.svg", metadata={"Date": None})
     figure.savefig(HERE / "diagonal.png", dpi=DPI)
     for name, d in deviation.items():

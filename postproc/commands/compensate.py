@@ -23,32 +23,92 @@ EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading(parser)
     out = parser.add_argument_group("where it goes")
-    out.add_argument("-o", "--output", metavar="FILE", help="write here instead of to standard output; in one step, when all is accepted")
-    out.add_argument("--in-place", action="store_true", help="correct FILE itself; its old content stays beside it as FILE.bak")
-    out.add_argument("--unbuffered", action="store_true", help="pass block by block, for live pipes; a refusal then comes after what is already out")
+    out.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="write here instead of to standard output; in one step, when all is accepted",
+    )
+    out.add_argument(
+        "--in-place", action="store_true", help="correct FILE itself; its old content stays beside it as FILE.bak"
+    )
+    out.add_argument(
+        "--unbuffered",
+        action="store_true",
+        help="pass block by block, for live pipes; a refusal then comes after what is already out",
+    )
     out.add_argument("--dry-run", action="store_true", help="write no program: say what would change")
     say = parser.add_argument_group("what it says")
-    say.add_argument("--verify", action="store_true", help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance")
+    say.add_argument(
+        "--verify",
+        action="store_true",
+        help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance",
+    )
     say.add_argument("--quiet", action="store_true", help="no notices, no summary")
-    say.add_argument("--filter-progress", action="store_true", help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do")
+    say.add_argument(
+        "--filter-progress",
+        action="store_true",
+        help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do",
+    )
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
 
 
 def reading(parser: argparse.ArgumentParser) -> None:
     """The options that say for which machine, how, and in which language: shared by all that read programs."""
-    parser.add_argument("--machine", metavar="NAME", required=True, help="a machine by name (gcomp machines) or by the path of its folder")
+    parser.add_argument(
+        "--machine",
+        metavar="NAME",
+        required=True,
+        help="a machine by name (gcomp machines) or by the path of its folder",
+    )
     how = parser.add_argument_group("how it is corrected")
-    how.add_argument("--tolerance", metavar="LENGTH", type=values.length, help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)")
-    how.add_argument("--reversal", choices=("mean", "step", "ramp", "off"), help="what to do where an axis turns back (default: the machine's, or step)")
-    how.add_argument("--ramp", metavar="LENGTH", type=values.length, help="travel over which --reversal ramp takes up the difference")
-    how.add_argument("--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value")
+    how.add_argument(
+        "--tolerance",
+        metavar="LENGTH",
+        type=values.length,
+        help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)",
+    )
+    how.add_argument(
+        "--reversal",
+        choices=("mean", "step", "ramp", "off"),
+        help="what to do where an axis turns back (default: the machine's, or step)",
+    )
+    how.add_argument(
+        "--ramp", metavar="LENGTH", type=values.length, help="travel over which --reversal ramp takes up the difference"
+    )
+    how.add_argument(
+        "--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value"
+    )
     how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
     program = parser.add_argument_group("how the program is read")
     program.add_argument("--dialect", metavar="NAME", help="the control's language, if not the machine's own")
-    program.add_argument("--offset", metavar="G54=X1,Z2", action="append", default=[], type=values.offset, help="where a work or tool offset's zero lies, mm, radius, machine coordinates; repeatable")
-    program.add_argument("--start", metavar="X0,Z0", type=values.place, default={}, help="where the machine stands before the program, mm, radius, machine coordinates")
-    program.add_argument("--block-delete", choices=("on", "off"), default="off", help="whether blocks that begin with / are skipped at the machine")
-    program.add_argument("--arc-centre", choices=("incremental", "absolute"), default="incremental", help="what I J K mean when no G90.1 or G91.1 says so")
+    program.add_argument(
+        "--offset",
+        metavar="G54=X1,Z2",
+        action="append",
+        default=[],
+        type=values.offset,
+        help="where a work or tool offset's zero lies, mm, radius, machine coordinates; repeatable",
+    )
+    program.add_argument(
+        "--start",
+        metavar="X0,Z0",
+        type=values.place,
+        default={},
+        help="where the machine stands before the program, mm, radius, machine coordinates",
+    )
+    program.add_argument(
+        "--block-delete",
+        choices=("on", "off"),
+        default="off",
+        help="whether blocks that begin with / are skipped at the machine",
+    )
+    program.add_argument(
+        "--arc-centre",
+        choices=("incremental", "absolute"),
+        default="incremental",
+        help="what I J K mean when no G90.1 or G91.1 says so",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,7 +116,9 @@ def run(options: argparse.Namespace) -> int:
     if options.in_place and (options.output or options.file in (None, "-")):
         raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
     if options.unbuffered and (options.output or options.in_place or options.dry_run):
-        raise UsageError("--unbuffered writes to standard output as it goes: not with --output, --in-place or --dry-run")
+        raise UsageError(
+            "--unbuffered writes to standard output as it goes: not with --output, --in-place or --dry-run"
+        )
     with ports.opened(options.file) as (source, name, size):
         filter_.name = name
         verifier = None
@@ -89,7 +151,10 @@ def filter_of(options: argparse.Namespace) -> Filter:
     for name, place in [*options.offset, ("--start", options.start)]:
         for axis in place:
             if axis not in machine.axes:
-                raise UsageError(f"{name} names {axis}, which is no axis of {machine.name}", f"its axes are {' '.join(machine.letters)}")
+                raise UsageError(
+                    f"{name} names {axis}, which is no axis of {machine.name}",
+                    f"its axes are {' '.join(machine.letters)}",
+                )
     setup = setup_of(machine, dict(options.offset), options.start, options.block_delete == "on", options.arc_centre)
     how = Options(options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids)
     return Filter(machine, dialect, setup, how)
@@ -114,7 +179,10 @@ def _whole(filter_: Filter, source, size: int, options: argparse.Namespace, veri
             step(len(data))
         spool.write(filter_.finish())
         if verifier and not verifier.passed:
-            raise GcompError(f"verification failed: {verifier.report()}", "nothing was written; this is an error of gcomp: please report the program")
+            raise GcompError(
+                f"verification failed: {verifier.report()}",
+                "nothing was written; this is an error of gcomp: please report the program",
+            )
         if options.dry_run:
             print(summary(filter_))
         elif options.in_place:

@@ -72,7 +72,9 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
     try:
         line = Line(text.strip().lstrip("/"))
     except (GCodeParameterError, GCodeWordStrError, AssertionError, ValueError, TypeError, IndexError) as error:
-        return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(f"{k}{v:g}" for k, vs in mine.items() for v in vs)
+        return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(
+            f"{k}{v:g}" for k, vs in mine.items() for v in vs
+        )
     theirs: dict[str, list[float]] = {}
     for word in line.block.words:
         theirs.setdefault(word.letter, []).append(float(word.value))
@@ -97,8 +99,13 @@ def _motion(filter_, motions: Motions, pieces: Pieces, i: int) -> list[str]:
     total = machine.deviation(target, turn)[:, 0]
     parts = machine.contributions(target, turn)
     for row in machine.corrected:
-        named = ", ".join(f"{name} {value[row, 0] / UM:+.1f}" for name, value in parts if abs(value[row, 0]) > SMALLEST_UM * UM)
-        says.append(f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um" + (f" ({named})" if named else ""))
+        named = ", ".join(
+            f"{name} {value[row, 0] / UM:+.1f}" for name, value in parts if abs(value[row, 0]) > SMALLEST_UM * UM
+        )
+        says.append(
+            f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um"
+            + (f" ({named})" if named else "")
+        )
     n = int((pieces.motion == i).sum())
     turns = int(pieces.take_up[pieces.motion == i].sum())
     if n > 1:

@@ -41,13 +41,18 @@ def run(options: argparse.Namespace) -> int:
 
 def show(machine: Machine) -> str:
     """What a machine is, for a person."""
-    lines = [f"{machine.name}: {machine.title}", f"control {machine.control}, chain {'-'.join(_chain(machine))}, map {machine.digest}"]
+    lines = [
+        f"{machine.name}: {machine.title}",
+        f"control {machine.control}, chain {'-'.join(_chain(machine))}, map {machine.digest}",
+    ]
     if machine.diameter:
         lines.append(f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius")
     if machine.source:
         lines.append(f"source: {machine.source}")
     for letter, axis in machine.axes.items():
-        lines.append(f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} mm, least increment {axis.least_increment:g} mm")
+        lines.append(
+            f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} mm, least increment {axis.least_increment:g} mm"
+        )
         if axis.table is None:
             lines.append("  no error table")
             continue
@@ -61,7 +66,9 @@ def show(machine: Machine) -> str:
             both = np.stack([forward, reverse]) / scale
             worst = np.unravel_index(np.argmax(np.abs(both)), both.shape)
             ways = f", reversal up to {np.abs(both[0] - both[1]).max():.1f}" if np.any(forward != reverse) else ""
-            lines.append(f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {unit}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} mm{ways}")
+            lines.append(
+                f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {unit}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} mm{ways}"
+            )
         if table.is_zero:
             lines.append("  all zero")
     for letter, lean in machine.square.items():
@@ -69,11 +76,15 @@ def show(machine: Machine) -> str:
             if value:
                 lines.append(f"\nsquareness {'ABC'[i]}0{letter}  {value / URAD:+.1f} urad")
     for term in machine.effects:
-        lines.append(f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items()))
+        lines.append(
+            f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
+        )
     for name, zero in machine.offsets.items():
         lines.append(f"offset {name}: " + " ".join(f"{x}{v:g}" for x, v in zero.items()))
     limits = machine.limits
-    lines.append(f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}")
+    lines.append(
+        f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}"
+    )
     if not machine.is_zero:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
     return "\n".join(lines)

@@ -11,7 +11,9 @@ LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
 
 def length(text: str) -> float:
     """mm from "0.5um", "0.001mm", "0.00004in"; a bare number is mm."""
-    found = re.fullmatch(r"([0-9.]+(?:e-?\d+)?)\s*(um|mm|in|)", text.strip().replace("\u00b5m", "um").replace("\u03bcm", "um"))
+    found = re.fullmatch(
+        r"([0-9.]+(?:e-?\d+)?)\s*(um|mm|in|)", text.strip().replace("\u00b5m", "um").replace("\u03bcm", "um")
+    )
     try:
         value = float(found[1]) * LENGTHS[found[2]] if found else math.nan
     except ValueError:

@@ -44,7 +44,9 @@ def follow(travel: np.ndarray, forget: np.ndarray, carry: np.ndarray, limit: int
             after[axis] = np.where(last >= 0, sign[np.maximum(last, 0)], carry[axis])
         else:
             steps = zip(travel[axis].tolist(), forget[axis].tolist(), strict=True)
-            states = accumulate(steps, lambda s, d: 0 if d[1] else max(-limit, min(limit, s + d[0])), initial=int(carry[axis]))
+            states = accumulate(
+                steps, lambda s, d: 0 if d[1] else max(-limit, min(limit, s + d[0])), initial=int(carry[axis])
+            )
             after[axis] = list(states)[1:]
     before = np.concatenate([carry[:, None], after[:, :-1]], axis=1)
     return before, after

@@ -51,7 +51,10 @@ def points(arcs: Arcs, start: np.ndarray, target: np.ndarray, arc: np.ndarray, t
     radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
     column = np.arange(len(arc))
     inner = (t > 0) & (t < 1)  # ends stay as programmed, to the bit
-    for axis, value in ((arcs.first[arc], arcs.centre[0, arc] + radius * np.cos(angle)), (arcs.second[arc], arcs.centre[1, arc] + radius * np.sin(angle))):
+    for axis, value in (
+        (arcs.first[arc], arcs.centre[0, arc] + radius * np.cos(angle)),
+        (arcs.second[arc], arcs.centre[1, arc] + radius * np.sin(angle)),
+    ):
         p[axis[inner], column[inner]] = value[inner]
     return p
 
@@ -107,8 +110,12 @@ class Fitter:
         """Accept, halve or turn to chords until every part is within tolerance; in no particular order."""
         done: list[Rows] = []
         wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > LARGEST_SWEEP
-        moved = (rows.begin != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t0) * TICKS_PER_MM)).any(axis=0)
-        moved |= (rows.end != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t1) * TICKS_PER_MM)).any(axis=0)
+        moved = (
+            rows.begin != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t0) * TICKS_PER_MM)
+        ).any(axis=0)
+        moved |= (
+            rows.end != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t1) * TICKS_PER_MM)
+        ).any(axis=0)
         rows, force = rows, wide & moved
         for halving in range(HALVINGS + 1):
             if not len(rows):
@@ -121,7 +128,9 @@ class Fitter:
             rows, middle = rows.pick(~good & ~short), middle[:, ~good & ~short]
             half = (rows.t0 + rows.t1) / 2
             left, right = replace(rows, t1=half, end=middle), replace(rows, t0=half, begin=middle)
-            rows = Rows(**{f: np.concatenate([getattr(left, f), getattr(right, f)], axis=-1) for f in Rows.__dataclass_fields__})
+            rows = Rows(
+                **{f: np.concatenate([getattr(left, f), getattr(right, f)], axis=-1) for f in Rows.__dataclass_fields__}
+            )
             wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > LARGEST_SWEEP / 2
             force = wide & np.concatenate([force[~good & ~short]] * 2)
         return Rows(**{f: np.concatenate([getattr(r, f) for r in done], axis=-1) for f in Rows.__dataclass_fields__})
@@ -143,7 +152,9 @@ class Fitter:
             if len(which):
                 parts.append(self.fit(rows.pick(which), count[which]))
         good, fitted, middle = zip(*parts, strict=True)
-        joined = Rows(**{f: np.concatenate([getattr(r, f) for r in fitted], axis=-1) for f in Rows.__dataclass_fields__})
+        joined = Rows(
+            **{f: np.concatenate([getattr(r, f) for r in fitted], axis=-1) for f in Rows.__dataclass_fields__}
+        )
         return np.concatenate(good), joined, np.concatenate(middle, axis=1)
 
     def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, Rows, np.ndarray]:
@@ -170,7 +181,9 @@ class Fitter:
         along = chord / np.where(length > 0, length, 1.0)
         across = np.stack([-along[1], along[0]])
         radial0 = (unit0 * shift0).sum(axis=0)
-        fixed = np.where(length > 1e-9, ((unit1 * shift1).sum(axis=0) - radial0) / np.where(length > 1e-9, length, 1.0), 0.0)
+        fixed = np.where(
+            length > 1e-9, ((unit1 * shift1).sum(axis=0) - radial0) / np.where(length > 1e-9, length, 1.0), 0.0
+        )
         arm = unit - unit0[:, row]
         g = (arm * across[:, row]).sum(axis=0)
         h = (unit * (point2 - nominal2)).sum(axis=0) - radial0[row] - (arm * along[:, row]).sum(axis=0) * fixed[row]

@@ -52,8 +52,13 @@ class Batch:
         motion, t0, t1 = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
         self.arc_of = np.full(len(m), -1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
-        self.arc_start, self.arc_target = m.start[:, arcs.motion] / TICKS_PER_MM, m.target[:, arcs.motion] / TICKS_PER_MM
-        turning = self.machine.two_way[arcs.first] | self.machine.two_way[arcs.second] if len(arcs) else np.zeros(0, bool)
+        self.arc_start, self.arc_target = (
+            m.start[:, arcs.motion] / TICKS_PER_MM,
+            m.target[:, arcs.motion] / TICKS_PER_MM,
+        )
+        turning = (
+            self.machine.two_way[arcs.first] | self.machine.two_way[arcs.second] if len(arcs) else np.zeros(0, bool)
+        )
         if self.c.limit and turning.any():
             arc, t = quadrants(arcs)
             keep = turning[arc] & (t > 1e-9) & (t < 1 - 1e-9)
@@ -128,11 +133,15 @@ class Batch:
         free = self.free[motion]
         self.exact = self.end_nominal.copy()
         which = np.flatnonzero(free)
-        self.exact[:, which] = command(self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which])
+        self.exact[:, which] = command(
+            self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
+        )
         step = m.grid[:, motion]
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS_PER_MM / step).astype(np.int64) * step
-        nominal_ticks = np.where(self.last, m.target[:, motion], np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64))
+        nominal_ticks = np.where(
+            self.last, m.target[:, motion], np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64)
+        )
         self.nominal_end = nominal_ticks
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
@@ -142,7 +151,9 @@ class Batch:
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
         # A word that is not there is written on the grid of its own zero.
         bare = m.word < 0
-        row, absent = np.nonzero(self.last & (bare & ~m.incremental)[:, motion]) if bare.any() else (np.zeros(0, np.int64),) * 2
+        row, absent = (
+            np.nonzero(self.last & (bare & ~m.incremental)[:, motion]) if bare.any() else (np.zeros(0, np.int64),) * 2
+        )
         zero, step = m.origin[row, motion[absent]], step[row, absent]
         on_grid = zero + np.rint((self.exact[row, absent] * TICKS_PER_MM - zero) / step).astype(np.int64) * step
         loose = (on_grid - self.end[row, absent]) % step != 0  # the nominal place itself is off the grid
@@ -157,7 +168,9 @@ class Batch:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
         m, motion = self.m, self.motion
         cutting = (m.code[motion] != RAPID) & (m.code[motion] != FOREIGN)
-        weight_before = np.concatenate([(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1)
+        weight_before = np.concatenate(
+            [(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1
+        )
         turned: np.ndarray = np.any((weight_before != self.weight_begin) & self.machine.two_way[:, None], axis=0)
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
         if self.c.mode != "step":
@@ -209,7 +222,13 @@ class Batch:
             return
         play = 2 * float(np.abs(table.half[row_of(self.machine.letters[row])]).max()) * TICKS_PER_MM
         creep = self.end[row] - self.begin[row]
-        back = (self.travel[row] == 0) & self.free[self.motion] & self.known_before & (creep * self.weight_end[row] < 0) & (np.abs(creep) < play)
+        back = (
+            (self.travel[row] == 0)
+            & self.free[self.motion]
+            & self.known_before
+            & (creep * self.weight_end[row] < 0)
+            & (np.abs(creep) < play)
+        )
         if back.any():
             i = int(np.argmax(np.where(back, np.abs(creep), 0)))
             letter = self.machine.letters[row]
@@ -219,7 +238,11 @@ class Batch:
             ))  # fmt: skip
 
     def _nominal_begin(self, row: int) -> np.ndarray:
-        return np.where(self.t0 == 0, self.m.start[row, self.motion], np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64))
+        return np.where(
+            self.t0 == 0,
+            self.m.start[row, self.motion],
+            np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64),
+        )
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""

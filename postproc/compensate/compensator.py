@@ -55,7 +55,11 @@ class Compensator:
         self.outside = options.outside or machine.limits.outside
         n = max(1, len(machine.corrected))
         # Rounding may take half a least increment in one axis beyond the tolerance; several axes together take more.
-        beyond = max(0.0, float(np.linalg.norm(rounding[list(machine.corrected)] / 2)) - max(least) / 2) if machine.corrected else 0.0
+        beyond = (
+            max(0.0, float(np.linalg.norm(rounding[list(machine.corrected)] / 2)) - max(least) / 2)
+            if machine.corrected
+            else 0.0
+        )
         inner = max(self.tolerance - beyond, self.tolerance / 2)
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
@@ -95,7 +99,9 @@ class Compensator:
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = in_order([p for p in parts if p is not None])
         largest = limits.check_limits(b)
-        after = Carry(b.turn_after[:, -1].copy(), b.end[:, -1].copy(), bool(b.free[b.motion[-1]]), max(carry.largest, largest))
+        after = Carry(
+            b.turn_after[:, -1].copy(), b.end[:, -1].copy(), bool(b.free[b.motion[-1]]), max(carry.largest, largest)
+        )
         return pieces, after, b.notices
 
 

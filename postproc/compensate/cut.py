@@ -92,7 +92,11 @@ def _cuts(b: Batch, chosen: np.ndarray):
     start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
     owner, t, axis = nodes.candidates(b.machine, start, target, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
-        owner, t, axis = np.concatenate([owner, more]), np.concatenate([t, at]), np.concatenate([axis, np.full(len(at), -1)])
+        owner, t, axis = (
+            np.concatenate([owner, more]),
+            np.concatenate([t, at]),
+            np.concatenate([axis, np.full(len(at), -1)]),
+        )
     exact = _along(b, chosen, owner, t)
     # It is the command that passes the node, not the nominal point: step back by the correction.
     node = np.flatnonzero(axis >= 0)
@@ -140,7 +144,11 @@ def arc_pieces(b: Batch):
     if not len(which):
         return None
     for i in which[~b.known_before[which]][:1]:
-        raise MotionFault(int(motion[i]), "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
+        raise MotionFault(
+            int(motion[i]),
+            "an arc that begins at an unknown place",
+            "move every axis to an absolute position first, or say --start",
+        )
     rows = Rows(
         arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which], begin=b.begin[:, which],
         end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), chord=np.zeros(len(which), bool),

@@ -24,11 +24,17 @@ def check_unknown(b: Batch) -> None:
     lost = ~b.known & ~b.m.alone
     for i in np.flatnonzero(lost & (b.m.code != RAPID))[:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if k in b.rows and not b.m.target_known[k, i])
-        raise MotionFault(int(i), f"where {axes} stands is not known here, and the correction depends on it", f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100")
+        raise MotionFault(
+            int(i),
+            f"where {axes} stands is not known here, and the correction depends on it",
+            f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
+        )
     for i in np.flatnonzero(lost)[:1]:
         b.notices.append(Notice("rapid", "rapids before every axis has its position are left as they are", int(i)))
     for i in np.flatnonzero(b.free & ~b.start_known & (b.m.code == FEED))[:1]:
-        b.notices.append(Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i)))
+        b.notices.append(
+            Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))
+        )
 
 
 def check_inside(b: Batch) -> None:
@@ -78,14 +84,25 @@ def check_limits(b: Batch) -> float:
     for row in b.rows:
         low, high = b.machine.axes[b.machine.letters[row]].travel
         value = b.end[row] / TICKS_PER_MM
-        faults += [(int(i), b.machine.letters[row]) for i in np.flatnonzero(free & ((value < low - EDGE) | (value > high + EDGE)))[:1]]
+        faults += [
+            (int(i), b.machine.letters[row])
+            for i in np.flatnonzero(free & ((value < low - EDGE) | (value > high + EDGE)))[:1]
+        ]
     if not faults:
         return float(correction[:, free].max(initial=0.0))
     i, what = min(faults)
     if what == "over":
         row = int(np.argmax(correction[:, i]))
         letter = b.machine.letters[b.rows[row]]
-        raise MotionFault(int(b.motion[i]), f"the correction of {letter} is {correction[row, i]:.4f} mm (limit max_correction = {largest:g} mm)", "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml")
+        raise MotionFault(
+            int(b.motion[i]),
+            f"the correction of {letter} is {correction[row, i]:.4f} mm (limit max_correction = {largest:g} mm)",
+            "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml",
+        )
     axis = b.machine.axes[what]
     value = b.end[b.machine.letters.index(what), i] / TICKS_PER_MM
-    raise MotionFault(int(b.motion[i]), f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)", "the slide can not go there: move the part or the work offset")
+    raise MotionFault(
+        int(b.motion[i]),
+        f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
+        "the slide can not go there: move the part or the work offset",
+    )

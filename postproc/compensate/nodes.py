@@ -12,7 +12,9 @@ import numpy as np
 from postproc.machine.model import Machine
 
 
-def candidates(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def candidates(
+    machine: Machine, start: np.ndarray, target: np.ndarray, slack: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t from 0 to 1.
 
     The axis is the one that passes a node there, or -1: the ends, and equal parts, between which product terms bend the

@@ -44,7 +44,9 @@ class _Toml:
             self.data: dict[str, Any] = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
             found = re.search(r"line (\d+)", str(error))
-            raise MachineError(f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)) from None
+            raise MachineError(
+                f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)
+            ) from None
 
     def line(self, section: str, key: str) -> int:
         """Line of `key` in `section` ("axes.Z"), as good as the layout lets us find it."""
@@ -67,7 +69,12 @@ class _Toml:
     def check_keys(self, section: str, data: dict, known: set[str]) -> None:
         for key in data:
             if key not in known:
-                raise self.fault(section, key, f"{key!r} is not a key of [{section or 'machine'}]", f"keys: {', '.join(sorted(known))}")
+                raise self.fault(
+                    section,
+                    key,
+                    f"{key!r} is not a key of [{section or 'machine'}]",
+                    f"keys: {', '.join(sorted(known))}",
+                )
 
     def number(self, section: str, data: dict, key: str, default: float | None = None) -> float:
         value = data.get(key, default)
@@ -88,7 +95,9 @@ def read_machine(folder: Path) -> Machine:
     """Read a machine folder. Raises MachineError with file and line for anything that is not as the format says."""
     path = folder / "machine.toml"
     if not path.is_file():
-        raise MachineError(f"{folder} has no machine.toml", "a machine is a folder with machine.toml and a CSV table per axis")
+        raise MachineError(
+            f"{folder} has no machine.toml", "a machine is a folder with machine.toml and a CSV table per axis"
+        )
     try:
         toml = _Toml(path)
     except UnicodeDecodeError as error:
@@ -106,7 +115,10 @@ def read_machine(folder: Path) -> Machine:
         raise toml.fault("axes", "", "no [axes.X] sections")
     digest = hashlib.sha256(toml.text.encode())
     limits = _limits(toml)
-    axes = {x: _axis(toml, x, section, digest, limits) for x, section in sorted(sections.items(), key=lambda item: (XYZ + ROTARY).find(item[0]))}
+    axes = {
+        x: _axis(toml, x, section, digest, limits)
+        for x, section in sorted(sections.items(), key=lambda item: (XYZ + ROTARY).find(item[0]))
+    }
     for x in chain.axes:
         if x not in axes:
             raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
@@ -148,12 +160,18 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
         raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C")
     toml.check_keys(name, section, KEYS["axes."])
     travel = section.get("travel")
-    good = isinstance(travel, list) and len(travel) == 2 and all(isinstance(t, (int, float)) and math.isfinite(t) for t in travel)
+    good = (
+        isinstance(travel, list)
+        and len(travel) == 2
+        and all(isinstance(t, (int, float)) and math.isfinite(t) for t in travel)
+    )
     if not good or not travel or travel[0] >= travel[1]:
         raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
     least = toml.number(name, section, "least_increment")
     if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
-        raise toml.fault(name, "least_increment", f"least_increment = {least!r}", "a power of ten from 0.000001 to 0.1, mm")
+        raise toml.fault(
+            name, "least_increment", f"least_increment = {least!r}", "a power of ten from 0.000001 to 0.1, mm"
+        )
     at = section.get("measured_at", {})
     if not isinstance(at, dict):
         raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
@@ -194,16 +212,24 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
             columns = _columns(header, letter, place)
             continue
         if len(cells) != len(header):
-            raise MachineError(f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place)
+            raise MachineError(
+                f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place
+            )
         try:
             values = [float(cell) for cell in cells]
         except ValueError:
             bad = next(cell for cell in cells if not _is_number(cell))
             raise MachineError(f"{bad!r} is not a number", "every node needs a value in every column", place) from None
         if not all(map(math.isfinite, values)):
-            raise MachineError("a value is not finite (NaN or infinity)", "every node needs a value in every column", place)
+            raise MachineError(
+                "a value is not finite (NaN or infinity)", "every node needs a value in every column", place
+            )
         if rows and values[0] <= rows[-1][0]:
-            raise MachineError(f"{letter}_mm = {values[0]:g} does not ascend after {rows[-1][0]:g}", "order the nodes, each once", place)
+            raise MachineError(
+                f"{letter}_mm = {values[0]:g} does not ascend after {rows[-1][0]:g}",
+                "order the nodes, each once",
+                place,
+            )
         rows.append(values)
         lines.append(number)
     if len(rows) < 2:
@@ -239,13 +265,19 @@ def _is_number(cell: str) -> bool:
 def _columns(header: list[str], letter: str, place: Place) -> dict[tuple[int, str], int]:
     """(component, direction) to column; direction "" for a component measured one way."""
     if header[0] != f"{letter}_mm":
-        raise MachineError(f"the first column is {header[0]!r}, not '{letter}_mm'", "positions are slide positions in mm", place)
+        raise MachineError(
+            f"the first column is {header[0]!r}, not '{letter}_mm'", "positions are slide positions in mm", place
+        )
     columns: dict[tuple[int, str], int] = {}
     allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [f"{c}{letter}_urad" for c in COMPONENTS[3:]]
     for i, name in enumerate(header[1:], 1):
         base, direction = (name[:-4], name[-3:]) if name.endswith(("_fwd", "_rev")) else (name, "")
         if base not in allowed:
-            raise MachineError(f"{name!r} is not a component of axis {letter}", f"columns: {', '.join(allowed)}, each also with _fwd and _rev", place)
+            raise MachineError(
+                f"{name!r} is not a component of axis {letter}",
+                f"columns: {', '.join(allowed)}, each also with _fwd and _rev",
+                place,
+            )
         key = (allowed.index(base), direction)
         if key in columns:
             raise MachineError(f"{name!r} stands twice", "", place)
@@ -262,7 +294,12 @@ def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     data = toml.data.get("squareness", {})
     for name in data:
         if not re.fullmatch(r"[ABC]0[XYZ]", name) or name[2] not in axes or "ABC".index(name[0]) == XYZ.index(name[2]):
-            raise toml.fault("squareness", name, f"{name!r} is not a squareness of this machine", "rotation, 0, axis that leans: B0X, C0Y, A0Z")
+            raise toml.fault(
+                "squareness",
+                name,
+                f"{name!r} is not a squareness of this machine",
+                "rotation, 0, axis that leans: B0X, C0Y, A0Z",
+            )
         value = toml.number("squareness", data, name)
         if value:
             square.setdefault(name[2], np.zeros(3))["ABC".index(name[0])] = value * URAD
@@ -273,7 +310,9 @@ def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
     offsets = {}
     for name, values in toml.data.get("offsets", {}).items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
-            raise toml.fault("offsets", name, f"{name!r} is not a work or tool offset", "like G54 = { X = 0.0, Z = 0.0 }")
+            raise toml.fault(
+                "offsets", name, f"{name!r} is not a work or tool offset", "like G54 = { X = 0.0, Z = 0.0 }"
+            )
         for x in values:
             if x not in axes:
                 raise toml.fault("offsets", name, f"{name} names {x!r}, which is no axis of the machine")
@@ -288,7 +327,9 @@ def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
         try:
             module = effects.load(name)
         except KeyError:
-            raise toml.fault("effect", "name", f"there is no effect {name!r}", f"effects: {', '.join(effects.names())}") from None
+            raise toml.fault(
+                "effect", "name", f"there is no effect {name!r}", f"effects: {', '.join(effects.names())}"
+            ) from None
         if entry.get("axis") not in axes:
             raise toml.fault("effect", "axis", f"effect {name}: axis = {entry.get('axis')!r} is no axis of the machine")
         toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS))

@@ -115,7 +115,9 @@ class Machine:
         for x, table in self.tables.items():
             for i in table.rows:
                 only = np.arange(6)[:, None] == i
-                one = replace(table, forward=np.where(only, table.forward, 0.0), reverse=np.where(only, table.reverse, 0.0))
+                one = replace(
+                    table, forward=np.where(only, table.forward, 0.0), reverse=np.where(only, table.reverse, 0.0)
+                )
                 part = replace(self, axes={**bare, x: replace(self.axes[x], table=one)}, square={}, effects=())
                 result.append((f"{COMPONENTS[i]}{x}", part.deviation(position, approach)))
         for x, lean in self.square.items():
@@ -140,7 +142,10 @@ class Machine:
 
     def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
-        kink, steep = np.zeros(low.shape[1]), np.full(low.shape[1], sum(float(np.linalg.norm(lean)) for lean in self.square.values()))
+        kink, steep = (
+            np.zeros(low.shape[1]),
+            np.full(low.shape[1], sum(float(np.linalg.norm(lean)) for lean in self.square.values())),
+        )
         for row, letter in enumerate(self.letters):
             table = self.tables.get(letter)
             if table is None or table.is_zero:
@@ -149,7 +154,11 @@ class Machine:
             reach = self._reach(letter)
             kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
             angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            steep += np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach + float(np.linalg.norm(angle))
+            steep += (
+                np.linalg.norm(slope[:3], axis=0)
+                + np.linalg.norm(slope[3:], axis=0) * reach
+                + float(np.linalg.norm(angle))
+            )
         return kink, steep
 
     @cached_property
@@ -159,7 +168,9 @@ class Machine:
         for letter, table in self.tables.items():
             slope = np.abs(table.slopes).max(axis=(1, 2))
             angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            total += float(np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self._reach(letter) + np.linalg.norm(angle))
+            total += float(
+                np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self._reach(letter) + np.linalg.norm(angle)
+            )
         return total + float(sum(np.linalg.norm(lean) for lean in self.square.values()))
 
     def _reach(self, letter: str) -> float:

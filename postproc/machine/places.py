@@ -14,7 +14,12 @@ def folders() -> list[Path]:
     from platformdirs import user_config_path
 
     here = Path(__file__).resolve()
-    candidates = [Path("machines"), user_config_path("gcomp", appauthor=False) / "machines", here.parents[1] / "machines", here.parents[2] / "machines"]
+    candidates = [
+        Path("machines"),
+        user_config_path("gcomp", appauthor=False) / "machines",
+        here.parents[1] / "machines",
+        here.parents[2] / "machines",
+    ]
     result: list[Path] = []
     for folder in candidates:
         if folder.is_dir() and folder.resolve() not in [r.resolve() for r in result]:
@@ -41,5 +46,8 @@ def load(name: str) -> Machine:
         return read_machine(path)
     found = every()
     if name not in found:
-        raise UsageError(f"there is no machine {name!r}", f"machines: {', '.join(found) or 'none'}; or give the path of a machine folder")
+        raise UsageError(
+            f"there is no machine {name!r}",
+            f"machines: {', '.join(found) or 'none'}; or give the path of a machine folder",
+        )
     return read_machine(found[name])

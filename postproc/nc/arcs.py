@@ -52,24 +52,43 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
         if a in batch.rows and b in batch.rows:
             first[of], second[of] = batch.rows[a], batch.rows[b]
         else:
-            batch.blame(blocks, f"an arc in the {a}{b} plane, and the machine has no such axes", "choose the plane with G17, G18 or G19")
+            batch.blame(
+                blocks,
+                f"an arc in the {a}{b} plane, and the machine has no such axes",
+                "choose the plane with G17, G18 or G19",
+            )
         centre_word[0, of], centre_word[1, of] = word[i][of], word[j][of]
         strange = word["IJK".replace(i, "").replace(j, "")][of] >= 0
-        batch.blame(blocks[strange], f"a centre word that does not belong to the {a}{b} plane", f"use {i} and {j}, or change the plane")
+        batch.blame(
+            blocks[strange],
+            f"a centre word that does not belong to the {a}{b} plane",
+            f"use {i} and {j}, or change the plane",
+        )
         for k, letter in enumerate((a, b)):
             scale, least = batch.unit_scale(letter)
             grid[k, of] = np.broadcast_to(least, batch.n)[blocks]
             unit[of] = np.broadcast_to(scale, batch.n)[blocks]
     centre_word[2] = word["R"]
     both = (centre_word[2] >= 0) & (np.maximum(centre_word[0], centre_word[1]) >= 0)
-    batch.blame(circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one")
+    batch.blame(
+        circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one"
+    )
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
     start = np.stack([places.start[row_a, arc], places.start[row_b, arc]])
     end = np.stack([places.target[row_a, arc], places.target[row_b, arc]])
-    known = places.start_known[row_a, arc] & places.start_known[row_b, arc] & places.target_known[row_a, arc] & places.target_known[row_b, arc]
+    known = (
+        places.start_known[row_a, arc]
+        & places.start_known[row_b, arc]
+        & places.target_known[row_a, arc]
+        & places.target_known[row_b, arc]
+    )
     blocks = circle.block[arc]
-    batch.blame(blocks[~known & good], "an arc that begins at an unknown place", "move every axis to an absolute position first, or say --start")
+    batch.blame(
+        blocks[~known & good],
+        "an arc that begins at an unknown place",
+        "move every axis to an absolute position first, or say --start",
+    )
     counter = circle.code[arc] == COUNTER
     value = np.zeros((3, n), np.int64)
     for k in range(3):
@@ -78,18 +97,26 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     by_radius = centre_word[2] >= 0
     absolute = circle.absolute[arc] & ~by_radius
     origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
-    missing = ~by_radius & (np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0)
+    missing = ~by_radius & (
+        np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0
+    )
     batch.blame(blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
     centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM
     start_mm, end_mm = start / TICKS_PER_MM, end / TICKS_PER_MM
     if by_radius.any():
-        centre = np.where(by_radius, _centre_by_radius(batch, blocks, by_radius, start_mm, end_mm, value[2] / TICKS_PER_MM, counter), centre)
+        centre = np.where(
+            by_radius,
+            _centre_by_radius(batch, blocks, by_radius, start_mm, end_mm, value[2] / TICKS_PER_MM, counter),
+            centre,
+        )
     arm, arm_end = start_mm - centre, end_mm - centre
     radius, radius_end = np.hypot(*arm), np.hypot(*arm_end)
     angle = np.arctan2(arm[1], arm[0])
     sweep = np.arctan2(arm_end[1], arm_end[0]) - angle
     same = (start == end).all(axis=0)
-    sweep = np.where(counter, np.where(sweep <= 0, sweep + 2 * np.pi, sweep), np.where(sweep >= 0, sweep - 2 * np.pi, sweep))
+    sweep = np.where(
+        counter, np.where(sweep <= 0, sweep + 2 * np.pi, sweep), np.where(sweep >= 0, sweep - 2 * np.pi, sweep)
+    )
     sweep = np.where(same, np.where(counter, 2 * np.pi, -2 * np.pi), sweep)
     sweep = _turns(batch, circle, arc, sweep)
     _check(batch, blocks, good & known & ~missing, radius, radius_end)
@@ -114,8 +141,16 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
     tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
     for i in np.flatnonzero(short)[:1]:
-        batch.blame(blocks[short], f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})", "check R and the end point")
-    batch.blame(blocks[by_radius & (length == 0)], "an R arc that ends where it begins has no centre", "write full circles with I J K")
+        batch.blame(
+            blocks[short],
+            f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})",
+            "check R and the end point",
+        )
+    batch.blame(
+        blocks[by_radius & (length == 0)],
+        "an R arc that ends where it begins has no centre",
+        "write full circles with I J K",
+    )
     height = np.sqrt(np.maximum(height2, 0.0))
     side = np.where(counter == (radius > 0), 1.0, -1.0)
     normal = np.stack([-chord[1], chord[0]]) / safe
@@ -145,7 +180,9 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
     d = batch.dialect
     miss = np.abs(radius - radius_end)
     largest = np.maximum(radius, radius_end)
-    wrong = (miss > d.arc_tolerance_most_mm) | ((miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest))
+    wrong = (miss > d.arc_tolerance_most_mm) | (
+        (miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest)
+    )
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
     bad = np.flatnonzero(wrong & good & ~zero)

@@ -74,7 +74,9 @@ class Batch:
         block = self.words.block[place]
         twice = np.flatnonzero(block[1:] == block[:-1])
         if len(twice):
-            raise self.fault(place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one")
+            raise self.fault(
+                place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one"
+            )
         return place
 
     def numbers(self, place: np.ndarray) -> np.ndarray:
@@ -88,7 +90,9 @@ class Batch:
         size = np.abs(mantissa) * (scale / 10.0**decimals)
         far = np.flatnonzero(size > LARGEST_WORD_MM * TICKS_PER_MM)
         if len(far):
-            text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode("ascii", "replace")
+            text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode(
+                "ascii", "replace"
+            )
             raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
         value = mantissa * (scale // 10 ** np.minimum(decimals, 9))
         for i in np.flatnonzero(decimals > 9):
@@ -109,7 +113,11 @@ class Batch:
         bad = np.flatnonzero(group == UNKNOWN)
         if len(bad):
             text = w.text[w.start[place[bad[0]]] : w.stop[place[bad[0]]]].decode("ascii", "replace")
-            raise self.fault(place[bad[0]], f"{text} is not a code of {self.dialect.title}", "it could move an axis: use another --dialect, or take it out")
+            raise self.fault(
+                place[bad[0]],
+                f"{text} is not a code of {self.dialect.title}",
+                "it could move an axis: use another --dialect, or take it out",
+            )
         block = w.block[place]
         for g in np.flatnonzero(np.bincount(group[group >= 0], minlength=len(self.dialect.groups))):
             name, of = self.dialect.groups[g], group == g
@@ -121,7 +129,9 @@ class Batch:
             self.given[name] = column
             twice = np.flatnonzero(block[of][1:] == block[of][:-1])
             if len(twice) and self.dialect.one_code_per_group:
-                raise self.fault(place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one")
+                raise self.fault(
+                    place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one"
+                )
             if name == "motion":
                 self.code_word[block[of]] = place[of]
         for code in sorted(set(number[group == NO_GROUP].tolist())):

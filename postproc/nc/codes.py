@@ -40,7 +40,9 @@ CUTTER = "cutter radius compensation is not followed yet: let the CAM program wr
 FRAME = "this shift of the coordinates is not followed yet: program in G54-G59 with --offset, or without it"
 LENGTH = "tool lengths are not followed yet: program from the spindle nose with G49"
 
-MOTION = _rows("G", "motion", {"0": "rapid", "1": "straight feed", "2": "arc, clockwise", "3": "arc, counter-clockwise"})
+MOTION = _rows(
+    "G", "motion", {"0": "rapid", "1": "straight feed", "2": "arc, clockwise", "3": "arc, counter-clockwise"}
+)
 PLANE = _rows("G", "plane", {"17": "XY plane", "18": "ZX plane", "19": "YZ plane"})
 DISTANCE = _rows("G", "distance", {"90": "absolute words", "91": "incremental words"})
 UNITS = _rows("G", "units", {"20": "inch", "21": "millimetre"})

@@ -16,7 +16,9 @@ def at(column, index: np.ndarray):
 def changes(column) -> np.ndarray:
     """Indices at which a column takes another value, the first one among them."""
     column = np.asarray(column).ravel()
-    return np.concatenate([[0], np.flatnonzero(column[1:] != column[:-1]) + 1]) if len(column) else np.zeros(0, np.int64)
+    return (
+        np.concatenate([[0], np.flatnonzero(column[1:] != column[:-1]) + 1]) if len(column) else np.zeros(0, np.int64)
+    )
 
 
 def hold_index(named: np.ndarray) -> np.ndarray:

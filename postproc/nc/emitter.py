@@ -24,7 +24,10 @@ from postproc.units import TICKS_PER_MM
 MOST_DECIMALS = 9
 POWERS = 10 ** np.arange(19)
 INSERT_CODE, INSERT_WORD = 1, 100
-AFTER, AFTER_END = -(10**12), 10_000  # ranks of added blocks: before all else at their place, unless that is the end of the text
+AFTER, AFTER_END = (
+    -(10**12),
+    10_000,
+)  # ranks of added blocks: before all else at their place, unless that is the end of the text
 
 
 @dataclass(frozen=True)
@@ -116,9 +119,13 @@ class _Batch:
         explicit = m.code_word >= 0
         change = np.flatnonzero(explicit & (p.code[first] != m.code) & (m.code != FOREIGN))
         word = m.code_word[change]
-        self.splice.texts(self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in p.code[first][change]])
+        self.splice.texts(
+            self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in p.code[first][change]]
+        )
         insert = np.flatnonzero(~explicit & (p.code[first] != before) & (m.code != FOREIGN))
-        texts = [b"G%d" % c + (b" " if s else b"") for c, s in zip(p.code[first][insert], self.spaced[insert], strict=True)]
+        texts = [
+            b"G%d" % c + (b" " if s else b"") for c, s in zip(p.code[first][insert], self.spaced[insert], strict=True)
+        ]
         self.splice.texts(self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts)
         self.touched[change] = self.touched[insert] = True
         # Pieces behind the first name their code when it differs from the piece before.
@@ -164,15 +171,21 @@ class _Batch:
             moves = p.end[row] != p.start[row]
             in_plane = np.zeros(len(p), bool)
             if arc.any():
-                in_plane = arc & ((m.arcs.first[np.maximum(p.arc, 0)] == row) | (m.arcs.second[np.maximum(p.arc, 0)] == row))
-            missing = self.first & (m.word[row, p.motion] < 0) & moves & (m.code[p.motion] != FOREIGN) & ~m.alone[p.motion]
+                in_plane = arc & (
+                    (m.arcs.first[np.maximum(p.arc, 0)] == row) | (m.arcs.second[np.maximum(p.arc, 0)] == row)
+                )
+            missing = (
+                self.first & (m.word[row, p.motion] < 0) & moves & (m.code[p.motion] != FOREIGN) & ~m.alone[p.motion]
+            )
             missing &= m.target_known[row, p.motion] & p.corrected
             write = np.flatnonzero(missing | (~self.first & (moves | in_plane)))
             motion = p.motion[write]
             decimals = self.decimals(row, motion)
             start = np.where(self.first[write], self.at[motion], self.behind()[motion])
             prefix = np.zeros((len(write), 2), np.uint8)
-            prefix[:, 0] = np.where(self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0)
+            prefix[:, 0] = np.where(
+                self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0
+            )
             prefix[:, 1] = self._letters(row, letter, motion)
             rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
             self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
@@ -222,7 +235,9 @@ class _Batch:
             arc = p.arc[piece]
             plane = np.zeros(len(piece), bool)
             if len(self.m.arcs):
-                plane = (arc >= 0) & ((self.m.arcs.first[np.maximum(arc, 0)] == other) | (self.m.arcs.second[np.maximum(arc, 0)] == other))
+                plane = (arc >= 0) & (
+                    (self.m.arcs.first[np.maximum(arc, 0)] == other) | (self.m.arcs.second[np.maximum(arc, 0)] == other)
+                )
             leads |= moves | plane
         return leads
 
@@ -259,16 +274,32 @@ class _Batch:
             own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
             stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
             replace = np.flatnonzero(is_arc & (word >= 0) & (number != stands) & ~by_radius)
-            self.splice.numbers(w.number[word[replace]], w.stop[word[replace]], np.zeros(len(replace)), number[replace], decimals[replace])
+            self.splice.numbers(
+                w.number[word[replace]],
+                w.stop[word[replace]],
+                np.zeros(len(replace)),
+                number[replace],
+                decimals[replace],
+            )
             add = np.flatnonzero(is_arc & (word < 0) & np.where(by_radius, changed, number != stands))
-            self._insert_centre(mine[add], arc[add], k, number[add], decimals[add], self.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k))
+            self._insert_centre(
+                mine[add],
+                arc[add],
+                k,
+                number[add],
+                decimals[add],
+                self.at[mine[add]],
+                np.full(len(add), INSERT_WORD + 20 + k),
+            )
             self.touched[mine[replace]] = self.touched[mine[add]] = True
             later = np.flatnonzero(~self.first & (p.arc >= 0))
             decimals = self._centre_decimals(p.arc[later], k, np.full(len(later), -1))
             wanted = np.where(m.arcs.absolute[p.arc[later]], self._centre(later, p.arc[later], k), p.centre[k, later])
             number = _counts(wanted, np.full(len(later), 1), decimals, self._unit(p.arc[later], k))
             motion = p.motion[later]
-            self._insert_centre(motion, p.arc[later], k, number, decimals, self.behind()[motion], self.rank(later) + 30 + k)
+            self._insert_centre(
+                motion, p.arc[later], k, number, decimals, self.behind()[motion], self.rank(later) + 30 + k
+            )
 
     def _centre(self, piece, arc, k):
         """(K,) ticks of an absolute centre word."""
@@ -279,7 +310,11 @@ class _Batch:
         """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
         axis = (self.m.arcs.first, self.m.arcs.second)[k][arc]
         scale = self.m.scale[axis, self.m.arcs.motion[arc]]
-        return np.where(scale < TICKS_PER_MM, scale * 2, np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale))
+        return np.where(
+            scale < TICKS_PER_MM,
+            scale * 2,
+            np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale),
+        )
 
     def _centre_decimals(self, arc, k, word):
         least = np.rint(np.log10(self._unit(arc, k) / self.m.arcs.grid[k, arc])).astype(np.int64)
@@ -287,8 +322,14 @@ class _Batch:
         return np.minimum(np.maximum(least, own), MOST_DECIMALS)
 
     def _insert_centre(self, motion, arc, k, number, decimals, at, rank) -> None:
-        letters = {(self.axes.index(a), self.axes.index(b)): (i, j) for a, b, i, j in PLANES.values() if a in self.axes and b in self.axes}
-        letter = np.array([ord(letters[int(self.m.arcs.first[a]), int(self.m.arcs.second[a])][k]) for a in arc], np.uint8)
+        letters = {
+            (self.axes.index(a), self.axes.index(b)): (i, j)
+            for a, b, i, j in PLANES.values()
+            if a in self.axes and b in self.axes
+        }
+        letter = np.array(
+            [ord(letters[int(self.m.arcs.first[a]), int(self.m.arcs.second[a])][k]) for a in arc], np.uint8
+        )
         prefix = np.zeros((len(motion), 2), np.uint8)
         prefix[:, 0] = np.where(self.spaced[motion], ord(" "), 0)
         prefix[:, 1] = letter
@@ -321,7 +362,11 @@ class _Batch:
             if self.first[i] and word >= 0:
                 self.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
             else:
-                at, rank = (self.at[motion], INSERT_WORD + 50) if self.first[i] else (self.behind()[motion], self.rank(np.array([i]))[0] + 50)
+                at, rank = (
+                    (self.at[motion], INSERT_WORD + 50)
+                    if self.first[i]
+                    else (self.behind()[motion], self.rank(np.array([i]))[0] + 50)
+                )
                 self.splice.texts([at], [at], [rank], [(b" F" if self.spaced[motion] else b"F") + text])
 
     def _take_up_share(self, i: int) -> float:
@@ -337,7 +382,9 @@ class _Batch:
         m, w = self.m, self.w
         cut = np.zeros(w.blocks, bool)
         cut[m.block[self.p.motion[self.several]]] = True
-        late = np.flatnonzero((w.letter == ord("M")) & cut[w.block] & np.isin(w.mantissa, codes.AFTER_MOTION) & (w.decimals == 0))
+        late = np.flatnonzero(
+            (w.letter == ord("M")) & cut[w.block] & np.isin(w.mantissa, codes.AFTER_MOTION) & (w.decimals == 0)
+        )
         for word in late:
             motion = int(np.searchsorted(m.block, w.block[word]))
             last = int(np.flatnonzero(self.p.motion == motion)[-1])
@@ -346,7 +393,9 @@ class _Batch:
             start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
             self.splice.texts([start], [w.stop[word]], [0], [b""])
             at = int(self.behind()[motion])
-            self.splice.texts([at], [at], [int(self.rank(np.array([last]))[0]) + 60], [(b" " if self.spaced[motion] else b"") + text])
+            self.splice.texts(
+                [at], [at], [int(self.rank(np.array([last]))[0]) + 60], [(b" " if self.spaced[motion] else b"") + text]
+            )
 
     def frames_of_blocks(self, added: np.ndarray) -> None:
         """What surrounds the words of an added block: line ends, block delete, a code that changed."""

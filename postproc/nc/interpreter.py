@@ -36,7 +36,9 @@ class Interpreter:
     def __init__(self, dialect: Dialect, setup: Setup):
         self.dialect, self.setup = dialect, setup
         self.rows = {letter: i for i, letter in enumerate(setup.axes)}
-        self.increment_rows = {u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows and u not in self.rows}
+        self.increment_rows = {
+            u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows and u not in self.rows
+        }
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
         self.letters = set(PARAMETERS) | set(self.rows) | set(self.increment_rows) | {"I", "J", "K", "R"} | centres
 
@@ -102,10 +104,16 @@ def single_codes(b: Batch) -> None:
             timed = np.zeros(b.n, bool)
             timed[b.words.block[b.once("P")]] = True
             wrong = block[b.has_axis[block] & ~timed[block]]
-            b.blame(wrong, "G4 with an axis word and no P", "this control's dwell time is P; for X or U in seconds use another --dialect")
+            b.blame(
+                wrong,
+                "G4 with an axis word and no P",
+                "this control's dwell time is P; for X or U in seconds use another --dialect",
+            )
 
 
-def columns(b: Batch, block: np.ndarray, motion: np.ndarray, places: Places, centre_words: dict[str, np.ndarray]) -> Motions:
+def columns(
+    b: Batch, block: np.ndarray, motion: np.ndarray, places: Places, centre_words: dict[str, np.ndarray]
+) -> Motions:
     """Gather the columns of the moving blocks, and the arcs among them."""
     n = b.n
     motion = motion[block]

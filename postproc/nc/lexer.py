@@ -62,7 +62,10 @@ class Words:
     def before(self, block: int, fault: BlockFault | None = None) -> Words:
         """The same batch as if it ended before `block`."""
         n = int(np.searchsorted(self.block, block))
-        words = {name: getattr(self, name)[:n] for name in ("letter", "mantissa", "decimals", "pointed", "block", "start", "number", "stop")}
+        words = {
+            name: getattr(self, name)[:n]
+            for name in ("letter", "mantissa", "decimals", "pointed", "block", "start", "number", "stop")
+        }
         blocks = {name: getattr(self, name)[:block] for name in ("block_start", "block_stop", "line", "skip")}
         return replace(self, **words, **blocks, fault=fault)
 
@@ -133,7 +136,9 @@ def lex(text: bytes, semicolon: str) -> Words:
 
     fault = None
     if not used.all() or (digits < 1).any() or (digits > LONGEST_NUMBER).any() or (kind[block_first] == DIGIT).any():
-        fault, tape = _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first)
+        fault, tape = _first_fault(
+            code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
+        )
     else:
         tape = -1
 
@@ -225,7 +230,10 @@ def _what(code: bytes, offset: int, kind: int) -> tuple[str, str]:
     if kind in (SIGN, POINT):
         return f"{character!r} does not belong to a number here", ADVICE_EXPRESSION
     if character == "(":
-        return "a comment is opened and not closed in its line, opened twice, or breaks a number in two", "close it with ')' and put it between words"
+        return (
+            "a comment is opened and not closed in its line, opened twice, or breaks a number in two",
+            "close it with ')' and put it between words",
+        )
     if character == ")":
         return "')' closes a comment that was not opened", ""
     if code[offset] == 0 or (code[offset] < 32):

@@ -56,7 +56,11 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         absolute, increment = axis_words[letter]
         both = np.intersect1d(w.block[absolute], w.block[increment]) if len(increment) else increment
         if len(both):
-            raise b.fault(increment[w.block[increment] == both[0]][0], f"{letter} and its increment in one block", "keep one of them")
+            raise b.fault(
+                increment[w.block[increment] == both[0]][0],
+                f"{letter} and its increment in one block",
+                "keep one of them",
+            )
         place = absolute if not len(increment) else np.sort(np.concatenate([absolute, increment]))
         if taken.any():
             place = place[~taken[w.block[place]]]

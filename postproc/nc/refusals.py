@@ -20,10 +20,20 @@ def check_letters(b: Batch) -> None:
         if letter in b.interpreter.letters:
             continue
         if letter in "ABCUVWXYZ":
-            raise b.fault(place[0], f"the machine has no axis {letter}", f"its axes are {' '.join(b.setup.axes)}; choose the right --machine")
-        raise b.fault(place[0], f"the letter {letter} has no meaning in {b.dialect.title}", "it could move an axis: use another --dialect, or take it out")
+            raise b.fault(
+                place[0],
+                f"the machine has no axis {letter}",
+                f"its axes are {' '.join(b.setup.axes)}; choose the right --machine",
+            )
+        raise b.fault(
+            place[0],
+            f"the letter {letter} has no meaning in {b.dialect.title}",
+            "it could move an axis: use another --dialect, or take it out",
+        )
     if b.words.skip.any() and not b.state.ended:
-        how = "left alone, as with the switch on" if b.setup.block_delete else "read as executed, as with the switch off"
+        how = (
+            "left alone, as with the switch on" if b.setup.block_delete else "read as executed, as with the switch off"
+        )
         b.notices.append(
             Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
                    "not right (--block-delete on|off)", int(b.words.line[np.flatnonzero(b.words.skip)[0]]))
@@ -122,7 +132,13 @@ def m_codes(b: Batch) -> None:
             b.foreign[block] = True
             b.reason[block] = b.because(f"M{number}", b.dialect.m_refuses[int(number)])
         elif number not in b.dialect.m_codes:
-            b.notices.append(Notice(f"M{number}", f"M{number} is not a code of {b.dialect.title}: passed as it is", int(b.words.line[block[0]])))
+            b.notices.append(
+                Notice(
+                    f"M{number}",
+                    f"M{number} is not a code of {b.dialect.title}: passed as it is",
+                    int(b.words.line[block[0]]),
+                )
+            )
 
 
 def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
@@ -135,7 +151,11 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         code = b.dialect.by_number[int(number)]
         b.reason[refused & (motion == number)] = b.because(f"{code.word} ({code.meaning})", code.refuses)
     bare = moving & ~b.foreign & ~refused & ((motion == NONE) | (motion == 800))
-    b.blame(np.flatnonzero(bare), "axis words, but no motion code (G0 G1 G2 G3) is in force", "begin the program with the motion code it means")
+    b.blame(
+        np.flatnonzero(bare),
+        "axis words, but no motion code (G0 G1 G2 G3) is in force",
+        "begin the program with the motion code it means",
+    )
     b.foreign |= refused | bare
 
 
@@ -143,4 +163,8 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
     """I J K R in a block that is no arc: round a corner on some controls, an error on others. straight (B,) bool."""
     for letter, place in centre_words.items():
         block = b.words.block[place]
-        b.blame(block[straight[block]], f"{letter} in a straight motion", "corner rounding and chamfers are not followed: write the corner out")
+        b.blame(
+            block[straight[block]],
+            f"{letter} in a straight motion",
+            "corner rounding and chamfers are not followed: write the corner out",
+        )

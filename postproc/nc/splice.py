@@ -28,7 +28,9 @@ class Splice:
             size = np.array([len(t) for t in texts], np.int64)
             self._add(b"".join(texts), start, stop, rank, np.cumsum(size) - size, size)
 
-    def numbers(self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None) -> None:
+    def numbers(
+        self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None
+    ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
         for d in range(int(decimals.min()), int(decimals.max()) + 1) if len(decimals) else ():
             of = np.flatnonzero(decimals == d)
@@ -47,7 +49,15 @@ class Splice:
             self._add(cell.tobytes(), start[of], stop[of], rank[of], at, width - begin)
 
     def _add(self, text: bytes, start, stop, rank, at, size) -> None:
-        self._edits.append((np.asarray(start, np.int64), np.asarray(stop, np.int64), np.asarray(rank, np.int64), at + self._pool_size, size))
+        self._edits.append(
+            (
+                np.asarray(start, np.int64),
+                np.asarray(stop, np.int64),
+                np.asarray(rank, np.int64),
+                at + self._pool_size,
+                size,
+            )
+        )
         self._pool.append(text)
         self._pool_size += len(text)
 

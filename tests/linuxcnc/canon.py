@@ -16,15 +16,15 @@ import sys
 import gcode
 
 MM_PER_INCH = 25.4
-AXES = 9                                   # X Y Z A B C U V W, as the interpreter passes them
-LENGTH = (0, 1, 2, 6, 7, 8)                # which of them are lengths
+AXES = 9  # X Y Z A B C U V W, as the interpreter passes them
+LENGTH = (0, 1, 2, 6, 7, 8)  # which of them are lengths
 LINE_LENGTH = 252
-PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}     # name; first, second, normal axis
+PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}  # name; first, second, normal axis
 # A fresh interpreter takes its position as zero of the *program*, and a feed of 1 as given. Put the machine at
 # machine zero, as after homing, and take back what that needs: G0 as motion mode, and the feed.
 START = ("G21 G53 G0 X0 Y0 Z0 A0 B0 C0", "G80 F0")
 NO_TOOL = (-1, *[0.0] * 12, 0)
-TOOL_WORDS = "XYZABCUVWDIJQ"               # of a tool table, in the order get_tool answers
+TOOL_WORDS = "XYZABCUVWDIJQ"  # of a tool table, in the order get_tool answers
 
 
 class NotCovered(Exception):
@@ -39,13 +39,13 @@ class Canon:
         self.block_delete = block_delete
         self.tools = [NO_TOOL, *(tool_entry(number, words) for number, words in tools.items())]
         self.motions = []
-        self.started = False               # becomes true with START's own motion, which is not the program's
+        self.started = False  # becomes true with START's own motion, which is not the program's
         self.line = 0
         self.plane = 1
         self.g5x = self.g92 = self.tool = (0.0,) * AXES
-        self.rotation = 0.0                # degrees, about Z
-        self.program = (0.0,) * AXES       # last end, program coordinates
-        self.machine = (0.0,) * AXES       # the same point, machine coordinates
+        self.rotation = 0.0  # degrees, about Z
+        self.program = (0.0,) * AXES  # last end, program coordinates
+        self.machine = (0.0,) * AXES  # the same point, machine coordinates
 
     # -- what the interpreter asks
 
@@ -53,13 +53,13 @@ class Canon:
         return self.block_delete
 
     def get_axis_mask(self):
-        return 0b111111                    # XYZABC
+        return 0b111111  # XYZABC
 
     def get_external_length_units(self):
-        return 1.0                         # user units per mm: a metric machine, parameters in mm
+        return 1.0  # user units per mm: a metric machine, parameters in mm
 
     def get_external_angular_units(self):
-        return 1.0                         # user units per degree
+        return 1.0  # user units per degree
 
     def get_tool(self, pocket):
         return self.tools[pocket] if 0 <= pocket < len(self.tools) else NO_TOOL
@@ -82,7 +82,7 @@ class Canon:
         self.g92 = millimetres(offset)
 
     def change_tool(self, pocket):
-        self.tools[0] = self.get_tool(pocket) if pocket > 0 else NO_TOOL      # 0 is the spindle
+        self.tools[0] = self.get_tool(pocket) if pocket > 0 else NO_TOOL  # 0 is the spindle
 
     def tool_offset(self, *offset):
         self.tool = millimetres(offset)
@@ -136,7 +136,7 @@ class Canon:
 
     def moved(self, kind, end, **more):
         start = self.machine
-        if kind != "dwell":                # an offset change moves nothing: only a motion sets a new position
+        if kind != "dwell":  # an offset change moves nothing: only a motion sets a new position
             self.program, self.machine = end, self.to_machine(end)
         if self.started:
             self.motions.append({"line": self.line, "kind": kind, "start": start[:6], "end": self.machine[:6], **more})
@@ -197,7 +197,7 @@ def run(job, home, rs274):
         result, _ = gcode.parse(program, canon, *START)
     except NotCovered as error:
         return {"error": f"not covered by the oracle: {error}", "line": canon.line, "motions": canon.motions}
-    if result > gcode.MIN_ERROR:           # canon.line: the line number gcode.parse returns is one too high at times
+    if result > gcode.MIN_ERROR:  # canon.line: the line number gcode.parse returns is one too high at times
         return {"error": gcode.strerror(result), "line": canon.line, "motions": canon.motions}
     return {"motions": canon.motions}
 
@@ -215,7 +215,7 @@ def run_in_child(job, home, rs274):
                 json.dump(outcome, out)
             status = 0
         finally:
-            os._exit(status)               # no clean-up: the interpreter's own destructors are not safe
+            os._exit(status)  # no clean-up: the interpreter's own destructors are not safe
     _, status = os.waitpid(child, 0)
     if status:
         return {"error": f"LinuxCNC's interpreter died (wait status {status})", "line": 0, "motions": []}

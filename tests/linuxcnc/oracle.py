@@ -26,14 +26,14 @@ SECONDS_PER_BATCH = 300.0
 class Motion:
     """One canonical motion. `start` and `end` are X Y Z (mm) A B C (degrees) in machine coordinates."""
 
-    line: int                                      # in the source, from 1
-    kind: str                                      # "rapid", "feed", "arc" or "dwell"
+    line: int  # in the source, from 1
+    kind: str  # "rapid", "feed", "arc" or "dwell"
     start: tuple[float, ...]
     end: tuple[float, ...]
-    plane: str | None = None                       # arc: "XY", "ZX" or "YZ"
-    centre: tuple[float, float] | None = None      # arc: along the plane's first and second letter
-    turns: int | None = None                       # arc: 1 ccw, -1 cw, 2 ccw with one more full turn ...
-    seconds: float | None = None                   # dwell
+    plane: str | None = None  # arc: "XY", "ZX" or "YZ"
+    centre: tuple[float, float] | None = None  # arc: along the plane's first and second letter
+    turns: int | None = None  # arc: 1 ccw, -1 cw, 2 ccw with one more full turn ...
+    seconds: float | None = None  # dwell
 
 
 class ProgramError(Exception):
@@ -74,7 +74,11 @@ def motions_of_many(programs):
         done = subprocess.run(
             [python(), str(HERE / "canon.py"), str(results), str(CACHE / "usr/bin/rs274")],
             input=json.dumps([_job(text, **keywords) for text, keywords in programs]),
-            env=_environment(home), cwd=home, text=True, capture_output=True, timeout=SECONDS_PER_BATCH,
+            env=_environment(home),
+            cwd=home,
+            text=True,
+            capture_output=True,
+            timeout=SECONDS_PER_BATCH,
         )
         if done.returncode:
             raise RuntimeError(f"canon.py failed:\n{done.stderr}")
@@ -96,8 +100,9 @@ def python():
     candidates = ["/usr/bin/python3.11", shutil.which("python3.11"), sys.executable]
     for candidate in filter(None, candidates):
         try:
-            tried = subprocess.run([candidate, "-c", "import gcode"], env=_environment("/nonexistent"),
-                                   capture_output=True, timeout=60.0)
+            tried = subprocess.run(
+                [candidate, "-c", "import gcode"], env=_environment("/nonexistent"), capture_output=True, timeout=60.0
+            )
         except OSError:
             continue
         if tried.returncode == 0:
@@ -108,8 +113,14 @@ def python():
 def _environment(home):
     libraries = [CACHE / "usr/lib", *sorted((CACHE / "usr/lib").glob("*-linux-gnu"))]
     modules = CACHE / "usr/lib/python3/dist-packages"
-    return {"HOME": str(home), "PATH": os.environ.get("PATH", ""), "PYTHONPATH": str(modules),
-            "LD_LIBRARY_PATH": ":".join(map(str, libraries)), "PYTHONDONTWRITEBYTECODE": "1", "LC_ALL": "C.UTF-8"}
+    return {
+        "HOME": str(home),
+        "PATH": os.environ.get("PATH", ""),
+        "PYTHONPATH": str(modules),
+        "LD_LIBRARY_PATH": ":".join(map(str, libraries)),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "LC_ALL": "C.UTF-8",
+    }
 
 
 def _job(text, block_delete=False, parameters=None, tools=None):
@@ -118,6 +129,8 @@ def _job(text, block_delete=False, parameters=None, tools=None):
 
 
 def _result(answer):
-    made = [Motion(**{key: tuple(value) if isinstance(value, list) else value for key, value in motion.items()})
-            for motion in answer["motions"]]
+    made = [
+        Motion(**{key: tuple(value) if isinstance(value, list) else value for key, value in motion.items()})
+        for motion in answer["motions"]
+    ]
     return ProgramError(answer["line"], answer["error"], made) if "error" in answer else made

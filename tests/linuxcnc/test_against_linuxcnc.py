@@ -21,7 +21,9 @@ AXES = ("X", "Y", "Z", "A", "B", "C")
 CLOSE = 1e-9  # mm
 PROGRAMS = sorted(oracle.PROGRAMS.glob("*.ngc"))
 REFUSED = sorted(oracle.REFUSED.glob("*.ngc"))
-WORK = {5221 + 20 * i: name for i, name in enumerate(("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"))}
+WORK = {
+    5221 + 20 * i: name for i, name in enumerate(("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"))
+}
 
 
 def setup_for(kwargs) -> Setup:
@@ -65,9 +67,19 @@ def plain(motions, words, first_line) -> list[dict]:
     arc_of = {int(m): k for k, m in enumerate(motions.arcs.motion)}
     result = []
     for i in range(len(motions)):
-        start = [s / TICKS_PER_MM if k else None for s, k in zip(motions.start[:, i], motions.start_known[:, i], strict=True)]
-        end = [t / TICKS_PER_MM if k else None for t, k in zip(motions.target[:, i], motions.target_known[:, i], strict=True)]
-        one = {"line": first_line + int(words.line[motions.block[i]]) + 1, "start": start, "end": end, "reason": motions.reasons[int(motions.reason[i])]}
+        start = [
+            s / TICKS_PER_MM if k else None for s, k in zip(motions.start[:, i], motions.start_known[:, i], strict=True)
+        ]
+        end = [
+            t / TICKS_PER_MM if k else None
+            for t, k in zip(motions.target[:, i], motions.target_known[:, i], strict=True)
+        ]
+        one = {
+            "line": first_line + int(words.line[motions.block[i]]) + 1,
+            "start": start,
+            "end": end,
+            "reason": motions.reasons[int(motions.reason[i])],
+        }
         one["kind"] = {RAPID: "rapid", CLOCKWISE: "arc", COUNTER: "arc"}.get(int(motions.code[i]), "feed")
         if one["kind"] == "arc":
             k = arc_of[i]
@@ -99,7 +111,13 @@ def test_motions_are_those_of_linuxcnc(path, theirs):
     text, kwargs = oracle.load(path)
     mine = ours(text, kwargs)
     lost = reference_lines(text)
-    expected = [m for m in expected if m.kind != "dwell" and m.line not in lost and (m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE)]
+    expected = [
+        m
+        for m in expected
+        if m.kind != "dwell"
+        and m.line not in lost
+        and (m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE)
+    ]
     mine = [m for m in mine if m["line"] not in lost]
     blank = len(text[: text.find("%")].split("\n")) - 1 if text.lstrip().startswith("%") else 0
     # LinuxCNC does not count blank lines before the first "%".
@@ -126,7 +144,11 @@ def reference_lines(text: str) -> set[int]:
     """Lines with G28 or G30: to a place that our machine files do not know, so it is not followed."""
     import re
 
-    return {n for n, line in enumerate(text.split("\n"), 1) if re.search(r"[gG]\s*0*(28|30)(?![\d.])", re.sub(r"\([^)]*\)|;.*", "", line))}
+    return {
+        n
+        for n, line in enumerate(text.split("\n"), 1)
+        if re.search(r"[gG]\s*0*(28|30)(?![\d.])", re.sub(r"\([^)]*\)|;.*", "", line))
+    }
 
 
 @pytest.mark.parametrize("path", REFUSED, ids=lambda p: p.stem)

@@ -11,7 +11,7 @@ from .oracle import PROGRAMS, REFUSED, Motion, ProgramError, available, load, mo
 
 pytestmark = pytest.mark.skipif(available() is not None, reason=str(available()))
 
-ROUNDING = 1e-9     # mm; the oracle's numbers have passed through inches
+ROUNDING = 1e-9  # mm; the oracle's numbers have passed through inches
 
 
 def near(values):
@@ -48,7 +48,10 @@ def test_diameters_halve_x_but_not_i():
 def test_work_offsets_are_added_and_move_nothing_by_themselves():
     offsets = {5221: 1.0, 5222: 2.0, 5241: 100.0}
     assert ends("G0 X1\nG55 G91 X1\nG90 X0\nM2\n", parameters=offsets) == [
-        near((2, 0, 0)), near((3, 0, 0)), near((100, 0, 0))]
+        near((2, 0, 0)),
+        near((3, 0, 0)),
+        near((100, 0, 0)),
+    ]
 
 
 def test_the_machine_starts_at_machine_zero():
@@ -76,14 +79,22 @@ def test_rotation_turns_about_the_work_zero():
 
 def test_tool_length_is_added():
     assert ends("T1 M6\nG43 H1\nG0 Z0\nG49\nZ0\nM2\n", tools={1: {"Z": 10.0, "D": 6.0}}) == [
-        near((0, 0, 10)), near((0, 0, 0))]
+        near((0, 0, 10)),
+        near((0, 0, 0)),
+    ]
 
 
 def test_references_are_machine_coordinates():
     stored = {5161: 1.0, 5162: 2.0, 5163: 3.0, 5183: -3.0, 5221: 100.0}
     assert ends("G0 X1 Y1 Z1\nG28 Z5\nG30 Z6\nG28\nM2\n", parameters=stored) == [
-        near((101, 1, 1)), near((101, 1, 5)), near((101, 1, 3)), near((101, 1, 6)), near((101, 1, -3)),
-        near((101, 1, -3)), near((1, 2, 3))]
+        near((101, 1, 1)),
+        near((101, 1, 5)),
+        near((101, 1, 3)),
+        near((101, 1, 6)),
+        near((101, 1, -3)),
+        near((101, 1, -3)),
+        near((1, 2, 3)),
+    ]
 
 
 def test_a_dwell_stays_where_it_is():
@@ -108,8 +119,10 @@ def test_a_feed_move_needs_a_feed():
 
 
 def test_programs_of_a_batch_do_not_touch_each_other():
-    modes = ("G20 G91 G18 G7 G90.1 G55 G92 X5\nT1 M6\nG43\nG1 F1\nM2\n",
-             dict(parameters={5241: 7.0}, tools={1: {"Z": 3.0}}))
+    modes = (
+        "G20 G91 G18 G7 G90.1 G55 G92 X5\nT1 M6\nG43\nG1 F1\nM2\n",
+        dict(parameters={5241: 7.0}, tools={1: {"Z": 3.0}}),
+    )
     plain = ("G0 X1 Z2\nM2\n", {})
     [_, first, broken, second] = motions_of_many([modes, plain, ("G0 X\nM2\n", {}), plain])
     assert isinstance(broken, ProgramError)

@@ -20,7 +20,7 @@ from .machine import UNIT
 
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 REVERSAL = 1e-6  # mm; an arc that goes back by less has not reversed: its ends were rounded
-SNAP = 0.02      # mm of path between a cut and the reversal that it was made for
+SNAP = 0.02  # mm of path between a cut and the reversal that it was made for
 KINDS = {"rapid": ("rapid",), "feed": ("feed",), "arc": ("arc", "feed"), "machine": ("machine",)}
 
 
@@ -31,37 +31,40 @@ class Misaligned(AssertionError):
 @dataclass
 class BlockResult:
     """One nominal motion: where it came out."""
+
     line: int
     kind: str
     output_lines: list
-    largest_mm: float = 0.0      # over all that counts
-    path_mm: float = 0.0         # distance from the path alone
+    largest_mm: float = 0.0  # over all that counts
+    path_mm: float = 0.0  # distance from the path alone
     end_mm: float | None = None  # distance of the last end from the end point
     take_ups: int = 0
     samples: int = 0
-    where: tuple | None = None   # (output line, {axis: commanded mm}) of largest_mm
+    where: tuple | None = None  # (output line, {axis: commanded mm}) of largest_mm
 
 
 @dataclass
 class Report:
     """The residual of a program."""
+
     largest_mm: float
-    where: tuple | None                  # (nominal line, output line, {axis: commanded mm})
-    uncompensated_mm: float              # the same measure of the nominal program as it is
+    where: tuple | None  # (nominal line, output line, {axis: commanded mm})
+    uncompensated_mm: float  # the same measure of the nominal program as it is
     uncompensated_where: tuple | None
     by_block: list
-    end_points: list                     # (nominal line, nominal (3,), actual (3,)), tool point, mm
+    end_points: list  # (nominal line, nominal (3,), actual (3,)), tool point, mm
     nominal_motions: int = 0
     output_motions: int = 0
     take_ups: int = 0
-    unmeasured: list = field(default_factory=list)      # nominal lines with unknown coordinates
-    feed_changes: list = field(default_factory=list)    # (nominal line, output line, nominal feed, output feed)
+    unmeasured: list = field(default_factory=list)  # nominal lines with unknown coordinates
+    feed_changes: list = field(default_factory=list)  # (nominal line, output line, nominal feed, output feed)
     outside_travel: list = field(default_factory=list)  # (output line, axis, mm)
 
 
 @dataclass
 class Leg:
     """A stretch of a nominal motion in which no axis reverses."""
+
     begin: float
     end: float
     approach: dict
@@ -94,8 +97,13 @@ class Motion:
         legs = []
         for begin, end in zip(cuts, cuts[1:]):
             middle = (begin + end) / 2
-            legs.append(Leg(begin, end, {axis: next(sign for a, b, sign in pieces if a <= middle <= b)
-                                         for axis, pieces in signs.items()}))
+            legs.append(
+                Leg(
+                    begin,
+                    end,
+                    {axis: next(sign for a, b, sign in pieces if a <= middle <= b) for axis, pieces in signs.items()},
+                )
+            )
         return legs
 
     def _turning(self, axis, carry):
@@ -142,8 +150,9 @@ class Motion:
         if block.kind == "arc":
             angle, radius = block.polar(t)
             growth = block.polar(1)[1] - block.polar(0)[1]
-            for axis, unit, normal in zip(block.plane_axes, (math.cos(angle), math.sin(angle)),
-                                          (-math.sin(angle), math.cos(angle))):
+            for axis, unit, normal in zip(
+                block.plane_axes, (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+            ):
                 slope[self.axes.index(axis)] = growth * unit + radius * block.sweep * normal
         return slope
 
@@ -248,19 +257,23 @@ class Judge:
                         new[k], back[k] = so_far + price, i
             if not new:
                 lines = sorted({motions[max(i, 0)].block.line for i in states})
-                raise Misaligned(f"output line {block.line} ({block.kind} to {block.end}) continues none of the "
-                                 f"nominal lines {lines} and does not begin what follows them")
+                raise Misaligned(
+                    f"output line {block.line} ({block.kind} to {block.end}) continues none of the "
+                    f"nominal lines {lines} and does not begin what follows them"
+                )
             states = new
             trail.append(back)
         finals = {}
         for i, cost in states.items():
-            if all(motion.empty for motion in motions[i + 1:]):
+            if all(motion.empty for motion in motions[i + 1 :]):
                 closing = self.closing(motions[i], outputs[-1][0]) if i >= 0 else 0.0
                 if closing is not None:
                     finals[i] = cost + closing
         if not finals:
-            raise Misaligned(f"the output ends within nominal line {motions[max(max(states), 0)].block.line}; "
-                             f"the last motion is in line {motions[-1].block.line}")
+            raise Misaligned(
+                f"the output ends within nominal line {motions[max(max(states), 0)].block.line}; "
+                f"the last motion is in line {motions[-1].block.line}"
+            )
         i = min(finals, key=finals.get)
         groups = [[] for _ in motions]
         for j in range(len(outputs) - 1, -1, -1):
@@ -283,7 +296,7 @@ class Judge:
 
     def closing(self, motion, block):
         miss = self.end_miss(motion, block)
-        return None if miss is None else miss ** 2
+        return None if miss is None else miss**2
 
     def price(self, motion, block):
         """What it costs to call a block a piece of a motion, mm²; None when it cannot be one."""
@@ -300,12 +313,13 @@ class Judge:
             distances.append(self.locate(motion, block.point(0.5), None)[2])
         if max(distances) > 2 * self.near:
             return None
-        return sum(d ** 2 for d in distances)
+        return sum(d**2 for d in distances)
 
     # Measurement -----------------------------------------------------------------------------------------------
 
     def measure(self, motion, pieces, margin, result, end_points):
         """Fill `result` for one nominal motion; append to end_points what it reached."""
+
         def count(distance, block, command, path=True):
             result.samples += 1
             if path:
@@ -318,8 +332,10 @@ class Judge:
             t = 0.0
             for block in pieces:
                 if not block.known:
-                    raise Misaligned(f"output line {block.line} begins at an unknown point, nominal line "
-                                     f"{motion.block.line} does not")
+                    raise Misaligned(
+                        f"output line {block.line} begins at an unknown point, nominal line "
+                        f"{motion.block.line} does not"
+                    )
                 t = self.measure_piece(motion, block, t, block is last, margin, count, result)
         end = np.array([motion.block.end[axis] for axis in self.axes])
         reached = self.actual(last.end, motion.approach(1.0), margin)
@@ -338,8 +354,10 @@ class Judge:
             hint = min(t + length / motion.length, 1.0) if motion.length else 0.0
             t_end = motion.snapped(self.locate(motion, block.end, hint, margin, self.clamp)[0])
             if (t - t_end) * motion.length > self.near:
-                raise Misaligned(f"output line {block.line} goes back by {(t - t_end) * motion.length:.3f} mm on "
-                                 f"nominal line {motion.block.line}")
+                raise Misaligned(
+                    f"output line {block.line} goes back by {(t - t_end) * motion.length:.3f} mm on "
+                    f"nominal line {motion.block.line}"
+                )
             if length <= self.take_up and (t_end - t) * motion.length <= length / 2:
                 result.take_ups += 1
                 reached = self.actual(block.end, motion.approach(t), margin)
@@ -389,8 +407,10 @@ def check_lengths(motion, pieces, judge):
     without_short = sum(block.length for block in pieces if block.length > judge.take_up)
     room = judge.near + 0.02 * motion.length
     if total < motion.length - room or without_short > motion.length + room:
-        raise Misaligned(f"nominal line {motion.block.line} is {motion.length:.6f} mm long, its pieces in lines "
-                         f"{[block.line for block in pieces]} together {total:.6f} mm")
+        raise Misaligned(
+            f"nominal line {motion.block.line} is {motion.length:.6f} mm long, its pieces in lines "
+            f"{[block.line for block in pieces]} together {total:.6f} mm"
+        )
 
 
 def feed_changes(motion, pieces, judge):
@@ -401,13 +421,29 @@ def feed_changes(motion, pieces, judge):
     wanted = (motion.block.feed_mode, motion.block.feed)
     if motion.block.feed_mode == "G93" and motion.block.feed and all(b.feed and b.feed_mode == "G93" for b in pieces):
         whole = 1.0 / sum(1.0 / b.feed for b in pieces)  # the times of the pieces add up
-        return [] if abs(whole / motion.block.feed - 1.0) < 0.01 else [(motion.block.line, pieces[0].line,
-                                                                       wanted[1], whole)]
+        return (
+            []
+            if abs(whole / motion.block.feed - 1.0) < 0.01
+            else [(motion.block.line, pieces[0].line, wanted[1], whole)]
+        )
     return [(motion.block.line, b.line, wanted[1], b.feed) for b in cutting if (b.feed_mode, b.feed) != wanted]
 
 
-def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm=5.0, clamp=False, diameter=None,
-             offsets=None, block_delete=False, start={}, take_up_mm=0.5, near_mm=None):
+def residual(
+    nominal_text,
+    compensated_text,
+    dialect,
+    machine,
+    *,
+    samples_per_mm=5.0,
+    clamp=False,
+    diameter=None,
+    offsets=None,
+    block_delete=False,
+    start={},
+    take_up_mm=0.5,
+    near_mm=None,
+):
     """Report on a compensated program; Misaligned when it does not do what the nominal program does.
 
     clamp, or the machine's outside = "clamp": hold the tables' end values at nominal points outside them, else
@@ -417,8 +453,13 @@ def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm
     """
     near = machine.max_correction if near_mm is None else near_mm
     judge = Judge(machine, samples_per_mm, clamp or machine.outside == "clamp", take_up_mm, near)
-    settings = dict(axes=judge.axes, diameter=machine.diameter if diameter is None else diameter,
-                    offsets=machine.offsets if offsets is None else offsets, block_delete=block_delete, start=start)
+    settings = dict(
+        axes=judge.axes,
+        diameter=machine.diameter if diameter is None else diameter,
+        offsets=machine.offsets if offsets is None else offsets,
+        block_delete=block_delete,
+        start=start,
+    )
     nominal, output = run(nominal_text, dialect, **settings), run(compensated_text, dialect, **settings)
 
     motions = judge.nominal(nominal)
@@ -428,10 +469,13 @@ def residual(nominal_text, compensated_text, dialect, machine, *, samples_per_mm
     outputs, marks = judge.motions(output)
     _, wanted_marks = judge.motions(nominal)
     if marks != wanted_marks:
-        at = next((k for k, (a, b) in enumerate(zip(marks, wanted_marks)) if a != b),
-                  min(len(marks), len(wanted_marks)))
-        raise Misaligned(f"blocks that do not move: the nominal program has {wanted_marks[at:at + 3]}, "
-                         f"the output {marks[at:at + 3]}")
+        at = next(
+            (k for k, (a, b) in enumerate(zip(marks, wanted_marks)) if a != b), min(len(marks), len(wanted_marks))
+        )
+        raise Misaligned(
+            f"blocks that do not move: the nominal program has {wanted_marks[at : at + 3]}, "
+            f"the output {marks[at : at + 3]}"
+        )
     if len(outputs) < sum(not motion.empty for motion in motions):
         raise Misaligned(f"{len(motions)} nominal motions, only {len(outputs)} in the output")
     groups = judge.align(motions, outputs) if motions or outputs else []

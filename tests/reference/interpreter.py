@@ -20,9 +20,22 @@ CENTRE_LETTER = {"X": "I", "Y": "J", "Z": "K"}
 INCREMENT_OF = {"U": "X", "V": "Y", "W": "Z"}
 
 GROUPS = [
-    {"G0", "G1", "G2", "G3"}, {"G4", "G28", "G30", "G53"}, {"G17", "G18", "G19"}, {"G20", "G21"}, {"G7", "G8"},
-    {"G90", "G91"}, {"G90.1", "G91.1"}, {"G93", "G94", "G95"}, {"G54", "G55", "G56", "G57", "G58", "G59"},
-    {"G40"}, {"G49"}, {"G61", "G61.1", "G64"}, {"G96", "G97"}, {"G98", "G99"}, {"G92"}, {"G80"},
+    {"G0", "G1", "G2", "G3"},
+    {"G4", "G28", "G30", "G53"},
+    {"G17", "G18", "G19"},
+    {"G20", "G21"},
+    {"G7", "G8"},
+    {"G90", "G91"},
+    {"G90.1", "G91.1"},
+    {"G93", "G94", "G95"},
+    {"G54", "G55", "G56", "G57", "G58", "G59"},
+    {"G40"},
+    {"G49"},
+    {"G61", "G61.1", "G64"},
+    {"G96", "G97"},
+    {"G98", "G99"},
+    {"G92"},
+    {"G80"},
 ]
 ONLY_LINUXCNC = {"G7", "G8", "G90.1", "G91.1", "G49", "G61.1"}
 ONLY_FANUC = {"G92"}  # spindle speed limit; with axis words it is refused
@@ -40,17 +53,18 @@ class NotUnderstood(ValueError):
 @dataclass
 class Block:
     """One block and what it makes the machine do; start and end: {axis: mm, or None when unknown}."""
+
     line: int
     number: int
-    kind: str                      # rapid feed arc dwell none machine
+    kind: str  # rapid feed arc dwell none machine
     start: dict
     end: dict
-    feed: float | None = None      # mm/min, mm/rev or 1/min, by feed_mode
+    feed: float | None = None  # mm/min, mm/rev or 1/min, by feed_mode
     feed_mode: str = "G94"
-    plane: str | None = None       # of an arc: G17 G18 G19
-    centre: tuple | None = None    # of an arc: along the plane's first and second axis, mm
-    sweep: float | None = None     # of an arc: rad, + from the first axis to the second
-    dwell: float | None = None     # s
+    plane: str | None = None  # of an arc: G17 G18 G19
+    centre: tuple | None = None  # of an arc: along the plane's first and second axis, mm
+    sweep: float | None = None  # of an arc: rad, + from the first axis to the second
+    dwell: float | None = None  # s
     codes: tuple = field(default=())  # M, S and T words, in order: ("M3", "S1200")
 
     @property
@@ -190,8 +204,9 @@ class Control:
 
     def __init__(self, dialect, axes, diameter, offsets, start):
         self.dialect, self.axes = dialect, list(axes)
-        self.offsets = {name: {axis: Fraction(str(value)) for axis, value in entry.items()}
-                        for name, entry in offsets.items()}
+        self.offsets = {
+            name: {axis: Fraction(str(value)) for axis, value in entry.items()} for name, entry in offsets.items()
+        }
         self.position = {axis: None if start.get(axis) is None else Fraction(str(start[axis])) for axis in self.axes}
         self.diameter = set(diameter)
         self.motion, self.feed, self.feed_mode = None, None, "G94"

@@ -22,7 +22,7 @@ import numpy as np
 
 UNIT = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 TRANSLATIONS, ROTATIONS = "XYZ", "ABC"
-UM = 1e-3    # mm
+UM = 1e-3  # mm
 URAD = 1e-6  # rad
 
 
@@ -175,15 +175,28 @@ class Machine:
             nodes, components = read_table(folder / entry["table"], name)
             point = vector_of(entry.get("measured_at", {}), f"{folder}: measured_at of {name}")
             if measured_at == "stood":
-                after = links[links.index(name) + 1:]
+                after = links[links.index(name) + 1 :]
                 point = np.array([v if axis in after else 0.0 for axis, v in zip("XYZ", point)])
-            axes[name] = Axis(name, side, nodes, components, point, lean[name],
-                              tuple(entry["travel"]) if "travel" in entry else (-math.inf, math.inf),
-                              float(entry.get("least_increment", 0.0)))
+            axes[name] = Axis(
+                name,
+                side,
+                nodes,
+                components,
+                point,
+                lean[name],
+                tuple(entry["travel"]) if "travel" in entry else (-math.inf, math.inf),
+                float(entry.get("least_increment", 0.0)),
+            )
         limits = facts.get("limits", {})
-        return cls(axes, vector_of(facts.get("tool", {}), f"{folder}: tool"), facts.get("control", "linuxcnc"),
-                   facts.get("diameter", ()), facts.get("offsets", {}),
-                   float(limits.get("max_correction", 0.5)), limits.get("outside", "error"))
+        return cls(
+            axes,
+            vector_of(facts.get("tool", {}), f"{folder}: tool"),
+            facts.get("control", "linuxcnc"),
+            facts.get("diameter", ()),
+            facts.get("offsets", {}),
+            float(limits.get("max_correction", 0.5)),
+            limits.get("outside", "error"),
+        )
 
     def nominal(self, command):
         """(3,) mm: where the tool point would be on a machine without errors."""

@@ -17,18 +17,21 @@ NOT_SPOKEN = {"rotary_axes", "work_offsets_extended", "dwell_and_axis_words"}
 
 def settings_of(keywords):
     parameters = keywords.get("parameters") or {}
-    offsets = {f"G5{4 + k}": {axis: parameters.get(5221 + 20 * k + i, 0.0) for i, axis in enumerate("XYZ")}
-               for k in range(6)}
-    return dict(axes="XYZ", offsets=offsets, block_delete=keywords.get("block_delete", False),
-                start=dict.fromkeys("XYZ", 0.0)), parameters
+    offsets = {
+        f"G5{4 + k}": {axis: parameters.get(5221 + 20 * k + i, 0.0) for i, axis in enumerate("XYZ")} for k in range(6)
+    }
+    return dict(
+        axes="XYZ", offsets=offsets, block_delete=keywords.get("block_delete", False), start=dict.fromkeys("XYZ", 0.0)
+    ), parameters
 
 
 @pytest.fixture(scope="module")
 def told():
     programs = sorted(oracle.PROGRAMS.glob("*.ngc"))
     loaded = [oracle.load(path) for path in programs]
-    return {path.stem: (*entry, answer)
-            for path, entry, answer in zip(programs, loaded, oracle.motions_of_many(loaded))}
+    return {
+        path.stem: (*entry, answer) for path, entry, answer in zip(programs, loaded, oracle.motions_of_many(loaded))
+    }
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in oracle.PROGRAMS.glob("*.ngc")))
@@ -41,8 +44,11 @@ def test_the_same_motions(told, name):
         return
     if "G28" in text.upper() or "G30" in text.upper() or 5220 in parameters:
         pytest.skip("where home is, and another offset at the start, the reference is not told")
-    ours = [block for block in run(text, "linuxcnc", **settings)
-            if block.kind == "dwell" or block.kind != "none" and block.length > 0]
+    ours = [
+        block
+        for block in run(text, "linuxcnc", **settings)
+        if block.kind == "dwell" or block.kind != "none" and block.length > 0
+    ]
     theirs = [m for m in theirs if m.kind in ("arc", "dwell") or math.dist(m.start, m.end) > 0]
     # LinuxCNC counts lines from the first %.
     ahead = 2 if name == "percent_after_blank_lines" else 0

@@ -21,22 +21,42 @@ S = -382.352941  # µrad
 needs_seed = pytest.mark.skipif(not SEED.is_dir(), reason="the seed tables are not here")
 
 
-def write_machine(folder, chain, tables, *, measured_at={}, squareness={}, tool={}, control="linuxcnc", diameter=(),
-                  offsets={}, travel=(-1000.0, 1000.0), outside="error"):
+def write_machine(
+    folder,
+    chain,
+    tables,
+    *,
+    measured_at={},
+    squareness={},
+    tool={},
+    control="linuxcnc",
+    diameter=(),
+    offsets={},
+    travel=(-1000.0, 1000.0),
+    outside="error",
+):
     """A machine folder. tables: {axis: {"nodes": [...], column: [...]}}; returns the folder."""
+
     def inline(table):
         return "{ " + ", ".join(f"{key} = {float(value)!r}" for key, value in table.items()) + " }"
+
     folder.mkdir(parents=True, exist_ok=True)
-    text = [f'format = "gcomp-machine/1"\nname = "m"\ncontrol = "{control}"\nchain = "{chain}"',
-            f"diameter = {list(diameter)!r}".replace("'", '"')]
+    text = [
+        f'format = "gcomp-machine/1"\nname = "m"\ncontrol = "{control}"\nchain = "{chain}"',
+        f"diameter = {list(diameter)!r}".replace("'", '"'),
+    ]
     for axis, table in tables.items():
-        text.append(f'[axes.{axis}]\ntravel = {list(travel)}\nleast_increment = 0.0001\ntable = "{axis}.csv"\n'
-                    f"measured_at = {inline(measured_at.get(axis, {}))}")
+        text.append(
+            f'[axes.{axis}]\ntravel = {list(travel)}\nleast_increment = 0.0001\ntable = "{axis}.csv"\n'
+            f"measured_at = {inline(measured_at.get(axis, {}))}"
+        )
         columns = dict(table)
         rows = zip(columns.pop("nodes"), *columns.values())
         (folder / f"{axis}.csv").write_text(
             f"# written by a test\n{','.join([axis + '_mm', *columns])}\n"
-            + "".join(",".join(repr(float(v)) for v in row) + "\n" for row in rows) + "# end\n")
+            + "".join(",".join(repr(float(v)) for v in row) + "\n" for row in rows)
+            + "# end\n"
+        )
     text.append("[squareness]\n" + "\n".join(f"{key} = {float(value)!r}" for key, value in squareness.items()))
     text.append("[tool]\n" + "\n".join(f"{key} = {float(value)!r}" for key, value in tool.items()))
     text.append("[offsets]\n" + "\n".join(f"{key} = {inline(value)}" for key, value in offsets.items()))
@@ -72,6 +92,7 @@ def seed_machine(folder, **settings):
 
 # The machine -----------------------------------------------------------------------------------------------------
 
+
 def test_a_machine_without_errors_does_what_it_is_told(tmp_path):
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX"), tool={"X": 3.0, "Z": -80.0})
     assert list(machine.actual({"X": 12.5, "Z": 7.0}, {"X": 1, "Z": -1})) == [15.5, 0.0, -73.0]
@@ -105,8 +126,9 @@ def test_between_nodes_linear_and_outside_refused_or_held(tmp_path):
 
 def test_pure_yaw_is_an_exact_rotation_about_the_measured_point(tmp_path):
     """0.1 rad of Z yaw, tool 200 mm out in X and 30 in Z, measured at X = 50: (150, 30) turns about Y."""
-    machine = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBZ_urad=1e5), tool={"X": 120.0, "Z": 30.0},
-                   measured_at={"Z": {"X": 50.0}})
+    machine = make(
+        tmp_path, "w-b-Z-X-t", flat("ZX", EBZ_urad=1e5), tool={"X": 120.0, "Z": 30.0}, measured_at={"Z": {"X": 50.0}}
+    )
     x, z, b = 150.0, 30.0, 0.1
     hand = [50.0 + x * math.cos(b) + z * math.sin(b), 0.0, 400.0 - x * math.sin(b) + z * math.cos(b)]
     assert machine.actual({"X": 80.0, "Z": 400.0}, {}) == approx(hand, abs=1e-11)
@@ -120,8 +142,10 @@ def test_a_yawing_table_turns_about_itself_own_travel_included(tmp_path):
     assert machine.actual({"X": 80.0, "Z": 400.0}, {}) == approx(hand, abs=1e-11)
 
 
-@pytest.mark.parametrize("name, axis, moves", [
-    ("C0Y", "Y", (-1, 0, 0)), ("B0Z", "Z", (1, 0, 0)), ("A0Z", "Z", (0, -1, 0)), ("B0X", "X", (0, 0, -1))])
+@pytest.mark.parametrize(
+    "name, axis, moves",
+    [("C0Y", "Y", (-1, 0, 0)), ("B0Z", "Z", (1, 0, 0)), ("A0Z", "Z", (0, -1, 0)), ("B0X", "X", (0, 0, -1))],
+)
 def test_squareness_leans_the_axis_as_the_notation_map_says(tmp_path, name, axis, moves):
     machine = make(tmp_path, "w-X-b-Y-Z-t", flat("XYZ"), squareness={name: 100.0})
     command = dict({"X": 0.0, "Y": 0.0, "Z": 0.0}, **{axis: 200.0})
@@ -199,18 +223,32 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
         q = dict(zip("XYZ", rng.uniform(-290, 290, 3)))
         left = []
         for scale in (1.0, 0.5):
-            scaled = {axis: {name: [v * (1.0 if name == "nodes" else scale) for v in column]
-                             for name, column in table.items()} for axis, table in tables.items()}
-            machine = make(tmp_path / str(scale), chain, scaled, tool=tool, measured_at=measured_at,
-                           squareness={name: value * scale for name, value in squareness.items()})
+            scaled = {
+                axis: {
+                    name: [v * (1.0 if name == "nodes" else scale) for v in column] for name, column in table.items()
+                }
+                for axis, table in tables.items()
+            }
+            machine = make(
+                tmp_path / str(scale),
+                chain,
+                scaled,
+                tool=tool,
+                measured_at=measured_at,
+                squareness={name: value * scale for name, value in squareness.items()},
+            )
             total = np.zeros(3)
             for k, axis in enumerate(names):
-                value = {name[1]: np.interp(q[axis], table["nodes"], table[name])
-                         for table in [scaled[axis]] for name in table if name != "nodes"}
+                value = {
+                    name[1]: np.interp(q[axis], table["nodes"], table[name])
+                    for table in [scaled[axis]]
+                    for name in table
+                    if name != "nodes"
+                }
                 d = 1e-3 * np.array([value["X"], value["Y"], value["Z"]])
                 eps = 1e-6 * np.array([value["A"], value["B"], value["C"]])
                 # The tool's side leaves its own travel out, the workpiece's side has it in.
-                carried = names[k + 1:] if k >= bed else names[k:]
+                carried = names[k + 1 :] if k >= bed else names[k:]
                 r = np.array([tool[a] for a in "XYZ"]) + sum((q[a] * unit[a] for a in carried), np.zeros(3))
                 m = np.array([measured_at[axis][a] for a in "XYZ"])
                 total += d + np.cross(eps, r - m) + np.cross(scale * lean[axis], q[axis] * unit[axis])
@@ -228,14 +266,19 @@ def test_measured_at_of_an_axis_that_gives_no_arm(tmp_path):
     assert stood.deviation({"X": 0, "Z": 0}, {})[0] == 0.0
 
 
-@pytest.mark.parametrize("change, why", [
-    (dict(chain="w-Z-X-t"), "run from w over b to t"), (dict(chain="w-b-Z-Y-t"), "do not fit"),
-    (dict(squareness={"B0B": 1.0}), "no such squareness"), (dict(squareness={"A0X": 1.0}), "no such squareness"),
-    (dict(tool={"W": 1.0}), "names"),
-    (dict(tables={"X": {"nodes": [0, 1], "EXX_urad": [0, 0]}, "Z": {"nodes": [0, 1]}}), "no such column"),
-    (dict(tables={"X": {"nodes": [0, 1], "EXX_um_fwd": [0, 0]}, "Z": {"nodes": [0, 1]}}), "_fwd and _rev"),
-    (dict(tables={"X": {"nodes": [1, 0]}, "Z": {"nodes": [0, 1]}}), "must ascend"),
-])
+@pytest.mark.parametrize(
+    "change, why",
+    [
+        (dict(chain="w-Z-X-t"), "run from w over b to t"),
+        (dict(chain="w-b-Z-Y-t"), "do not fit"),
+        (dict(squareness={"B0B": 1.0}), "no such squareness"),
+        (dict(squareness={"A0X": 1.0}), "no such squareness"),
+        (dict(tool={"W": 1.0}), "names"),
+        (dict(tables={"X": {"nodes": [0, 1], "EXX_urad": [0, 0]}, "Z": {"nodes": [0, 1]}}), "no such column"),
+        (dict(tables={"X": {"nodes": [0, 1], "EXX_um_fwd": [0, 0]}, "Z": {"nodes": [0, 1]}}), "_fwd and _rev"),
+        (dict(tables={"X": {"nodes": [1, 0]}, "Z": {"nodes": [0, 1]}}), "must ascend"),
+    ],
+)
 def test_a_faulty_machine_is_refused(tmp_path, change, why):
     settings = dict({"chain": "w-b-Z-X-t", "tables": flat("ZX")}, **change)
     with pytest.raises(ValueError, match=why):
@@ -244,9 +287,13 @@ def test_a_faulty_machine_is_refused(tmp_path, change, why):
 
 # The interpreter -------------------------------------------------------------------------------------------------
 
+
 def ends(text, dialect="linuxcnc", axes="XZ", **settings):
-    return [tuple(block.end[axis] for axis in axes) for block in run(text, dialect, axes=axes, **settings)
-            if block.kind not in ("none", "dwell")]
+    return [
+        tuple(block.end[axis] for axis in axes)
+        for block in run(text, dialect, axes=axes, **settings)
+        if block.kind not in ("none", "dwell")
+    ]
 
 
 def test_absolute_incremental_and_the_sum_does_not_drift():
@@ -272,8 +319,16 @@ def test_lines_words_comments_and_blanks():
 def test_a_lathe_semicolon_ends_a_block_and_a_block_may_share_its_line():
     text = "%\nO1234;\nN1 G90 G0 X40. Z2.; G1 U-4. W-2. F100; (X9;)\nG4 U1.5;G4 P250;G4 X2.\n/2 G91 X2.; M30;\n%"
     blocks = run(text, "fanuc-lathe", axes="ZX", diameter="X")
-    assert [(b.line, b.kind) for b in blocks] == [(2, "none"), (3, "rapid"), (3, "feed"), (4, "dwell"), (4, "dwell"),
-                                                  (4, "dwell"), (5, "feed"), (5, "none")]
+    assert [(b.line, b.kind) for b in blocks] == [
+        (2, "none"),
+        (3, "rapid"),
+        (3, "feed"),
+        (4, "dwell"),
+        (4, "dwell"),
+        (4, "dwell"),
+        (5, "feed"),
+        (5, "none"),
+    ]
     assert blocks[2].end == {"X": 18.0, "Z": 0.0}
     assert [b.dwell for b in blocks[3:6]] == [1.5, 0.25, 2.0]
     assert blocks[6].end == {"X": 19.0, "Z": 0.0}
@@ -290,17 +345,34 @@ def test_inches_and_diameters():
 def test_offsets_machine_coordinates_and_home():
     offsets = {"G54": {"X": 10.0, "Z": -100.0}, "G55": {"X": 0.1, "Z": 0.2}}
     text = "G0 X1 Z1\nG55 X1\nG53 G0 X5\nG0 X0\nG28 Z0\nG0 X3\nG28\nG54 G0 X0 Z0"
-    assert ends(text, offsets=offsets) == [(11.0, -99.0), (1.1, -99.0), (5.0, -99.0), (0.1, -99.0), (0.1, None),
-                                           (3.1, None), (None, None), (10.0, -100.0)]
+    assert ends(text, offsets=offsets) == [
+        (11.0, -99.0),
+        (1.1, -99.0),
+        (5.0, -99.0),
+        (0.1, -99.0),
+        (0.1, None),
+        (3.1, None),
+        (None, None),
+        (10.0, -100.0),
+    ]
     assert [b.kind for b in run(text, "linuxcnc", axes="XZ", offsets=offsets)] == [
-        "rapid", "rapid", "machine", "rapid", "machine", "rapid", "machine", "rapid"]
+        "rapid",
+        "rapid",
+        "machine",
+        "rapid",
+        "machine",
+        "rapid",
+        "machine",
+        "rapid",
+    ]
     assert ends("G0 X1 Z1") == [(1.0, 1.0)]
     with pytest.raises(NotUnderstood, match="line 2: the work offset G56 is not stated"):
         run("G0 X1\nG56 X1", "linuxcnc", axes="XZ", offsets=offsets)
 
 
-@pytest.mark.parametrize("plane, first, second, letters", [
-    ("G17", "X", "Y", "IJ"), ("G18", "Z", "X", "KI"), ("G19", "Y", "Z", "JK")])
+@pytest.mark.parametrize(
+    "plane, first, second, letters", [("G17", "X", "Y", "IJ"), ("G18", "Z", "X", "KI"), ("G19", "Y", "Z", "JK")]
+)
 def test_counterclockwise_is_from_the_first_axis_to_the_second(plane, first, second, letters):
     """From (10, 0) about (0, 0) to (0, 10): a quarter with G3, three with G2."""
     text = f"G0 X0 Y0 Z0\nG0 {first}10\n{plane} %s {first}0 {second}10 {letters[0]}-10 F100"
@@ -315,8 +387,10 @@ def test_counterclockwise_is_from_the_first_axis_to_the_second(plane, first, sec
 
 
 def test_circles_turns_helices_and_absolute_centres():
-    text = ("G0 X10 Y0 Z0\nG2 I-10 F100\nG3 X10 Y0 Z6 I-10 P3\nG90.1 G3 X-10 Y0 I0 J0\nG91.1 G2 X10 Y0 I10 J0 P2\n"
-            "G91 G3 X-20 I-10")
+    text = (
+        "G0 X10 Y0 Z0\nG2 I-10 F100\nG3 X10 Y0 Z6 I-10 P3\nG90.1 G3 X-10 Y0 I0 J0\nG91.1 G2 X10 Y0 I10 J0 P2\n"
+        "G91 G3 X-20 I-10"
+    )
     _, circle, helix, half, more, back = run(text, "linuxcnc", axes="XYZ")
     assert circle.sweep == approx(-2 * math.pi) and circle.start == circle.end
     assert helix.sweep == approx(6 * math.pi) and helix.point(0.5)["Z"] == 3.0
@@ -336,9 +410,15 @@ def test_arcs_on_a_lathe_have_radii_where_words_are_diameters():
     assert other.centre == approx((-10.0, 30.0))
 
 
-@pytest.mark.parametrize("word, code, centre, degrees", [
-    ("R10", "G3", (0, 0), 90), ("R10", "G2", (10, 10), -90),
-    ("R-10", "G3", (10, 10), 270), ("R-10", "G2", (0, 0), -270)])
+@pytest.mark.parametrize(
+    "word, code, centre, degrees",
+    [
+        ("R10", "G3", (0, 0), 90),
+        ("R10", "G2", (10, 10), -90),
+        ("R-10", "G3", (10, 10), 270),
+        ("R-10", "G2", (0, 0), -270),
+    ],
+)
 def test_the_sign_of_r_picks_the_way_round(word, code, centre, degrees):
     arc = run(f"G0 X10 Y0\n{code} X0 Y10 {word} F1", "linuxcnc", axes="XY")[-1]
     assert arc.centre == approx(centre, abs=1e-12) and math.degrees(arc.sweep) == approx(degrees)
@@ -351,17 +431,35 @@ def test_a_sliver_stays_a_sliver_and_a_nearly_whole_circle_nearly_whole():
     assert past.length == approx(0.001, rel=1e-3) and before.length == approx(20 * math.pi - 0.001)
 
 
-@pytest.mark.parametrize("text, dialect, why", [
-    ("G0 X1 X2", "linuxcnc", "twice"), ("G0 G1 X1", "linuxcnc", "one group"), ("X1", "linuxcnc", "without G0"),
-    ("G0 X#1", "linuxcnc", "no number"), ("G0 X[1]", "linuxcnc", "no number"), ("G0 X1.2.3", "linuxcnc", "no number"),
-    ("G0 X1e3", "linuxcnc", "no use for E"), ("G41 X1", "linuxcnc", "G41 is not"), ("G81 X1 R2", "linuxcnc", "G81"),
-    ("G0 X1 (a", "linuxcnc", "not closed"), ("G0 U1", "linuxcnc", "no use for U"), ("G43 H1", "linuxcnc", "G43"),
-    ("G0 X1\nG18 G2 X2 I1 F1", "linuxcnc", "unknown point"), ("G0 X0 Z0\nG18 G2 X9 I1 F1", "linuxcnc", "misses"),
-    ("G0 X0 Z0\nG18 G2 X9 F1", "linuxcnc", "no centre"), ("G0 X0 Z0\nG18 G2 X9 R4 F1", "linuxcnc", "cannot reach"),
-    ("G1 X1 R5", "linuxcnc", "no use for R"), ("G0 X1 U2", "fanuc-lathe", "X and U"), ("M98 P1", "fanuc-lathe", "M98"),
-    ("G92 X1", "fanuc-lathe", "S alone"), ("G7 G0 X1", "fanuc-lathe", "G7"), ("G93 G1 X1", "linuxcnc", "needs F"),
-    ("G91 G53 G0 X1", "linuxcnc", "absolute"), ("G28 ;", "fanuc-lathe", "names its axes"),
-])
+@pytest.mark.parametrize(
+    "text, dialect, why",
+    [
+        ("G0 X1 X2", "linuxcnc", "twice"),
+        ("G0 G1 X1", "linuxcnc", "one group"),
+        ("X1", "linuxcnc", "without G0"),
+        ("G0 X#1", "linuxcnc", "no number"),
+        ("G0 X[1]", "linuxcnc", "no number"),
+        ("G0 X1.2.3", "linuxcnc", "no number"),
+        ("G0 X1e3", "linuxcnc", "no use for E"),
+        ("G41 X1", "linuxcnc", "G41 is not"),
+        ("G81 X1 R2", "linuxcnc", "G81"),
+        ("G0 X1 (a", "linuxcnc", "not closed"),
+        ("G0 U1", "linuxcnc", "no use for U"),
+        ("G43 H1", "linuxcnc", "G43"),
+        ("G0 X1\nG18 G2 X2 I1 F1", "linuxcnc", "unknown point"),
+        ("G0 X0 Z0\nG18 G2 X9 I1 F1", "linuxcnc", "misses"),
+        ("G0 X0 Z0\nG18 G2 X9 F1", "linuxcnc", "no centre"),
+        ("G0 X0 Z0\nG18 G2 X9 R4 F1", "linuxcnc", "cannot reach"),
+        ("G1 X1 R5", "linuxcnc", "no use for R"),
+        ("G0 X1 U2", "fanuc-lathe", "X and U"),
+        ("M98 P1", "fanuc-lathe", "M98"),
+        ("G92 X1", "fanuc-lathe", "S alone"),
+        ("G7 G0 X1", "fanuc-lathe", "G7"),
+        ("G93 G1 X1", "linuxcnc", "needs F"),
+        ("G91 G53 G0 X1", "linuxcnc", "absolute"),
+        ("G28 ;", "fanuc-lathe", "names its axes"),
+    ],
+)
 def test_what_it_does_not_know_it_refuses(text, dialect, why):
     with pytest.raises(NotUnderstood, match=why):
         run(text, dialect, axes="XZ")
@@ -467,10 +565,12 @@ def test_a_circle_that_became_a_sliver_is_found(tmp_path):
 def test_an_arc_in_chords_is_measured_by_its_sagitta(tmp_path):
     """Chords of 10 degrees on R = 10: 10 (1 - cos 5 degrees) = 38.05 µm."""
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX"))
-    chords = "".join(f"G1 Z{10 * math.cos(a):.9f} X{10 * math.sin(a):.9f}\n"
-                     for a in (math.radians(10 * k) for k in range(1, 10)))
-    report = residual("G18 G0 X0 Z10\nG3 X10 Z0 K-10 F100\n", "G18 G0 X0 Z10 F100\n" + chords, "linuxcnc", machine,
-                      samples_per_mm=200)
+    chords = "".join(
+        f"G1 Z{10 * math.cos(a):.9f} X{10 * math.sin(a):.9f}\n" for a in (math.radians(10 * k) for k in range(1, 10))
+    )
+    report = residual(
+        "G18 G0 X0 Z10\nG3 X10 Z0 K-10 F100\n", "G18 G0 X0 Z10 F100\n" + chords, "linuxcnc", machine, samples_per_mm=200
+    )
     assert report.largest_mm == approx(10 * (1 - math.cos(math.radians(5))), rel=1e-3)
     assert len(report.by_block[1].output_lines) == 9
 
@@ -488,14 +588,18 @@ def test_many_short_motions_keep_their_partners(tmp_path):
     assert report.largest_mm < 2 * NANOMETRE and report.uncompensated_mm == approx(0.065, abs=NANOMETRE)
 
 
-@pytest.mark.parametrize("output, why", [
-    ("G0 X0 Z0\nG1 X10 F100\nM8\nX20\n", "ends within|only 3|continues none"),
-    ("G0 X0 Z0\nG1 X10 F100\nX20\nZ10\n", "do not move"), ("G0 X0 Z0\nG1 X10 F100\nM9\nX20\nZ10\n", "do not move"),
-    ("G0 X0 Z0\nM8\nG1 X10 F100\nX20\nZ10\n", "continues none"),
-    ("G0 X0 Z0\nG1 X10 F100\nM8\nX20\nZ10\nX0\n", "continues none"),
-    ("G0 X0 Z0\nG1 X8 F100\nX2\nX10\nM8\nX20\nZ10\n", "together"),
-    ("G0 X0 Z0\nG0 X10\nM8\nG1 X20 F100\nZ10\n", "continues none"),
-])
+@pytest.mark.parametrize(
+    "output, why",
+    [
+        ("G0 X0 Z0\nG1 X10 F100\nM8\nX20\n", "ends within|only 3|continues none"),
+        ("G0 X0 Z0\nG1 X10 F100\nX20\nZ10\n", "do not move"),
+        ("G0 X0 Z0\nG1 X10 F100\nM9\nX20\nZ10\n", "do not move"),
+        ("G0 X0 Z0\nM8\nG1 X10 F100\nX20\nZ10\n", "continues none"),
+        ("G0 X0 Z0\nG1 X10 F100\nM8\nX20\nZ10\nX0\n", "continues none"),
+        ("G0 X0 Z0\nG1 X8 F100\nX2\nX10\nM8\nX20\nZ10\n", "together"),
+        ("G0 X0 Z0\nG0 X10\nM8\nG1 X20 F100\nZ10\n", "continues none"),
+    ],
+)
 def test_a_program_that_does_something_else_is_refused(tmp_path, output, why):
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX"))
     nominal = "G0 X0 Z0\nG1 X10 F100\nM8\nX20\nZ10\n"
@@ -530,8 +634,12 @@ def test_inverse_time_feeds_of_the_pieces_add_up(tmp_path):
 def test_home_and_machine_coordinates_are_matched_and_not_measured(tmp_path):
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX", EXX_um=10.0))
     nominal = "G0 X10 Z0\nG53 G0 X5\nG28 X0\nG0 Z5\nG0 X1\nG1 X3 F100\n"
-    report = residual(nominal, nominal.replace("X10 Z0", "X9.99 Z0").replace("X1\n", "X.99\n").replace("X3", "X2.99"),
-                      "linuxcnc", machine)
+    report = residual(
+        nominal,
+        nominal.replace("X10 Z0", "X9.99 Z0").replace("X1\n", "X.99\n").replace("X3", "X2.99"),
+        "linuxcnc",
+        machine,
+    )
     assert report.largest_mm < NANOMETRE and report.unmeasured == [4]
     assert [r.where is None for r in report.by_block] == [False, True, True, True, False, False]
 

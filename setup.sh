@@ -1,0 +1,23 @@
+#!/bin/sh
+# Makes .venv with gcomp in it; `sh setup.sh test` adds what the tests need. For a fresh Debian 12 with python3 as well as
+# for a machine that has everything: what is there already is used as it is.
+set -eu
+cd "$(dirname "$0")"
+extra=${1:+"[$1]"}
+
+python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
+    echo "gcomp needs Python 3.11 or newer; python3 here is $(python3 --version)" >&2
+    exit 1
+}
+if ! [ -x .venv/bin/pip ]; then
+    rm -rf .venv
+    if ! python3 -m venv .venv >/dev/null 2>&1; then
+        rm -rf .venv
+        echo "python3 has no venv module here: installing Debian's python3-venv" >&2
+        if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
+        $sudo apt-get update -q >&2
+        $sudo apt-get install -y -q python3-venv >&2
+        python3 -m venv .venv
+    fi
+fi
+.venv/bin/pip install --quiet --disable-pip-version-check --editable ".$extra"
