@@ -32,6 +32,7 @@ def commands() -> list[str]:
 def main(argv: list[str] | None = None) -> int:
     """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
     argv = sys.argv[1:] if argv is None else argv
+    _keep_memory()
     try:
         with contextlib.suppress(ValueError, AttributeError):
             signal.signal(signal.SIGTERM, _interrupt)
@@ -56,6 +57,17 @@ def main(argv: list[str] | None = None) -> int:
         return _complain(f"{what}{error.strerror or error}{full}", FAILED)
     except MemoryError:
         return _complain("out of memory", FAILED)
+
+
+def _keep_memory() -> None:
+    """Let the C library keep freed memory: giving 2 MB arrays back after every step costs a tenth of the time."""
+    with contextlib.suppress(OSError, AttributeError, ImportError):
+        import ctypes
+
+        trim, mmap = -1, -3  # M_TRIM_THRESHOLD, M_MMAP_THRESHOLD of glibc's mallopt
+        library = ctypes.CDLL(None)
+        library.mallopt(trim, 1 << 26)
+        library.mallopt(mmap, 1 << 26)
 
 
 def _run(argv: list[str]) -> int:

@@ -7,7 +7,7 @@ control keeps between two blocks: so any cut of the input gives the same bytes.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 from postproc import __version__
@@ -24,8 +24,21 @@ from postproc.units import UM
 
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
+MOST_ARCS = 4000
 DEFAULTS = Options()
 MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
+
+
+def _portions(text: bytes) -> Iterator[bytes]:
+    """Whole lines, all at once or, where there are many arcs, fewer: an arc takes hundreds of samples, and memory shall
+    stay flat."""
+    arcs = max(text.count(letter) for letter in (b"I", b"J", b"K", b"R", b"i", b"j", b"k", b"r"))
+    size = len(text) if arcs <= MOST_ARCS else max(1, len(text) * MOST_ARCS // arcs)
+    start = 0
+    while start < len(text):
+        stop = text.find(b"\n", min(start + size, len(text)) - 1) + 1 or len(text)
+        yield text[start:stop]
+        start = stop
 
 
 @dataclass
@@ -103,7 +116,14 @@ class Filter:
                 )
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
-        return self._lines(text)
+        out: list[bytes] = []
+        for part in _portions(text):
+            try:
+                out.append(self._lines(part))
+            except ProgramError as error:
+                error.delivered = b"".join(out) + error.delivered
+                raise
+        return b"".join(out)
 
     def finish(self) -> bytes:
         """Corrected text of what is left, at the end of the input."""

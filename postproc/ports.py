@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 from postproc.errors import UsageError
 
-CHUNK = 1 << 18
+CHUNK = 1 << 19
 IN_MEMORY = 1 << 22
 
 

@@ -47,7 +47,11 @@ def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
     pieces = seen[0]
     mine = (pieces.motion == 1) & ~pieces.take_up
     start, end = pieces.start[:, mine] / TICKS_PER_MM, pieces.end[:, mine] / TICKS_PER_MM
-    return np.column_stack([start[:, 0], end]), np.append(0.0, np.cumsum(pieces.share[mine])), filter_.compensator.tolerance
+    return (
+        np.column_stack([start[:, 0], end]),
+        np.append(0.0, np.cumsum(pieces.share[mine])),
+        filter_.compensator.tolerance,
+    )
 
 
 def deviations(machine: Machine) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray, float]:
@@ -61,7 +65,12 @@ def deviations(machine: Machine) -> tuple[np.ndarray, dict[str, np.ndarray], np.
         "ends": np.outer(block_end[:, 0], 1 - t) + np.outer(block_end[:, -1], t),
         "gcomp": np.stack([np.interp(t, part, row) for row in block_end]),
     }
-    return nominal, {name: at + machine.deviation(at, forward) - nominal for name, at in command.items()}, part, tolerance
+    return (
+        nominal,
+        {name: at + machine.deviation(at, forward) - nominal for name, at in command.items()},
+        part,
+        tolerance,
+    )
 
 
 def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], part: np.ndarray) -> None:
@@ -70,11 +79,31 @@ def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], par
     step = round(EVERY / 510.0 * (SAMPLES - 1))
     tail, head = nominal[::-1, ::step], magnified["plain"][::-1, ::step]
     axes.plot(*nominal[::-1], color=NOMINAL, linewidth=6, solid_capstyle="round", label="nominal path")
-    axes.quiver(*tail, *(head - tail), angles="xy", scale_units="xy", scale=1, color=PLAIN, alpha=0.55, width=0.0022, headwidth=5, headlength=6, zorder=3)
+    axes.quiver(
+        *tail,
+        *(head - tail),
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        color=PLAIN,
+        alpha=0.55,
+        width=0.0022,
+        headwidth=5,
+        headlength=6,
+        zorder=3,
+    )
     axes.plot(*magnified["plain"][::-1], color=PLAIN, linewidth=2.2, label="actual, uncompensated")
-    axes.plot(*magnified["gcomp"][::-1], color=GCOMP, linewidth=1.8, zorder=4, label=f"actual, with gcomp ({len(part) - 1} blocks)")
+    axes.plot(
+        *magnified["gcomp"][::-1],
+        color=GCOMP,
+        linewidth=1.8,
+        zorder=4,
+        label=f"actual, with gcomp ({len(part) - 1} blocks)",
+    )
     at = [magnified["gcomp"][i] for i in (1, 0)]
-    axes.plot(*[np.interp(part, np.linspace(0, 1, SAMPLES), row) for row in at], "o", color=GCOMP, markersize=4.5, zorder=5)
+    axes.plot(
+        *[np.interp(part, np.linspace(0, 1, SAMPLES), row) for row in at], "o", color=GCOMP, markersize=4.5, zorder=5
+    )
     axes.set(xlim=(-12, 652), ylim=(-14, 252), xlabel="Z, mm", ylabel="X (radius), mm", aspect="equal")
     axes.set_xticks(np.arange(0, 601, 100))
     axes.set_yticks([0, 50, 100, 150, 200])
@@ -82,7 +111,15 @@ def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], par
     axes.plot([500, 500 + scale], [30, 30], color=INK, linewidth=2, marker="|", markersize=8)
     axes.text(500 + scale / 2, 22, "50 µm of deviation", ha="center", va="top", color=INK)
     axes.text(0, 236, f"deviations by the measured error map,\nmagnified {MAGNIFIED}×", va="top", color=INK)
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2, handlelength=1.8, columnspacing=1.6)
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=3,
+        frameon=False,
+        borderaxespad=0.2,
+        handlelength=1.8,
+        columnspacing=1.6,
+    )
 
 
 def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], tolerance: float) -> None:
@@ -90,7 +127,14 @@ def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np
     size = {name: np.hypot(*d) / UM for name, d in deviation.items()}
     z = nominal[1]
     large.plot(z, size["plain"], color=PLAIN, linewidth=2.2, label=f"uncompensated: {size['plain'].max():.1f} µm")
-    large.plot(z, size["ends"], color=ENDS, linewidth=2.2, linestyle=(0, (5, 1.6)), label=f"only its ends corrected: {size['ends'].max():.1f} µm")
+    large.plot(
+        z,
+        size["ends"],
+        color=ENDS,
+        linewidth=2.2,
+        linestyle=(0, (5, 1.6)),
+        label=f"only its ends corrected: {size['ends'].max():.1f} µm",
+    )
     for axes in (large, small):
         axes.plot(z, size["gcomp"], color=GCOMP, linewidth=1.8, label=f"gcomp: {size['gcomp'].max():.2f} µm")
         axes.set(xlim=(-10, 520), xticks=np.arange(0, 511, 60))
@@ -103,24 +147,57 @@ def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np
     large.tick_params(labelbottom=False)
     small.text(16, 0.62, "the same, enlarged", va="center", color=INK)
     small.set(ylim=(-0.02, 0.7), yticks=[0, 0.2, 0.4, 0.6], xlabel="Z, mm")
-    large.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2, handlelength=2.2, columnspacing=1.6)
+    large.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=3,
+        frameon=False,
+        borderaxespad=0.2,
+        handlelength=2.2,
+        columnspacing=1.6,
+    )
 
 
 def main() -> None:
     machine = places.load(str(MACHINE))
     nominal, deviation, part, tolerance = deviations(machine)
-    plt.rcParams.update({
-        "font.family": "DejaVu Sans", "font.size": 11, "axes.labelsize": 11, "legend.fontsize": 11, "axes.titlesize": 12, "axes.edgecolor": INK, "axes.labelcolor": INK, "xtick.color": INK,
-        "ytick.color": INK, "text.color": INK, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#E6E6E6", "axes.axisbelow": True, "svg.hashsalt": "gcomp",
-    })  # fmt: skip
+    plt.rcParams.update(
+        {
+            "font.family": "DejaVu Sans",
+            "font.size": 11,
+            "axes.labelsize": 11,
+            "legend.fontsize": 11,
+            "axes.titlesize": 12,
+            "axes.edgecolor": INK,
+            "axes.labelcolor": INK,
+            "xtick.color": INK,
+            "ytick.color": INK,
+            "text.color": INK,
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.grid": True,
+            "grid.color": "#E6E6E6",
+            "axes.axisbelow": True,
+            "svg.hashsalt": "gcomp",
+        }
+    )
     figure = plt.figure(figsize=(9.0, 8.6), dpi=DPI, facecolor="white")
     frame = {"left": 0.088, "right": 0.985}
     top = figure.add_gridspec(1, 1, top=0.925, bottom=0.495, **frame).subplots()
-    large, small = figure.add_gridspec(2, 1, top=0.372, bottom=0.066, hspace=0.16, height_ratios=[1.5, 1], **frame).subplots(sharex=True)
+    large, small = figure.add_gridspec(
+        2, 1, top=0.372, bottom=0.066, hspace=0.16, height_ratios=[1.5, 1], **frame
+    ).subplots(sharex=True)
     paths(top, nominal, deviation, part)
     sizes(large, small, nominal, deviation, tolerance)
-    top.set_title("One G1 over the diagonal of a Studer S-36: X0 Z0 to X340 Z510", loc="left", pad=30, fontweight="bold")
-    large.set_title("How far the tool is from where the program says, and the largest on the way", loc="left", pad=28, fontweight="bold")
+    top.set_title(
+        "One G1 over the diagonal of a Studer S-36: X0 Z0 to X340 Z510", loc="left", pad=30, fontweight="bold"
+    )
+    large.set_title(
+        "How far the tool is from where the program says, and the largest on the way",
+        loc="left",
+        pad=28,
+        fontweight="bold",
+    )
     figure.text(0.022, 0.22, "deviation, µm", rotation=90, ha="center", va="center")
     figure.savefig(HERE / "diagonal.svg", metadata={"Date": None})
     figure.savefig(HERE / "diagonal.png", dpi=DPI)

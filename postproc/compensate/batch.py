@@ -196,24 +196,29 @@ class Batch:
             end = self.end[row]
             if row in self.rows and held[row]:
                 still = np.flatnonzero((self.travel[row] == 0) & free & known & (self.sure | self.turning))
-                if len(still):
-                    value, exact = end.tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
-                    wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
-                    first = int(self.carry.issued[row])
-                    for k, i in enumerate(still.tolist()):
-                        here = value[i - 1] if i else first
-                        if turning[k] and abs(wanted[k] - here) > hold:
-                            here = wanted[k]
-                        if abs(exact[k] - here) <= hold:
-                            value[i] = here
-                    end = np.array(value, np.int64)
-                    self.end[row] = end
+                end[still] = self._held(row, still, end)
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
             before = np.where(known, before, self._nominal_begin(row))
             self.before[row] = before
             differs = self.turning & (np.abs(self.wanted[row] - before) > hold)
             self.begin[row] = np.where(differs, self.wanted[row], before)
             self._notice_induced(row)
+
+    def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it."""
+        hold = self.c.hold * TICKS_PER_MM
+        before = np.where(still > 0, end[still - 1], self.carry.issued[row]).tolist()
+        value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
+        wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
+        last = -2
+        for k, i in enumerate(still.tolist()):
+            here = value[k - 1] if i == last + 1 else before[k]
+            if turning[k] and abs(wanted[k] - here) > hold:
+                here = wanted[k]
+            if abs(exact[k] - here) <= hold:
+                value[k] = here
+            last = i
+        return np.array(value, np.int64)
 
     def _notice_induced(self, row: int) -> None:
         """Say where a correction moves a resting axis back by less than its own reversal: the slide may not follow."""

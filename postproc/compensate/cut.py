@@ -104,13 +104,14 @@ def _cuts(b: Batch, chosen: np.ndarray):
     there = start[axis[node], owner[node]] + way * t[node]
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
     exact[:, node] = _along(b, chosen, owner[node], t[node])
-    order = nodes.tidy(owner, t)
-    owner, t, exact = owner[order], t[order], exact[:, order]
     correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
-    first = np.concatenate([[True], owner[1:] != owner[:-1]])
-    final = np.concatenate([owner[1:] != owner[:-1], [True]])
-    correction[:, first] = b.begin[:, chosen] / TICKS_PER_MM - start
-    correction[:, final] = b.end[:, chosen] / TICKS_PER_MM - target
+    # The ends are settled already, rounding and all.
+    every = np.arange(len(chosen))
+    begin, end = b.begin[:, chosen] / TICKS_PER_MM - start, b.end[:, chosen] / TICKS_PER_MM - target
+    owner, t = np.concatenate([owner, every, every]), np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
+    correction, exact = np.concatenate([correction, begin, end], axis=1), np.concatenate([exact, start, target], axis=1)
+    order = nodes.tidy(owner, t)
+    owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
     tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
     rows = b.rows
     cut = nodes.merge(owner, t, correction[rows], tolerance[rows])

@@ -15,14 +15,15 @@ from postproc.machine.model import Machine
 def candidates(
     machine: Machine, start: np.ndarray, target: np.ndarray, slack: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t from 0 to 1.
+    """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t between 0 and 1.
 
-    The axis is the one that passes a node there, or -1: the ends, and equal parts, between which product terms bend the
-    correction by `slack` mm at most. In no order.
+    The axis is the one that passes a node there, or -1: equal parts, between which product terms bend the correction by `slack` mm at most. In no order.
     """
     m = start.shape[1]
     way = target - start
-    owners, times, axes = [np.arange(m), np.arange(m)], [np.zeros(m), np.ones(m)], [np.full(2 * m, -1)]
+    owners: list[np.ndarray] = []
+    times: list[np.ndarray] = []
+    axes: list[np.ndarray] = []
     for row, letter in enumerate(machine.letters):
         table = machine.tables.get(letter)
         if table is None or table.is_zero:
@@ -55,7 +56,7 @@ def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: flo
     for row, letter in enumerate(machine.letters):
         table = machine.tables.get(letter)
         if table is not None and not table.is_zero:
-            result |= table.interval(start[row]) != table.interval(target[row])
+            result |= table.place(start[row])[0] != table.place(target[row])[0]
     return result
 
 

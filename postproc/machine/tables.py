@@ -50,7 +50,7 @@ class AxisTable:
 
     def slope_range(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(6, N) how much the slope of each component differs, and (6, N) its largest size, between low and high (N,) mm."""
-        first, last = self.interval(low), self.interval(high)
+        first, last = self.place(low)[0], self.place(high)[0]
         least, most = self.slopes[:, :, first].copy(), self.slopes[:, :, first].copy()
         for k in range(1, int((last - first).max(initial=0)) + 1):
             slope = self.slopes[:, :, np.minimum(first + k, last)]
@@ -76,13 +76,20 @@ class AxisTable:
         half = [(self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None for i in self.rows]
         return mean, half
 
-    def interval(self, position: np.ndarray) -> np.ndarray:
-        """(N,) index of the node below each position, mm; the first or last interval's beyond the ends."""
+    def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(N,) index of the node below each position, mm, and (N,) the share of the interval above it, 0 to 1.
+
+        Beyond the ends the first or last interval's, with share 0 or 1.
+        """
         last = len(self.nodes) - 2
         if self.step:
-            place = np.clip((position - self.nodes[0]) * (1.0 / self.step), 0.0, last + 1.0)
-            return np.minimum(place.astype(np.int64), last)
-        return np.clip(np.searchsorted(self.nodes, position, side="right") - 1, 0, last)
+            place = (position - self.nodes[0]) * (1.0 / self.step)
+            place = np.minimum(np.maximum(place, 0.0, out=place), last + 1.0, out=place)
+            interval = np.minimum(place.astype(np.int64), last)
+            return interval, np.subtract(place, interval, out=place)
+        inside = np.clip(position, self.nodes[0], self.nodes[-1])
+        interval = np.clip(np.searchsorted(self.nodes, inside, side="right") - 1, 0, last)
+        return interval, (inside - self.nodes[interval]) / (self.nodes[interval + 1] - self.nodes[interval])
 
     def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
         """Six (N,) columns, None for a component that is zero everywhere.
@@ -92,12 +99,7 @@ class AxisTable:
         result: list[np.ndarray | None] = [None] * 6
         if not self.rows:
             return result
-        nodes = self.nodes
-        interval = self.interval(position)
-        if self.step:
-            share = np.clip((position - nodes[0]) * (1.0 / self.step), 0.0, len(nodes) - 1.0) - interval
-        else:
-            share = (np.clip(position, nodes[0], nodes[-1]) - nodes[interval]) / (nodes[interval + 1] - nodes[interval])
+        interval, share = self.place(position)
         mean, half = self._bins
         for i, (base, rise), turn in zip(self.rows, mean, half, strict=True):
             value = base[interval] + rise[interval] * share

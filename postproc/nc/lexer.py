@@ -22,6 +22,7 @@ from postproc.errors import BlockFault
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
+POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
 COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
     "end of block": re.compile(rb"\([^()\n]*\)"),
@@ -148,7 +149,7 @@ def lex(text: bytes, semicolon: str) -> Words:
     words = Words(
         text=text,
         letter=byte[here] & 0xDF,
-        mantissa=_mantissa(byte, begin, whole, digits, pointed, byte[np.minimum(here + 1, len(at) - 1)] == ord("-")),
+        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[np.minimum(here + 1, len(at) - 1)] == ord("-")),
         decimals=decimals,
         pointed=pointed,
         block=block,
@@ -181,15 +182,27 @@ def _block_at(words: Words, offset: int) -> int:
     return int(np.searchsorted(words.block_stop, offset, side="left"))
 
 
-def _mantissa(byte, begin, whole, digits, pointed, negative):
+def _mantissa(byte, begin, whole, decimals, pointed, negative):
     """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped over."""
-    value = np.zeros(len(begin), dtype=np.int64)
-    last = len(byte) - 1
-    for k in range(min(int(digits.max(initial=0)), LONGEST_NUMBER)):
-        place = begin + (k + (pointed & (whole <= k)))
-        longer = value * 10 + (byte[np.minimum(place, last)].astype(np.int64) - ord("0"))
-        value = np.where(digits > k, longer, value)
+    # Eight bytes from every place on, as one integer each: the first digit lies lowest.
+    eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
+    value = _digits(eight, begin, whole) * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
+    value += _digits(eight, begin + whole + pointed, decimals)
+    for i in np.flatnonzero((whole > 8) | (decimals > 8)):
+        text = byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]].tobytes().replace(b".", b"")
+        value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
+
+
+def _digits(eight, begin, count):
+    """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights are joined at once."""
+    shift = (8 * (8 - np.minimum(count, 8))).astype(np.uint64)
+    with np.errstate(over="ignore"):
+        value = (eight.take(begin, mode="clip") & np.uint64(0x0F0F0F0F0F0F0F0F)) << (shift & np.uint64(63))
+        value = (value * np.uint64(2561)) >> np.uint64(8)
+        value = ((value & np.uint64(0x00FF00FF00FF00FF)) * np.uint64(6553601)) >> np.uint64(16)
+        value = ((value & np.uint64(0x0000FFFF0000FFFF)) * np.uint64(42949672960001)) >> np.uint64(32)
+    return np.where(count > 0, value.astype(np.int64), 0)
 
 
 def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first):

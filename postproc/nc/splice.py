@@ -66,8 +66,9 @@ class Splice:
         if not self._edits:
             return self.text
         start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
-        # Most edits come as a few ascending runs of one rank, which a stable sort merges quickly.
-        order = np.lexsort((rank, start)) if rank.any() else np.argsort(start, kind="stable")
+        # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort does.
+        order = np.argsort(rank, kind="stable")
+        order = order[np.argsort(start[order], kind="stable")]
         start, stop, at, size = start[order], stop[order], at[order], size[order]
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.

@@ -1,0 +1,68 @@
+"""Imports go down: text knows no physics, physics knows no text, and only the outermost layer opens anything."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "postproc"
+FLOOR = {
+    "units": 0, "errors": 0, "motions": 0, "pieces": 0, "nc": 1, "machine": 1, "effects": 1, "compensate": 3, "filter": 4,
+    "verify": 4, "commands": 5, "cli": 5, "ports": 5, "__main__": 5, "__init__": 0,
+}  # fmt: skip
+STRANGERS = {("nc", "machine"), ("nc", "effects"), ("nc", "compensate"), ("machine", "nc"), ("effects", "nc"), ("compensate", "nc")}
+OPENERS = {"ports", "commands", "cli", "machine/file"}  # file.py reads a machine's folder: that is what a machine is
+
+
+def modules():
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def part(path: Path) -> str:
+    relative = path.relative_to(PACKAGE)
+    return relative.parts[0] if len(relative.parts) > 1 else relative.stem
+
+
+def imports(path: Path) -> set[str]:
+    """Parts of the package that a module imports, those under TYPE_CHECKING left out."""
+    found: set[str] = set()
+    tree = ast.parse(path.read_text())
+    typing_only = [n for n in ast.walk(tree) if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)]
+    skip = {id(child) for n in typing_only for child in ast.walk(n)}
+    for node in ast.walk(tree):
+        if id(node) in skip:
+            continue
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("postproc"):
+            names = [node.module.split(".")[1]] if "." in node.module else [a.name for a in node.names]
+            found.update(n for n in names if n in FLOOR)
+        elif isinstance(node, ast.Import):
+            found.update(a.name.split(".")[1] for a in node.names if a.name.startswith("postproc."))
+    return found
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_go_down(path):
+    own = part(path)
+    for other in imports(path) - {own}:
+        assert FLOOR[other] <= FLOOR[own], f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports go down"
+        assert (own, other) not in STRANGERS, f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
+    where = str(path.relative_to(PACKAGE))[:-3]
+    if part(path) in OPENERS or where in OPENERS:
+        return
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            assert node.func.id not in ("open", "print", "input"), f"{where} calls {node.func.id}"
+        if isinstance(node, ast.Import):
+            assert not {a.name for a in node.names} & {"time", "threading", "socket", "subprocess"}, f"{where} imports a clock or a port"
+
+
+def test_a_module_stays_in_one_head():
+    """A guide made a law at its upper end: what grows beyond this is two things in one file."""
+    long = {str(p.relative_to(PACKAGE)): n for p in modules() if (n := len(p.read_text().splitlines())) > 460}
+    assert not long

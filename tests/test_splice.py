@@ -1,0 +1,38 @@
+"""New digits in old text: numbers, order, and everything else untouched."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from postproc.nc.numbers import decimal_cells
+from postproc.nc.splice import Splice
+
+
+@given(st.lists(st.integers(-(10**15), 10**15), min_size=1, max_size=20), st.integers(1, 9))
+def test_numbers_are_written_exactly(values, decimals):
+    cells, begin = decimal_cells(np.array(values), decimals)
+    for value, cell, b in zip(values, cells, begin, strict=True):
+        digits = f"{abs(value):0{decimals + 1}d}"
+        assert cell[b:].tobytes().decode() == ("-" if value < 0 else "") + digits[:-decimals] + "." + digits[-decimals:]
+
+
+@given(st.binary(max_size=60), st.data())
+def test_edits_land_where_they_belong(text, data):
+    cuts = sorted(data.draw(st.lists(st.integers(0, len(text)), max_size=8, unique=True)))
+    edits = [(a, b, data.draw(st.binary(max_size=5))) for a, b in zip(cuts[::2], cuts[1::2], strict=False)]
+    splice = Splice(text)
+    for order in data.draw(st.permutations(range(len(edits)))):
+        a, b, new = edits[order]
+        splice.texts([a], [b], [0], [new])
+    expected, last = b"", 0
+    for a, b, new in edits:
+        expected, last = expected + text[last:a] + new, b
+    assert splice.result() == expected + text[last:]
+
+
+def test_edits_at_one_place_keep_their_rank():
+    splice = Splice(b"ab")
+    splice.texts([1, 1, 1], [1, 1, 1], [5, -3, 0], [b"3", b"1", b"2"])
+    assert splice.result() == b"a123b"
