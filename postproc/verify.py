@@ -64,6 +64,11 @@ class Verifier:
                 "this is an error of gcomp: please report the program",
                 Place(self.name, first_line + 1, line),
             ) from None
+        for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
+            raise GcompError(
+                f"the output can not be followed: {back.reasons[int(back.reason[i])][0]} (near line {first_line + 1})",
+                "this is an error of gcomp: please report the program",
+            )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
             raise GcompError(
                 f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})",

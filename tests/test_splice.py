@@ -36,3 +36,10 @@ def test_edits_at_one_place_keep_their_rank():
     splice = Splice(b"ab")
     splice.texts([1, 1, 1], [1, 1, 1], [5, -3, 0], [b"3", b"1", b"2"])
     assert splice.result() == b"a123b"
+
+
+def test_what_is_put_in_stands_before_what_is_taken_out_from_there_on():
+    splice = Splice(b"Z80. R5.\n")
+    splice.constants([4], [8], [0], b"")
+    splice.constants([4], [4], [20], b" I5")
+    assert splice.result() == b"Z80. I5\n"

@@ -1,11 +1,13 @@
 """Draws the picture of the README: one G1 over the diagonal of a grinder, as it is and with gcomp.
 
     pip install -e '.[figures]'
-    python docs/figures/diagonal.py        writes diagonal.svg and diagonal.png beside itself, prints the largest deviations
+    python docs/figures/diagonal.py
+
+writes diagonal.svg and diagonal.png beside itself, and prints the largest deviations.
 
 The program runs through the same Filter as every other; what it commands is put into the machine's error model. A
-deviation is the whole vector from where the program says to where the tool is, at the same part of the way: 0.1 um along
-the path counts as much as 0.1 um across it. (`--verify` measures the distance to the path, which is never larger.)
+deviation is the whole vector from where the program says to where the tool is, at the same part of the way: 0.1 um
+along the path counts as much as 0.1 um across it. (`--verify` measures the distance to the path, never larger.)
 """
 
 from __future__ import annotations
@@ -38,8 +40,10 @@ NOMINAL, PLAIN, ENDS, GCOMP, INK = "#BBBBBB", "#D55E00", "#009E73", "#0072B2", "
 
 
 def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
-    """(2, K + 1) mm: X (radius) and Z of the ends of the K blocks that the Filter makes of the diagonal; (K + 1,) the part of the
-    way that each stands for, from 0 to 1; mm, the tolerance. The take-up before them, on the spot, is none of them."""
+    """The blocks that the Filter makes of the diagonal, without the take-up on the spot before them.
+
+    (2, K + 1) mm, X (radius) and Z of their ends; (K + 1,) the part of the way done there, 0 to 1; mm, the tolerance.
+    """
     seen = []
     filter_ = Filter(machine, dialects.load(machine.control), setup_of(machine))
     filter_.watchers.append(lambda words, motions, pieces, output, lines: seen.append(pieces))
@@ -55,7 +59,10 @@ def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def deviations(machine: Machine) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray, float]:
-    """(2, N) mm, nominal X and Z; (2, N) mm, deviation from it of each way to program; (K + 1,) parts where gcomp cuts; mm."""
+    """Every way to program the diagonal, on the machine's model.
+
+    (2, N) mm, nominal X and Z; (2, N) mm for each way, deviation from it; (K + 1,) where gcomp cuts; mm, the tolerance.
+    """
     block_end, part, tolerance = commanded(machine)
     t = np.linspace(0.0, 1.0, SAMPLES)
     nominal = np.outer([170.0, 510.0], t)

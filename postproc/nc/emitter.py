@@ -336,10 +336,12 @@ class _Batch:
         self.splice.numbers(at, at, rank, number, decimals, prefix)
 
     def _delete(self, word: np.ndarray, motion: np.ndarray) -> None:
-        """Take words out, with the blank before them."""
-        start = self.w.start[word]
-        start = start - ((self.byte[np.maximum(start - 1, 0)] == ord(" ")) & (start > self.head[motion]))
-        self.splice.constants(start, self.w.stop[word], np.zeros(len(word)), b"")
+        """Take words out, with the blank before them (after them, for the first word)."""
+        start, stop = self.w.start[word], self.w.stop[word]
+        leads = start <= self.head[motion]
+        start = start - ((self.byte[np.maximum(start - 1, 0)] == ord(" ")) & ~leads)
+        stop = stop + ((self.byte[stop] == ord(" ")) & leads)
+        self.splice.constants(start, stop, np.zeros(len(word)), b"")
         self.touched[motion] = True
 
     def _turns(self, motion: np.ndarray) -> None:

@@ -91,9 +91,9 @@ def offset_columns(b: Batch) -> None:
         return
     edges = [0, *b.words.block[tool_place].tolist(), b.n]
     names = [b.state.tool] + [_tool_name(b, int(p)) for p in tool_place]
-    for name, a, b in zip(names, edges[:-1], edges[1:], strict=True):
+    for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
         within = np.zeros(b.n, dtype=bool)
-        within[a:b] = True
+        within[first:stop] = True
         _add_offset(b, name, within)
     b.tool = names[-1]
 

@@ -8,7 +8,8 @@ from postproc.nc.numbers import decimal_cells
 
 
 class Splice:
-    """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the order of their rank."""
+    """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the order of
+    their rank, insertions first."""
 
     def __init__(self, text: bytes):
         self.text = text
@@ -68,7 +69,9 @@ class Splice:
         start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
         # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort does.
         order = np.argsort(rank, kind="stable")
-        order = order[np.argsort(start[order], kind="stable")]
+        # What is put in at a place stands before what is taken out from there on.
+        place = 2 * start + (stop > start)
+        order = order[np.argsort(place[order], kind="stable")]
         start, stop, at, size = start[order], stop[order], at[order], size[order]
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.
