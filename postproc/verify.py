@@ -160,9 +160,9 @@ class Verifier:
         end = arcs.angle + arcs.sweep * (1 - 1e-6)
         for axis, rate in ((arcs.first, -np.sin(end)), (arcs.second, np.cos(end))):
             travel[axis, arcs.motion] = np.sign(rate * arcs.sweep).astype(np.int64)
-        before, after = approach.follow(travel, forget, self.turn, self.limit)
+        _, after = approach.follow(travel, forget, self.turn, self.limit)
         self.after = after[:, -1].copy()
-        return np.where(travel != 0, after, before).astype(float)
+        return after.astype(float)
 
     def _weight(self, nominal: Motions, weights: np.ndarray, owner, t) -> np.ndarray:
         """(A, K) weight of approach at t of nominal motions; on arcs from the direction there."""
