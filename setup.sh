@@ -15,9 +15,12 @@ if ! [ -x .venv/bin/pip ]; then
         rm -rf .venv
         echo "python3 has no venv module here: installing Debian's python3-venv" >&2
         if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
-        $sudo apt-get update -q >&2
-        $sudo apt-get install -y -q python3-venv >&2
+        $sudo apt-get update -qq >/dev/null
+        $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null 2>&1 || {
+            echo "python3-venv could not be installed: try '$sudo apt-get install python3-venv'" >&2
+            exit 1
+        }
         python3 -m venv .venv
     fi
 fi
-.venv/bin/pip install --quiet --disable-pip-version-check --editable ".$extra"
+.venv/bin/pip install --quiet --disable-pip-version-check --use-pep517 --editable ".$extra"
