@@ -38,7 +38,8 @@ class Site:
 class Taste:
     """How awkward a program is. late: not every axis is placed at once; away: G28 and G53 in the middle; arcs: share
     of arcs among feeds; radius: mm, of the smallest; tiny: motions of micrometres, and small arcs as often as large
-    ones; zero: motions that go nowhere; layout: odd spacing, comments, several blocks in a line, CRLF; decimals: of axis
+    ones; zero: motions that go nowhere; full: whole
+    circles; helix: arcs that move the third axis too; codes: M and S words in motion blocks; layout: odd spacing, comments, several blocks in a line, CRLF; decimals: of axis
     words; sparse: share of motions that name their code; inverse: G93; modes: changes of G90 G20 G7 G17 G90.1 ..."""
 
     blocks: int = 12
@@ -48,6 +49,9 @@ class Taste:
     radius: float = 0.3
     tiny: bool = False
     zero: bool = True
+    full: bool = True
+    helix: bool = True
+    codes: bool = True
     layout: bool = True
     decimals: tuple[int, ...] = (0, 1, 2, 3, 3, 4, 4, 5, 6)
     sparse: float = 0.5
@@ -97,7 +101,7 @@ class Writer:
             self.step()
         if self.often(0.5):
             end = self.rng.choice(("M30", "M2"))
-            if self.often(0.3) and self.lines[-1] and "G4" not in self.lines[-1]:
+            if self.taste.codes and self.often(0.3) and self.lines[-1] and "G4" not in self.lines[-1]:
                 self.lines[-1].append(end)
             else:
                 self.lines.append([end])
@@ -271,7 +275,7 @@ class Writer:
         if code != "G0" and (self.inverse or not self.fed or self.often(0.2)):
             words.append("F" + self.rng.choice(("5", "0.8", "12.5", "3.25") if self.inverse else ("100", "250.", "80.5")))
             self.fed = True
-        if self.often(0.1):
+        if self.taste.codes and self.often(0.1):
             words.append(self.rng.choice(("M3", "M5", "M8", "M9", "S800")))
         self.lines.append(words)
 
@@ -293,7 +297,7 @@ class Writer:
         radius, angle = math.hypot(*arm), math.atan2(-arm[1], -arm[0])
         code = self.rng.choice(("G2", "G3"))
         sweep = self.sweep()
-        rest = [a for a in self.ranges if a not in letters and self.often(0.4)]
+        rest = [a for a in self.ranges if a not in letters and self.taste.helix and self.often(0.4)]
         if sweep is None:
             shown = [a for a in letters if self.often(0.3)]
             words = self.axis_words(shown, dict(zip(letters, start, strict=True)), decimals=digits) if shown else []
@@ -319,7 +323,7 @@ class Writer:
     def sweep(self) -> float | None:
         """rad, or None for a full circle."""
         roll = self.rng.random()
-        if roll < 0.15:
+        if roll < 0.15 and self.taste.full:
             return None
         if roll < 0.4:
             return math.radians(self.rng.choice((90, 180, 270, 45, 359.9, 0.5)))

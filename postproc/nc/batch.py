@@ -10,7 +10,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
-from postproc.nc.lexer import Words
+from postproc.nc.lexer import POWERS, Words
 from postproc.nc.state import NONE, ModalState
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
@@ -86,18 +86,23 @@ class Batch:
     def ticks(self, place: np.ndarray, scale) -> np.ndarray:
         """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the tick beyond."""
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
-        scale = np.broadcast_to(np.asarray(scale, np.int64), mantissa.shape)
-        size = np.abs(mantissa) * (scale / 10.0**decimals)
-        far = np.flatnonzero(size > LARGEST_WORD_MM * TICKS_PER_MM)
+        scale = np.asarray(scale, np.int64)
+        if scale.size == 1:  # one unit for all: look the ticks of a last digit up by the number of decimals
+            per = (scale // POWERS[:10])[np.minimum(decimals, 9)]
+        else:
+            per = scale // POWERS[np.minimum(decimals, 9)]
+        far = np.flatnonzero(np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM)
+        far = far[np.minimum(decimals[far], 9) == decimals[far]]
         if len(far):
             text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode(
                 "ascii", "replace"
             )
             raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
-        value = mantissa * (scale // 10 ** np.minimum(decimals, 9))
+        value = mantissa * per
         for i in np.flatnonzero(decimals > 9):
             over = 10 ** int(decimals[i])
-            value[i] = (2 * int(mantissa[i]) * int(scale[i]) + over) // (2 * over)
+            unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
+            value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
         return value
 
     def read_codes(self) -> None:

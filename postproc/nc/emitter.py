@@ -435,7 +435,11 @@ class _Batch:
 
 def _counts(ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
-    per = (scale if unit is None else unit) // POWERS[decimals]
+    unit = scale if unit is None else unit
+    if len(ticks) and (unit == unit[0]).all() and (decimals == decimals[0]).all():
+        per = unit[0] // POWERS[decimals[0]]  # dividing by one number is several times faster
+    else:
+        per = unit // POWERS[decimals]
     low = ticks // per
     rest = 2 * (ticks - low * per)
     return low + ((rest > per) | ((rest == per) & (low % 2 == 1)))
