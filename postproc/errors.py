@@ -22,7 +22,7 @@ class Place:
         """The line with the columns marked below it, or nothing where the columns are not known."""
         if not self.text:
             return ""
-        shown = self.text.rstrip("\r\n").replace("\t", " ")
+        shown = "".join(c if c.isprintable() else " " if c == "\t" else "?" for c in self.text.rstrip("\r\n"))
         lead = max(0, self.start - 60)
         shown = ("..." if lead else "") + shown[lead : lead + 120]
         if not self.stop:

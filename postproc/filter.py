@@ -7,7 +7,7 @@ control keeps between two blocks: so any cut of the input gives the same bytes.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from postproc import __version__
@@ -26,6 +26,11 @@ Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its o
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
 MOST_ARCS = 4000
 DEFAULTS = Options()
+TOO_LONG = (f"a line of more than {LONGEST_LINE:,} characters", "this is no NC program, or its line ends were lost")
+OWN_OUTPUT = (
+    "this program is gcomp's own output: it is corrected already",
+    "give the nominal program; correcting twice doubles the correction",
+)
 MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
 
 
@@ -39,6 +44,22 @@ def _portions(text: bytes) -> Iterator[bytes]:
         stop = text.find(b"\n", min(start + size, len(text)) - 1) + 1 or len(text)
         yield text[start:stop]
         start = stop
+
+
+def _unwanted(text: bytes) -> tuple[int, str, str] | None:
+    """Where the first line begins that is too long or gcomp's own mark, with what to say, or None."""
+    found = []
+    mark = MARK.search(text)
+    if mark:
+        found.append((text.rfind(b"\n", 0, mark.start()) + 1, *OWN_OUTPUT))
+    start = 0
+    while len(text) - start > LONGEST_LINE:
+        stop = text.rfind(b"\n", start, start + LONGEST_LINE + 1) + 1
+        if not stop:
+            found.append((start, *TOO_LONG))
+            break
+        start = stop
+    return min(found) if found else None
 
 
 @dataclass
@@ -108,22 +129,11 @@ class Filter:
         end = data.rfind(b"\n") + 1
         if not end:
             self._rest += data
-            if len(self._rest) > LONGEST_LINE:
-                raise self._error(
-                    Place(self.name, self.summary.lines + 1),
-                    f"a line of more than {LONGEST_LINE:,} characters",
-                    "this is no NC program, or its line ends were lost",
-                )
+            if len(self._rest) > LONGEST_LINE and not self.modal.ended:
+                raise self._error(self._rest, *TOO_LONG)
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
-        out: list[bytes] = []
-        for part in _portions(text):
-            try:
-                out.append(self._lines(part))
-            except ProgramError as error:
-                error.delivered = b"".join(out) + error.delivered
-                raise
-        return b"".join(out)
+        return self._handled(_portions(text), self._lines)
 
     def finish(self) -> bytes:
         """Corrected text of what is left, at the end of the input."""
@@ -132,55 +142,60 @@ class Filter:
 
     # -- one batch -----------------------------------------------------------------------------------------------------
 
-    def _lines(self, text: bytes) -> bytes:
+    @staticmethod
+    def _handled(parts: Iterable[bytes], handle: Callable[[bytes], bytes]) -> bytes:
+        """All parts handled in turn; an error carries what was done before it."""
         out: list[bytes] = []
-        while text:
-            if self.modal.ended:
-                self.summary.lines += text.count(b"\n")
-                out.append(text)
-                break
-            words = lex(text, self.dialect.semicolon)
-            if words.tape < 0:
-                out.append(self._batch(words, text, out))
-                break
-            # A "%" line: what stands before it, then the line itself, then the rest.
-            start = text.rfind(b"\n", 0, words.tape) + 1
-            stop = text.find(b"\n", words.tape) + 1 or len(text)
-            if start:
-                before = text[:start]
-                out.append(self._batch(lex(before, self.dialect.semicolon), before, out))
-            line = text[start:stop]
-            if not self.modal.ended:
-                self._tape(line)
-            self.summary.lines += 1
-            out.append(line)
-            text = text[stop:]
+        for part in parts:
+            try:
+                out.append(handle(part))
+            except ProgramError as error:
+                error.delivered = b"".join(out) + error.delivered
+                raise
         return b"".join(out)
+
+    def _lines(self, text: bytes) -> bytes:
+        """Whole lines, "%" lines among them."""
+        if self.modal.ended:
+            self.summary.lines += text.count(b"\n")
+            return text
+        words = lex(text, self.dialect.semicolon)
+        if words.tape < 0:
+            return self._batch(words)
+        # A "%" line: what stands before it, then the line itself, then the rest.
+        start = text.rfind(b"\n", 0, words.tape) + 1
+        stop = text.find(b"\n", words.tape) + 1 or len(text)
+        if start:
+            return self._handled([text[:start], text[start:]], self._lines)
+        self._tape(text[:stop])
+        return text[:stop] + self._handled([text[stop:]], self._lines) if text[stop:] else text[:stop]
 
     def _tape(self, line: bytes) -> None:
         """The first "%" opens the program, one after blocks ends it: the control reads no further."""
         if line.strip()[:1] != b"%":
-            raise self._error(
-                Place(self.name, self.summary.lines + 1, line.decode("latin-1")),
-                "'%' stands inside a block",
-                "'%' begins and ends a program, in a line of its own",
-            )
+            raise self._error(line, "'%' stands inside a block", "'%' begins and ends a program, in a line of its own")
         if self._begun:
             self.modal = replace(self.modal, ended=True)
         self._begun = True
+        self.summary.lines += 1
 
-    def _batch(self, words: Words, text: bytes, out: list[bytes]) -> bytes:
-        marked = MARK.search(text)
-        if marked and not self.written.marked:
-            line = text.count(b"\n", 0, marked.start())
-            raise self._error(
-                Place(self.name, self.summary.lines + line + 1, text[text.rfind(b"\n", 0, marked.start()) + 1 :].split(b"\n")[0].decode("latin-1")),
-                "this program is gcomp's own output: it is corrected already", "give the nominal program; correcting twice doubles the correction",
-            )  # fmt: skip
-        try:
-            return self._pass(words)
-        except BlockFault as fault:
-            raise self._deliver(words, fault, out) from None
+    def _batch(self, words: Words) -> bytes:
+        """Whole lines without "%". What no control must see is refused when all before it is handled."""
+        text = words.text
+        bad = _unwanted(text)
+        if bad is None:
+            try:
+                return self._pass(words)
+            except BlockFault as fault:
+                raise self._deliver(words, fault) from None
+        start, message, advice = bad
+        before = self._lines(text[:start]) if start else b""
+        if self.modal.ended:
+            self.summary.lines += text.count(b"\n", start)
+            return before + text[start:]
+        error = self._error(text[start:], message, advice)
+        error.delivered = before
+        raise error
 
     def _pass(self, words: Words) -> bytes:
         motions, modal, notices = self.interpreter.run(words, self.modal)
@@ -198,8 +213,7 @@ class Filter:
         for notice in more:
             self._tell(replace(notice, line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1))
         self.modal, self.carry, self.written = modal, carry, written
-        if len(words.letter):
-            self._begun = True
+        self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks
         self.summary.motions += len(motions)
@@ -208,37 +222,26 @@ class Filter:
         self.summary.largest = carry.largest
         return result
 
-    def _deliver(self, words: Words, fault: BlockFault, out: list[bytes]) -> ProgramError:
+    def _deliver(self, words: Words, fault: BlockFault) -> ProgramError:
         """Handle the blocks before the faulty one, and name the fault by its place."""
-        start = int(words.block_start[fault.block]) if fault.block < words.blocks else self._start_of(words, fault)
+        known = fault.block < words.blocks
+        start = int(words.block_start[fault.block]) if known else int(fault.start)
         line_start = words.text.rfind(b"\n", 0, start) + 1
-        first_line = self.summary.lines
-        error_line = first_line + words.text.count(b"\n", 0, start) + 1
+        before = b""
         if line_start:
-            before = lex(words.text[:line_start], self.dialect.semicolon)
             try:
-                out.append(self._pass(before))
+                before = self._pass(lex(words.text[:line_start], self.dialect.semicolon))
             except BlockFault as earlier:
-                return self._deliver(before, earlier, out)
-        line = words.text[line_start:].split(b"\n", 1)[0].decode("latin-1")
-        a = max(fault.start, start) if fault.stop else 0
-        place = Place(
-            self.name,
-            error_line,
-            line,
-            a - line_start + 1 if fault.stop else 0,
-            fault.stop - line_start + 1 if fault.stop else 0,
-        )
-        error = self._error(place, fault.message, fault.advice)
-        error.delivered = b"".join(out)
+                return self._deliver(lex(words.text[:line_start], self.dialect.semicolon), earlier)
+        columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
+        error = self._error(words.text[line_start:], fault.message, fault.advice, *columns)
+        error.delivered = before
         return error
 
-    def _start_of(self, words: Words, fault: BlockFault) -> int:
-        """Offset of a block that the lexer gave up at."""
-        return int(fault.start) if fault.stop else (int(words.block_stop[-1]) + 1 if words.blocks else 0)
-
-    def _error(self, place: Place, message: str, advice: str) -> ProgramError:
-        return ProgramError(message, advice, place)
+    def _error(self, text: bytes, message: str, advice: str, start: int = 0, stop: int = 0) -> ProgramError:
+        """An error in the first line of `text`, where all lines before it are handled."""
+        line = text.split(b"\n", 1)[0][:1000].decode("latin-1")
+        return ProgramError(message, advice, Place(self.name, self.summary.lines + 1, line, start, stop))
 
     def _tell(self, notice: Notice) -> None:
         if notice.code not in self._told:

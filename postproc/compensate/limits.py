@@ -77,7 +77,7 @@ def _arc_extent(b: Batch, row: int) -> np.ndarray:
 def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction, mm."""
     free = b.free[b.motion]
-    correction = np.abs(b.end - b.nominal_end)[b.rows] / TICKS_PER_MM
+    correction = np.abs(b.exact - b.end_nominal)[b.rows]
     largest = b.machine.limits.max_correction
     over = np.flatnonzero(free & (correction > largest).any(axis=0))
     faults = [(int(i), "over") for i in over[:1]]

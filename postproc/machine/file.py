@@ -32,6 +32,7 @@ KEYS = {
     "effect": {"name", "axis", "source"},
 }  # fmt: skip
 ROTARY = "ABC"
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
 REVERSALS = ("mean", "step", "ramp", "off")
 
 
@@ -39,7 +40,7 @@ class _Toml:
     """A TOML document that knows in which line a key stands."""
 
     def __init__(self, path: Path):
-        self.path, self.text = path, path.read_text(encoding="utf-8")
+        self.path, self.text = path, _text(path)
         try:
             self.data: dict[str, Any] = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
@@ -48,47 +49,71 @@ class _Toml:
                 f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)
             ) from None
 
-    def line(self, section: str, key: str) -> int:
-        """Line of `key` in `section` ("axes.Z"), as good as the layout lets us find it."""
-        here, fallback = "", 0
+    def line(self, section: str, key: str, index: int = 0) -> int:
+        """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout lets us find it."""
+        here, count, fallback = "", -1, 0
         for number, line in enumerate(self.text.splitlines(), 1):
             header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
             if header:
                 here = header[1].replace('"', "")
-                if here == section:
-                    fallback = fallback or number
+                count += here == section
+                if here == section and count == index:
+                    fallback = number
                 if f"{section}.{key}".lstrip(".") == here:
                     return number
-            elif re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section:
+            elif (
+                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section and (count == index or not section)
+            ):
                 return number
         return fallback or 1
 
-    def fault(self, section: str, key: str, message: str, advice: str = "") -> MachineError:
-        return MachineError(message, advice, Place(str(self.path), self.line(section, key)))
+    def fault(self, section: str, key: str, message: str, advice: str = "", index: int = 0) -> MachineError:
+        return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))
 
-    def check_keys(self, section: str, data: dict, known: set[str]) -> None:
+    def table(self, key: str) -> dict[str, Any]:
+        """A section, empty where it is missing."""
+        value = self.data.get(key, {})
+        if not isinstance(value, dict):
+            raise self.fault("", key, f"{key} = {value!r} must be a section [{key}]")
+        return value
+
+    def check_keys(self, section: str, data: dict, known: set[str], index: int = 0) -> None:
         for key in data:
             if key not in known:
+                where = f"[{section or 'machine'}]"
                 raise self.fault(
-                    section,
-                    key,
-                    f"{key!r} is not a key of [{section or 'machine'}]",
-                    f"keys: {', '.join(sorted(known))}",
+                    section, key, f"{key!r} is not a key of {where}", f"keys: {', '.join(sorted(known))}", index
                 )
 
-    def number(self, section: str, data: dict, key: str, default: float | None = None) -> float:
+    def number(
+        self, section: str, data: dict, key: str, default: float | None = None, at: str = "", index: int = 0
+    ) -> float:
+        """A finite number; `at`: the key whose line to name, where this one stands inside a table of its own."""
         value = data.get(key, default)
         if value is None:
-            raise self.fault(section, key, f"[{section}] needs {key}")
+            raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise self.fault(section, key, f"{key} = {value!r} is not a number")
+            raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
         return float(value)
 
-    def string(self, section: str, data: dict, key: str, default: str | None = None) -> str:
+    def string(self, section: str, data: dict, key: str, default: str | None = None, index: int = 0) -> str:
         value = data.get(key, default)
         if not isinstance(value, str):
-            raise self.fault(section, key, f"{key} = {value!r} is not a text" if key in data else f"{key} is missing")
+            message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"
+            raise self.fault(section, key, message, index=index)
         return value
+
+
+def _text(path: Path) -> str:
+    """The text of a file; what is not UTF-8 is refused with its line."""
+    data = path.read_bytes()
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise MachineError(
+            f"byte {data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(str(path), line)
+        ) from None
 
 
 def read_machine(folder: Path) -> Machine:
@@ -98,14 +123,11 @@ def read_machine(folder: Path) -> Machine:
         raise MachineError(
             f"{folder} has no machine.toml", "a machine is a folder with machine.toml and a CSV table per axis"
         )
-    try:
-        toml = _Toml(path)
-    except UnicodeDecodeError as error:
-        raise MachineError(f"not UTF-8 text: {error}", place=Place(str(path), 1)) from None
+    toml = _Toml(path)
     data = toml.data
     toml.check_keys("", data, KEYS[""])
-    if data.get("format") != FORMAT:
-        raise toml.fault("", "format", f"format is {data.get('format')!r}, not {FORMAT!r}")
+    if toml.string("", data, "format") != FORMAT:
+        raise toml.fault("", "format", f"format is {data['format']!r}, not {FORMAT!r}")
     try:
         chain = chains.parse(toml.string("", data, "chain"))
     except ValueError as error:
@@ -126,12 +148,12 @@ def read_machine(folder: Path) -> Machine:
         if x in XYZ and x not in chain.axes:
             raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {data['chain']}")
     diameter = data.get("diameter", [])
-    if not isinstance(diameter, list) or not all(d in axes for d in diameter):
+    if not isinstance(diameter, list) or not all(isinstance(d, str) and d in axes for d in diameter):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
     reversal = toml.string("", data, "reversal", "step")
     if reversal not in REVERSALS:
         raise toml.fault("", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}")
-    tool = data.get("tool", {})
+    tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
     return Machine(
         name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
@@ -143,13 +165,16 @@ def read_machine(folder: Path) -> Machine:
 
 
 def _limits(toml: _Toml) -> Limits:
-    data = toml.data.get("limits", {})
+    data = toml.table("limits")
     toml.check_keys("limits", data, KEYS["limits"])
     outside = toml.string("limits", data, "outside", "error")
     if outside not in ("error", "clamp"):
         raise toml.fault("limits", "outside", f"outside = {outside!r}", 'it is "error" or "clamp"')
     slope = toml.number("limits", data, "max_slope", Limits.max_slope)
-    if data.get("accept_slope") is True:
+    accept = data.get("accept_slope", False)
+    if not isinstance(accept, bool):
+        raise toml.fault("limits", "accept_slope", f"accept_slope = {accept!r} is neither true nor false")
+    if accept:
         slope = math.inf
     return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside)
 
@@ -160,13 +185,14 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
         raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C")
     toml.check_keys(name, section, KEYS["axes."])
     travel = section.get("travel")
-    good = (
-        isinstance(travel, list)
-        and len(travel) == 2
-        and all(isinstance(t, (int, float)) and math.isfinite(t) for t in travel)
-    )
-    if not good or not travel or travel[0] >= travel[1]:
+    if travel is None:
+        raise toml.fault(name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm")
+    good = isinstance(travel, list) and len(travel) == 2 and all(_finite(t) for t in travel)
+    if not good or travel[0] >= travel[1]:
         raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
+    for key in ("max_velocity", "max_acceleration", "max_jerk"):
+        if toml.number(name, section, key, 1.0) <= 0:
+            raise toml.fault(name, key, f"{key} = {section[key]!r} is not above zero")
     least = toml.number(name, section, "least_increment")
     if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
         raise toml.fault(
@@ -178,9 +204,11 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
     for key in at:
         if key not in XYZ:
             raise toml.fault(name, "measured_at", f"measured_at names {key!r}, which is no linear axis")
-    measured = np.array([toml.number(name, at, x, 0.0) for x in XYZ])
+    measured = np.array([toml.number(name, at, x, 0.0, at="measured_at") for x in XYZ])
     table = None
     if "table" in section:
+        if letter in ROTARY:
+            raise toml.fault(name, "table", f"tables of rotary axes ({letter}) are not used yet", "leave the table out")
         path = toml.path.parent / toml.string(name, section, "table")
         if not path.is_file():
             raise toml.fault(name, "table", f"there is no table {path}")
@@ -198,15 +226,14 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     header: list[str] = []
     rows: list[list[float]] = []
     lines: list[int] = []
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise MachineError(f"not UTF-8 text: {error}", place=Place(str(path), 1)) from None
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(_text(path).splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = [cell.strip() for cell in next(csv.reader([line]))]
         place = Place(str(path), number, line)
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([line]))]
+        except csv.Error as error:
+            raise MachineError(f"not a line of a CSV table: {error}", "numbers between commas", place) from None
         if not header:
             header = cells
             columns = _columns(header, letter, place)
@@ -215,11 +242,10 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
             raise MachineError(
                 f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place
             )
-        try:
-            values = [float(cell) for cell in cells]
-        except ValueError:
-            bad = next(cell for cell in cells if not _is_number(cell))
-            raise MachineError(f"{bad!r} is not a number", "every node needs a value in every column", place) from None
+        for cell in cells:
+            if not NUMBER.fullmatch(cell):
+                raise MachineError(f"{cell!r} is not a number", "every node needs a value in every column", place)
+        values = [float(cell) for cell in cells]
         if not all(map(math.isfinite, values)):
             raise MachineError(
                 "a value is not finite (NaN or infinity)", "every node needs a value in every column", place
@@ -254,12 +280,8 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     return table
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+def _finite(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _columns(header: list[str], letter: str, place: Place) -> dict[tuple[int, str], int]:
@@ -291,7 +313,7 @@ def _columns(header: list[str], letter: str, place: Place) -> dict[tuple[int, st
 
 def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     square: dict[str, np.ndarray] = {}
-    data = toml.data.get("squareness", {})
+    data = toml.table("squareness")
     for name in data:
         if not re.fullmatch(r"[ABC]0[XYZ]", name) or name[2] not in axes or "ABC".index(name[0]) == XYZ.index(name[2]):
             raise toml.fault(
@@ -308,7 +330,7 @@ def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
 
 def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
     offsets = {}
-    for name, values in toml.data.get("offsets", {}).items():
+    for name, values in toml.table("offsets").items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
             raise toml.fault(
                 "offsets", name, f"{name!r} is not a work or tool offset", "like G54 = { X = 0.0, Z = 0.0 }"
@@ -316,24 +338,27 @@ def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
         for x in values:
             if x not in axes:
                 raise toml.fault("offsets", name, f"{name} names {x!r}, which is no axis of the machine")
-        offsets[name] = {x: toml.number("offsets", values, x) for x in values}
+        offsets[name] = {x: toml.number("offsets", values, x, at=name) for x in values}
     return offsets
 
 
 def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
     terms = []
-    for entry in toml.data.get("effect", []):
-        name = entry.get("name")
+    entries = toml.data.get("effect", [])
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise toml.fault("", "effect", "effects are sections [[effect]], with two brackets")
+    for i, entry in enumerate(entries):
+        name = toml.string("effect", entry, "name", index=i)
         try:
             module = effects.load(name)
         except KeyError:
-            raise toml.fault(
-                "effect", "name", f"there is no effect {name!r}", f"effects: {', '.join(effects.names())}"
-            ) from None
-        if entry.get("axis") not in axes:
-            raise toml.fault("effect", "axis", f"effect {name}: axis = {entry.get('axis')!r} is no axis of the machine")
-        toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS))
-        parameters = {p: toml.number("effect", entry, p) for p in module.PARAMETERS}
+            known = f"effects: {', '.join(effects.names())}"
+            raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
+        axis = toml.string("effect", entry, "axis", index=i)
+        if axis not in axes or axis not in XYZ:
+            raise toml.fault("effect", "axis", f"effect {name}: {axis!r} is no linear axis of the machine", index=i)
+        toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS), i)
+        parameters = {p: toml.number("effect", entry, p, index=i) for p in module.PARAMETERS}
         if module.USE == "compensate":
-            terms.append(EffectTerm(name, entry["axis"], parameters, module))
+            terms.append(EffectTerm(name, axis, parameters, module))
     return tuple(terms)

@@ -114,6 +114,7 @@ class _Batch:
         p, m = self.p, self.m
         first, final = np.flatnonzero(self.first), np.flatnonzero(self.final)
         last_code = p.code[final].astype(np.int64)
+        last_code[last_code == FOREIGN] = -1  # what it leaves in force is the program's own affair
         before = np.concatenate([[self.state.code], last_code[:-1]])
         before = np.where(m.renamed | (before < 0), m.code, before)  # the program named its code anew since
         explicit = m.code_word >= 0

@@ -139,6 +139,8 @@ def columns(
         b.renamed = bool(named[-1] > named[block[-1]])
     else:
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
+    slow = (feed_mode == 930) & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
+    b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
     circle = Circle(
         block=block, code=code, plane=np.broadcast_to(b.held("plane"), n)[block],
         absolute=np.broadcast_to(b.held("arc centre"), n)[block] == 901, alone=b.machine[block],

@@ -23,6 +23,7 @@ from postproc.errors import BlockFault
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
+NUMBER_FOLLOWS = re.compile(rb"[ \t\r]*[0-9.+-]")
 COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
     "end of block": re.compile(rb"\([^()\n]*\)"),
@@ -170,10 +171,7 @@ def lex(text: bytes, semicolon: str) -> Words:
 def _blank(comment: re.Match[bytes]) -> bytes:
     """As many blanks; but a comment before a digit breaks a number in two, and stays, to be refused."""
     end = comment.end()
-    follows = comment.string[end : end + 1]
-    if follows.isspace():
-        follows = comment.string[end : end + 40].lstrip(b" \t")[:1]
-    if follows and follows in b"0123456789.+-":
+    if NUMBER_FOLLOWS.match(comment.string, end):
         return comment[0]
     return b" " * (end - comment.start())
 
@@ -223,7 +221,9 @@ def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, bl
         faults.append((offset, int(block[i]), f"the letter {letter} has no number", ADVICE_EXPRESSION))
     for i in np.flatnonzero(digits > LONGEST_NUMBER)[:1]:
         offset = int(at[mark[first[i]]])
-        faults.append((offset, int(block[i]), f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})", ""))
+        faults.append(
+            (offset, int(block[i]), f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})", ADVICE_NUMBER)
+        )
     for i in np.flatnonzero(kind[block_first] == DIGIT)[:1]:
         offset = int(at[block_first[i]])
         faults.append((offset, int(i), "a number without a letter", ADVICE_EXPRESSION))
@@ -233,6 +233,7 @@ def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, bl
     return BlockFault(number, message, advice, offset, offset + 1), tape
 
 
+ADVICE_NUMBER = "no control resolves that: write fewer digits"
 ADVICE_EXPRESSION = "expressions, variables, O-word subs and macro statements must be written out before compensation"
 
 
@@ -248,7 +249,7 @@ def _what(code: bytes, offset: int, kind: int) -> tuple[str, str]:
             "close it with ')' and put it between words",
         )
     if character == ")":
-        return "')' closes a comment that was not opened", ""
+        return "')' closes a comment that was not opened", "open it with '(' or take it out"
     if code[offset] == 0 or (code[offset] < 32):
         return f"byte {code[offset]} is not text: this looks like a binary file", "give the NC program itself"
     if code[offset] > 126:
