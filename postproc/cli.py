@@ -33,11 +33,16 @@ def main(argv: list[str] | None = None) -> int:
     """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
     argv = sys.argv[1:] if argv is None else argv
     _keep_memory()
+    if (
+        sys.stderr is None
+    ):  # closed by the caller, or none on a Windows desktop: nothing to say, and nowhere else to say it
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
     try:
         with contextlib.suppress(ValueError, AttributeError):
             signal.signal(signal.SIGTERM, _interrupt)
         status = _run(argv)
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return status
     except GcompError as error:
         return _complain(str(error), REFUSED)

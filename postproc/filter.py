@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from postproc import __version__
 from postproc.compensate import Compensator, Options
@@ -133,7 +134,7 @@ class Filter:
                 raise self._error(self._rest, *TOO_LONG)
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
-        return self._handled(_portions(text), self._lines)
+        return self._handled(partial(self._lines, part) for part in _portions(text))
 
     def finish(self) -> bytes:
         """Corrected text of what is left, at the end of the input."""
@@ -143,12 +144,12 @@ class Filter:
     # -- one batch -----------------------------------------------------------------------------------------------------
 
     @staticmethod
-    def _handled(parts: Iterable[bytes], handle: Callable[[bytes], bytes]) -> bytes:
-        """All parts handled in turn; an error carries what was done before it."""
+    def _handled(steps: Iterable[Callable[[], bytes]]) -> bytes:
+        """What all steps give, in turn; an error carries what was done before it."""
         out: list[bytes] = []
-        for part in parts:
+        for step in steps:
             try:
-                out.append(handle(part))
+                out.append(step())
             except ProgramError as error:
                 error.delivered = b"".join(out) + error.delivered
                 raise
@@ -166,11 +167,10 @@ class Filter:
         start = text.rfind(b"\n", 0, words.tape) + 1
         stop = text.find(b"\n", words.tape) + 1 or len(text)
         if start:
-            return self._handled([text[:start], text[start:]], self._lines)
-        self._tape(text[:stop])
-        return text[:stop] + self._handled([text[stop:]], self._lines) if text[stop:] else text[:stop]
+            return self._handled([partial(self._lines, text[:start]), partial(self._lines, text[start:])])
+        return self._handled([partial(self._tape, text[:stop]), partial(self._lines, text[stop:])])
 
-    def _tape(self, line: bytes) -> None:
+    def _tape(self, line: bytes) -> bytes:
         """The first "%" opens the program, one after blocks ends it: the control reads no further."""
         if line.strip()[:1] != b"%":
             raise self._error(line, "'%' stands inside a block", "'%' begins and ends a program, in a line of its own")
@@ -178,6 +178,7 @@ class Filter:
             self.modal = replace(self.modal, ended=True)
         self._begun = True
         self.summary.lines += 1
+        return line
 
     def _batch(self, words: Words) -> bytes:
         """Whole lines without "%". What no control must see is refused when all before it is handled."""

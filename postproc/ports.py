@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -40,16 +39,13 @@ def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
         return
     assert path is not None
     try:
-        with open(path, "rb") as source:
-            if stat.S_ISDIR(os.fstat(source.fileno()).st_mode):
-                raise UsageError(f"{path} is a folder, not a program")
-            yield source, path, os.fstat(source.fileno()).st_size
+        source = open(path, "rb")  # noqa: SIM115
     except IsADirectoryError:
         raise UsageError(f"{path} is a folder, not a program") from None
     except OSError as error:
-        if error.filename != path:
-            raise
         raise UsageError(f"{path} can not be read: {error.strerror}") from None
+    with source:
+        yield source, path, os.fstat(source.fileno()).st_size
 
 
 def spool() -> BinaryIO:
@@ -70,6 +66,10 @@ def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
     The new file is whole and on the disk before the old name points to it; mode and links are kept.
     """
     path = Path(os.path.realpath(path))
+    if path.is_dir():
+        raise UsageError(f"{path} is a folder: name a file in it")
+    if not path.parent.is_dir():
+        raise UsageError(f"{path} can not be written: there is no folder {path.parent}")
     if path.exists() and not path.is_file():
         with open(path, "wb") as special:  # a device or a pipe has no successor
             copy_out(source, special.write)
@@ -100,19 +100,27 @@ def _backup(path: Path) -> Path:
     for n in range(1, 1000):
         name = path.with_name(f"{path.name}.bak{n if n > 1 else ''}")
         try:
-            with open(name, "xb") as copy, open(path, "rb") as old:
+            copy = open(name, "xb")  # noqa: SIM115
+        except FileExistsError:
+            continue
+        try:
+            with copy, open(path, "rb") as old:
                 shutil.copyfileobj(old, copy)
                 copy.flush()
                 os.fsync(copy.fileno())
             shutil.copystat(path, name)
             return name
-        except FileExistsError:
-            continue
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(name)
+            raise
     raise UsageError(f"{path}: 999 backups stand beside it", "remove the old ones")
 
 
 def write_standard(data: bytes) -> None:
     """To standard output, at once."""
+    if sys.stdout is None:
+        raise UsageError("standard output is closed", "write to a file with -o FILE")
     view = memoryview(data)
     while view:
         view = view[os.write(sys.stdout.fileno(), view) :]

@@ -91,7 +91,7 @@ class Writer:
         self.lines: list[list[str]] = []
 
     def often(self, share: float) -> bool:
-        return self.rng.random() < share
+        return self.rng.random() >= 1.0 - share  # 0 is no: so examples shrink towards plain programs
 
     # -- the course of a program ---------------------------------------------------------------------------------------
 

@@ -197,7 +197,7 @@ def skeleton(text: bytes, dialect: str) -> list[tuple[bytes, bytes]]:
     """(block without its axis words, its end) of each block; blanks outside comments left out. F and P change with the
     length of pieces under G93, and where arcs are cut; M codes that act after the motion move to its last piece."""
     inverse = b"G93" in COMMENT.sub(b"", text).upper().replace(b" ", b"").replace(b"\t", b"")
-    parts = re.split(rb"(\r?\n|;)" if dialect == "fanuc-lathe" else rb"(\r?\n)", text)
+    parts = re.split(rb"(;?[ \t]*\r?\n|;)" if dialect == "fanuc-lathe" else rb"(\r?\n)", text)
     result = []
     for block, end in zip(parts[::2], [*parts[1::2], b""], strict=False):
         remarks = COMMENT.findall(block)

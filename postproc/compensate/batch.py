@@ -161,6 +161,7 @@ class Batch:
         self.end[self.fixed] = nominal_ticks[self.fixed]
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
+        self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
         self.sure = np.concatenate([[self.carry.sure], free[:-1]]) if n else free
         self.known_before = self.start_known[motion] | (self.t0 > 0)
 

@@ -144,7 +144,7 @@ class Machine:
         """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
         kink, steep = (
             np.zeros(low.shape[1]),
-            np.full(low.shape[1], sum(float(np.linalg.norm(lean)) for lean in self.square.values())),
+            np.full(low.shape[1], sum((float(np.linalg.norm(lean)) for lean in self.square.values()), 0.0)),
         )
         for row, letter in enumerate(self.letters):
             table = self.tables.get(letter)
