@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.compensate import approach
-from postproc.compensate.arcs import points
+from postproc.compensate.arcs import points, turning_points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
@@ -157,12 +157,27 @@ class Verifier:
         travel = np.where(nominal.start_known & nominal.target_known, nominal.target - nominal.start, 0)
         forget = ~nominal.start_known & nominal.target_known & (nominal.word >= 0)
         arcs = nominal.arcs
-        end = arcs.angle + arcs.sweep * (1 - 1e-6)
-        for axis, rate in ((arcs.first, -np.sin(end)), (arcs.second, np.cos(end))):
-            travel[axis, arcs.motion] = np.sign(rate * arcs.sweep).astype(np.int64)
+        if len(arcs):
+            n = len(arcs)
+            for axes in (arcs.first, arcs.second):
+                travel[axes, arcs.motion] = self._sense(nominal, axes, np.arange(n), np.ones(n))
         _, after = approach.follow(travel, forget, self.turn, self.limit)
         self.after = after[:, -1].copy()
         return after.astype(float)
+
+    def _sense(self, nominal: Motions, axis, arc, t) -> np.ndarray:
+        """(K,) sign of the way that an axis goes in the part of an arc, between two turning points, that t lies in."""
+        arcs = nominal.arcs
+        start, target = nominal.start[:, arcs.motion] / TICKS_PER_MM, nominal.target[:, arcs.motion] / TICKS_PER_MM
+        where, at = turning_points(arcs, start, target)
+        n = np.arange(len(arcs))
+        owner, edge = np.concatenate([n, where, n]), np.concatenate([0.0 * n, at, 0.0 * n + 1.0])
+        order = np.lexsort((edge, owner))
+        owner, edge = owner[order], edge[order]
+        right = np.maximum(np.searchsorted(2.0 * owner + edge, 2.0 * arc + np.clip(t, 1e-12, 1.0)), 1)
+        column = np.arange(len(arc))
+        ends = [points(arcs, start, target, arc, edge[k])[axis, column] for k in (right - 1, right)]
+        return np.sign(ends[1] - ends[0]).astype(np.int64)
 
     def _weight(self, nominal: Motions, weights: np.ndarray, owner, t) -> np.ndarray:
         """(A, K) weight of approach at t of nominal motions; on arcs from the direction there."""
@@ -173,9 +188,8 @@ class Verifier:
         on = np.flatnonzero(curved[owner] >= 0)
         if len(on) and self.limit:
             arc = curved[owner[on]]
-            angle = arcs.angle[arc] + arcs.sweep[arc] * np.minimum(t[on], 1 - 1e-6)
-            for axis, rate in ((arcs.first[arc], -np.sin(angle)), (arcs.second[arc], np.cos(angle))):
-                weight[axis, on] = np.sign(rate * arcs.sweep[arc])
+            for axes in (arcs.first, arcs.second):
+                weight[axes[arc], on] = self._sense(nominal, axes[arc], arc, t[on])
         return weight
 
     def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:

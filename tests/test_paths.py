@@ -12,15 +12,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from programs import MILL, OFFSETS, STUDER_FANUC, STUDER_LINUXCNC, Taste, program, write_mill
+from reference.evaluate import residual
+from reference.machine import Machine
 
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
 from postproc.units import UM
-from programs import MILL, OFFSETS, STUDER_FANUC, STUDER_LINUXCNC, Taste, program, write_mill
-from reference.evaluate import residual
-from reference.machine import Machine
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE_6_3 = ROOT.parent / "shared" / "seed" / "table_6_3_compensated_diagonal.csv"

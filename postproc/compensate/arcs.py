@@ -19,6 +19,7 @@ from postproc.units import TICKS_PER_MM
 
 LARGEST_SWEEP = np.radians(300.0)  # beyond, centre and radius are ill-determined: quarter it
 MOST_SAMPLES = 20_000
+SHALLOWEST = 1e-6  # mm
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
 
@@ -73,6 +74,27 @@ def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
     return arc[order], t[order]
 
 
+def turning_points(arcs: Arcs, start: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) arc and (K,) t inside arcs where a plane axis turns back; start, target (A, n) mm of the arcs.
+
+    An arc that is meant to begin or end at a quadrant, and misses it by the rounding of its words, turns back by less
+    than a nanometre there: that is none.
+    """
+    arc, t = quadrants(arcs)
+    inside = (t > 0) & (t < 1)
+    arc, t = arc[inside], t[inside]
+    index = np.rint((arcs.angle[arc] + arcs.sweep[arc] * t) / (np.pi / 2)).astype(np.int64)
+    axis = np.where(index % 2 == 0, arcs.first[arc], arcs.second[arc])  # the axis that is at its extreme there
+    place = points(arcs, start, target, arc, t)[axis, np.arange(len(arc))]
+    deep = np.abs(place - start[axis, arc]) > SHALLOWEST
+    deep &= np.abs(place - target[axis, arc]) > SHALLOWEST
+    whole = np.abs(arcs.sweep[arc]) > 1.5 * np.pi  # the far end may lie at the same place by going round
+    first = np.concatenate([[True], arc[1:] != arc[:-1]])
+    final = np.concatenate([arc[1:] != arc[:-1], [True]]) if len(arc) else first[:0]
+    deep |= whole & ~(first[: len(arc)] | final)
+    return arc[deep], t[deep]
+
+
 Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -102,7 +124,8 @@ class Fitter:
         ends = [points(arcs, self.start, self.target, rows.arc, t) for t in (rows.t0, rows.t1)]
         kink, steep = self.machine.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
         slack = self.tolerance / 8
-        by_kink = sweep * radius * kink / (4 * slack)
+        travel = np.linalg.norm((self.target - self.start)[:, rows.arc], axis=0) * (rows.t1 - rows.t0)
+        by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)
         by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
         return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)
 
@@ -197,11 +220,22 @@ class Fitter:
         radius0, radius1 = np.hypot(*(begin2 - middle_at)), np.hypot(*(end2 - middle_at))
         share = step / (count - 1)[row]
         off = np.hypot(*(point2 - middle_at[:, row])) - (radius0[row] + (radius1 - radius0)[row] * share)
-        worst = np.maximum.reduceat(np.abs(off), first)
-        good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
         turned = np.arctan2(*(end2 - middle_at)[::-1]) - np.arctan2(*(begin2 - middle_at)[::-1])
         sweep = arcs.sweep[rows.arc] * (rows.t1 - rows.t0)
         turned = np.where(sweep > 0, turned % (2 * np.pi), -(-turned % (2 * np.pi)))
+        helix = np.zeros(len(rows), bool)
+        for axis in self.machine.corrected:
+            helix |= (a != axis) & (b != axis) & (self.start[axis, rows.arc] != self.target[axis, rows.arc])
+        if (
+            helix.any()
+        ):  # the other axes are tied to the angle: being ahead of it is as wrong as being beside the circle
+            angle = np.arctan2(*(begin2 - middle_at)[::-1])[row] + turned[row] * share
+            there = middle_at[:, row] + (radius0[row] + (radius1 - radius0)[row] * share) * np.stack(
+                [np.cos(angle), np.sin(angle)]
+            )
+            off = np.where(helix[row], np.hypot(*(point2 - there)), off)
+        worst = np.maximum.reduceat(np.abs(off), first)
+        good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
         whole = np.abs(sweep) > 2 * np.pi - 0.1  # a full circle that was not moved
         good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)

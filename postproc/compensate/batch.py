@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate import approach
-from postproc.compensate.arcs import points, quadrants
+from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
 from postproc.motions import FOREIGN, RAPID, Motions
@@ -60,9 +60,8 @@ class Batch:
             self.machine.two_way[arcs.first] | self.machine.two_way[arcs.second] if len(arcs) else np.zeros(0, bool)
         )
         if self.c.limit and turning.any():
-            arc, t = quadrants(arcs)
-            keep = turning[arc] & (t > 1e-9) & (t < 1 - 1e-9)
-            arc, t = arc[keep], t[keep]
+            arc, t = turning_points(arcs, self.arc_start, self.arc_target)
+            arc, t = arc[turning[arc]], t[turning[arc]]
             motion = np.concatenate([motion, arcs.motion[arc]])
             t0 = np.concatenate([t0, t])
             order = np.lexsort((t0, motion))

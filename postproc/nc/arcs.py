@@ -122,7 +122,7 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     _check(batch, blocks, good & known & ~missing, radius, radius_end)
     return Arcs(
         motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
-        radius_end=radius_end, grid=grid, words=centre_word, absolute=absolute, origin=origin,
+        radius_end=radius_end, grid=grid, words=centre_word, absolute=circle.absolute[arc], origin=origin,
     )  # fmt: skip
 
 
