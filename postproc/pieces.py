@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.motions import FEED
+
 
 @dataclass(frozen=True)
 class Pieces:
@@ -33,11 +35,25 @@ class Pieces:
         return len(self.motion)
 
 
+def without_rests(pieces: Pieces) -> Pieces:
+    """The same without straight pieces of no length, unless a motion has nothing else: turning a slide round can bring it
+    to the very place where a short motion ends."""
+    rest = (pieces.start == pieces.end).all(axis=0) & (pieces.code <= FEED)
+    if not rest.any():
+        return pieces
+    first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
+    group = np.cumsum(first) - 1
+    moves = np.bincount(group, weights=~rest) > 0
+    keep = ~rest | (first & ~moves[group])
+    return Pieces(**{f: getattr(pieces, f)[..., keep] for f in Pieces.__dataclass_fields__})
+
+
 def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     """Join sets of pieces; each comes with a (P, 2) key of stroke and order within it."""
     if len(parts) == 1:
-        stroke = parts[0][0][:, 0]
-        if (stroke[1:] >= stroke[:-1]).all():  # straight strokes come in order already
+        stroke, place = parts[0][0].T
+        step = stroke[1:] - stroke[:-1]
+        if ((step > 0) | ((step == 0) & (place[1:] > place[:-1]))).all():  # straight strokes come in order already
             return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))

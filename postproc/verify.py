@@ -43,6 +43,7 @@ class Verifier:
         self.interpreter = Interpreter(filter_.dialect, filter_.setup)
         self.state: ModalState = self.interpreter.initial()
         self.limit = 0 if self.mode == "mean" else 1
+        self.grid = max(axis.least_increment for axis in self.machine.axes.values())  # mm, larger in inch blocks
         filter_.watchers.append(self.check)
         self.turn = np.zeros(len(self.machine.axes), np.int64)
         self.corrected, self.uncorrected = Largest(), Largest()
@@ -74,6 +75,8 @@ class Verifier:
                 f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})",
                 "this is an error of gcomp: please report the program",
             )
+        if len(motions):
+            self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
@@ -124,13 +127,17 @@ class Verifier:
             row = np.repeat(which, count[which])
             place = PLACES[np.arange(len(row)) - np.repeat(np.cumsum(count[which]) - count[which], count[which])]
             ends = which[known[which]]
-            row, place = np.concatenate([row, ends]), np.concatenate([place, np.ones(len(ends))])
+            begins = which[count[which] > 0]  # where a take-up has brought the slides
+            row = np.concatenate([row, ends, begins])
+            place = np.concatenate([place, np.ones(len(ends)), np.zeros(len(begins))])
             if not len(row):
                 continue
             command = self._points(run, curved, row, place)
             t = t0[row] + (t1 - t0)[row] * place
             # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
-            weight = self._weight(nominal, weights, owner[row], t0[row] + (t1 - t0)[row] * np.minimum(place, 1 - 1e-6))
+            weight = self._weight(
+                nominal, weights, owner[row], t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
+            )
             actual = command + self.machine.deviation(command, weight)
             distance = self._distance(nominal, owner[row], t, actual)
             worst = int(np.argmax(distance))
@@ -223,17 +230,23 @@ class Verifier:
         t = t + np.angle(np.exp(1j * (angle - expected))) / arcs.sweep[arc]
         t = np.clip(t, 0.0, 1.0)
         radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
-        square = (np.hypot(*arm) - radius) ** 2
+        # From the nominal point at t: outwards, and what is left of the way ahead and along once the helix' own
+        # direction is taken out.
+        outwards = (np.hypot(*arm) - radius) ** 2
+        turn = radius * np.angle(np.exp(1j * (angle - arcs.angle[arc] - arcs.sweep[arc] * t)))
+        pace = radius * arcs.sweep[arc]
+        square, along, length = turn**2, turn * pace, pace**2
         for row in self.machine.corrected:
-            other = (first != row) & (second != row)
-            square = square + np.where(other, (actual[row] - start[row] - (target - start)[row] * t) ** 2, 0.0)
+            way = np.where((first != row) & (second != row), (target - start)[row], 0.0)
+            off = np.where((first != row) & (second != row), actual[row] - start[row] - way * t, 0.0)
+            square, along, length = square + off**2, along + off * way, length + way**2
+        square = outwards + np.maximum(square - along**2 / np.maximum(length, 1e-30), 0.0)
         return np.sqrt(square)
 
     @property
     def passed(self) -> bool:
         """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
-        least = max(axis.least_increment for axis in self.machine.axes.values())
-        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + least / 2 + 1e-9
+        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
 
     def report(self) -> str:
         """One line for a person."""

@@ -72,7 +72,9 @@ def seeded(seed: int, site: Site, taste: Taste = Taste()) -> bytes:
 def programs(site: Site, **taste) -> st.SearchStrategy[bytes]:
     """A hypothesis strategy of programs; `taste`: fields of Taste. Shrinks towards few short blocks."""
     blocks = st.integers(1, taste.pop("blocks", 12))
-    return st.builds(lambda rng, n: program(rng, site, Taste(blocks=n, **taste)), st.randoms(use_true_random=False), blocks)
+    return st.builds(
+        lambda rng, n: program(rng, site, Taste(blocks=n, **taste)), st.randoms(use_true_random=False), blocks
+    )
 
 
 class Writer:
@@ -215,7 +217,9 @@ class Writer:
         """mm of slide travel of one whole unit of an axis word."""
         return self.unit / (2 if axis in self.diameter else 1)
 
-    def word(self, axis: str, goal: Fraction, decimals: int, by: bool, machine=False, letter="") -> tuple[str, Fraction]:
+    def word(
+        self, axis: str, goal: Fraction, decimals: int, by: bool, machine=False, letter=""
+    ) -> tuple[str, Fraction]:
         """The word for an axis, rounded into its range, and where that leads."""
         zero = self.place[axis] if by else Fraction(0) if machine else self.zero(axis)
         low, high = self.ranges[axis]
@@ -273,7 +277,9 @@ class Writer:
             words.insert(self.rng.randint(0, len(words)) if self.often(0.2) else 0, self.spelled(code))
         self.motion = code
         if code != "G0" and (self.inverse or not self.fed or self.often(0.2)):
-            words.append("F" + self.rng.choice(("5", "0.8", "12.5", "3.25") if self.inverse else ("100", "250.", "80.5")))
+            words.append(
+                "F" + self.rng.choice(("5", "0.8", "12.5", "3.25") if self.inverse else ("100", "250.", "80.5"))
+            )
             self.fed = True
         if self.taste.codes and self.often(0.1):
             words.append(self.rng.choice(("M3", "M5", "M8", "M9", "S800")))
@@ -304,7 +310,9 @@ class Writer:
             if any(self.place[a] != s for a, s in zip(letters, start, strict=True)):
                 shown, words = [], []  # it can not be said in so few digits
                 self.place.update(zip(letters, start, strict=True))
-            self.block(code, words + self.axis_words(rest, {a: self.goal(a) for a in rest}) + self.centre(arm, centre, digits))
+            self.block(
+                code, words + self.axis_words(rest, {a: self.goal(a) for a in rest}) + self.centre(arm, centre, digits)
+            )
             return
         end = angle + (sweep if code == "G3" else -sweep)
         goals = {

@@ -131,7 +131,15 @@ def corrected(tmp_path_factory) -> bytes:
 # -- where it goes -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("arguments", [("part.nc", *GRINDER), (*GRINDER, "part.nc"), ("compensate", *GRINDER, "part.nc"), (*GRINDER, "-o", "-", "part.nc")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("part.nc", *GRINDER),
+        (*GRINDER, "part.nc"),
+        ("compensate", *GRINDER, "part.nc"),
+        (*GRINDER, "-o", "-", "part.nc"),
+    ],
+)
 def test_a_file_goes_to_standard_output(place, corrected, arguments):
     ran = gcomp(place, *arguments)
     assert (ran.status, ran.out) == (0, corrected)
@@ -188,7 +196,9 @@ def test_dry_run_writes_nothing(place):
     before = {p.name: p.stat().st_mtime_ns for p in place.iterdir()}
     ran = gcomp(place, *GRINDER, "--dry-run", "part.nc", "-o", "out.nc")
     assert ran.status == 0
-    assert re.fullmatch(rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5 um\n", ran.out)
+    assert re.fullmatch(
+        rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5 um\n", ran.out
+    )
     assert {p.name: p.stat().st_mtime_ns for p in place.iterdir()} == before
 
 
@@ -219,7 +229,13 @@ def refused(ran: Ran, *says: str) -> None:
 
 
 def test_a_faulty_program_writes_nothing(place):
-    refused(gcomp(place, *GRINDER, input=FAULTY), "<stdin>:4: X = 200.0000 mm", "0 to 170 mm", "\n    G1 X400. Z50. F100\n", "--outside clamp")
+    refused(
+        gcomp(place, *GRINDER, input=FAULTY),
+        "<stdin>:4: X = 200.0000 mm",
+        "0 to 170 mm",
+        "\n    G1 X400. Z50. F100\n",
+        "--outside clamp",
+    )
     (place / "out.nc").write_bytes(b"old")
     refused(gcomp(place, *GRINDER, "faulty.nc", "-o", "out.nc"), "faulty.nc:4: ")
     assert (place / "out.nc").read_bytes() == b"old"
@@ -250,7 +266,9 @@ def test_a_line_of_two_megabytes_is_refused(place):
 
 
 def test_what_there_is_not_is_answered_with_what_there_is(place):
-    refused(gcomp(place, "--machine", "studer", "part.nc"), "'studer'", "perfect", "studer-s36", "path of a machine folder")
+    refused(
+        gcomp(place, "--machine", "studer", "part.nc"), "'studer'", "perfect", "studer-s36", "path of a machine folder"
+    )
     refused(gcomp(place, *GRINDER, "--dialect", "klingon", "part.nc"), "'klingon'", "fanuc-lathe", "linuxcnc")
     refused(gcomp(place, *GRINDER, "no.nc"), "no.nc", "No such file")
     refused(gcomp(place, *GRINDER, "home"), "home is a folder, not a program")
@@ -271,7 +289,16 @@ def test_an_output_that_is_a_folder_is_named_not_the_program(place):
     assert "part.nc" not in ran.err
 
 
-@pytest.mark.parametrize("program", [("--in-place",), ("--in-place", "-"), ("--in-place", "part.nc", "-o", "out.nc"), ("--unbuffered", "part.nc", "-o", "out.nc"), ("--unbuffered", "--dry-run", "part.nc")])
+@pytest.mark.parametrize(
+    "program",
+    [
+        ("--in-place",),
+        ("--in-place", "-"),
+        ("--in-place", "part.nc", "-o", "out.nc"),
+        ("--unbuffered", "part.nc", "-o", "out.nc"),
+        ("--unbuffered", "--dry-run", "part.nc"),
+    ],
+)
 def test_options_that_exclude_each_other_are_refused(place, program):
     refused(gcomp(place, *GRINDER, *program), program[0])
     assert (place / "part.nc").read_bytes() == PROGRAM
@@ -282,7 +309,14 @@ def test_without_a_program_it_says_how(place):
     refused(ran, "no program", "gcomp --machine NAME FILE")
     master, terminal = pty.openpty()
     try:
-        done = subprocess.run([*COMMAND, *GRINDER], stdin=terminal, capture_output=True, cwd=place, env=surroundings(place), timeout=PATIENCE)
+        done = subprocess.run(
+            [*COMMAND, *GRINDER],
+            stdin=terminal,
+            capture_output=True,
+            cwd=place,
+            env=surroundings(place),
+            timeout=PATIENCE,
+        )
     finally:
         os.close(master), os.close(terminal)
     refused(Ran(done.returncode, done.stdout, done.stderr), "no program")
@@ -291,7 +325,9 @@ def test_without_a_program_it_says_how(place):
 # -- how it is corrected -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("text, um", [("0.5um", "0.5"), ("0.001mm", "1"), ("0.001", "1"), ("5\u00b5m", "5"), (".0001in", "2.54")])
+@pytest.mark.parametrize(
+    "text, um", [("0.5um", "0.5"), ("0.001mm", "1"), ("0.001", "1"), ("5\u00b5m", "5"), (".0001in", "2.54")]
+)
 def test_a_tolerance_may_be_written_so(place, text, um):
     ran = gcomp(place, *GRINDER, "--dry-run", "--tolerance", text, "part.nc")
     assert ran.status == 0
@@ -317,7 +353,20 @@ def test_offsets_may_be_stated(place):
     assert elsewhere.out != at_zero.out
 
 
-@pytest.mark.parametrize("option", ["--offset=G54", "--offset=G99=X1", "--offset=G54=X", "--offset=G54=X1,X2", "--start=Q1", "--start=X1;Z2", "--block-delete=yes", "--reversal=jump", "--outside=ignore"])
+@pytest.mark.parametrize(
+    "option",
+    [
+        "--offset=G54",
+        "--offset=G99=X1",
+        "--offset=G54=X",
+        "--offset=G54=X1,X2",
+        "--start=Q1",
+        "--start=X1;Z2",
+        "--block-delete=yes",
+        "--reversal=jump",
+        "--outside=ignore",
+    ],
+)
 def test_options_with_a_wrong_value_show_the_right_form(place, option):
     ran = gcomp(place, *GRINDER, option, "part.nc")
     assert (ran.status, ran.out) == (2, b"")
@@ -405,7 +454,17 @@ def test_the_machines_are_listed_and_shown(place):
     assert ran.status == 0
     assert [line.split()[0] for line in ran.out.decode().splitlines()] == ["perfect", "studer-s36", "studer-s36-thesis"]
     text = gcomp(place, "machines", "show", "studer-s36").out.decode()
-    for part in ("Studer S-36", "w-b-Z-X-t", "diameter", "travel -5 to 175 mm", "18 nodes", "EXX", "urad", "B0X  -382.4", "offset G54"):
+    for part in (
+        "Studer S-36",
+        "w-b-Z-X-t",
+        "diameter",
+        "travel -5 to 175 mm",
+        "18 nodes",
+        "EXX",
+        "urad",
+        "B0X  -382.4",
+        "offset G54",
+    ):
         assert part in text
     refused(gcomp(place, "machines", "show"), "which machine?")
     refused(gcomp(place, "machines", "show", "none"), "'none'", "studer-s36")
@@ -507,7 +566,14 @@ def test_a_reader_that_goes_away_is_no_fault(place, how):
     assert ran.err == ""
 
 
-@pytest.mark.parametrize("line", ["$GCOMP --machine studer-s36 part.nc", "$GCOMP --machine studer-s36 --unbuffered part.nc", "$GCOMP --machine studer-s36 --verify --quiet part.nc"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "$GCOMP --machine studer-s36 part.nc",
+        "$GCOMP --machine studer-s36 --unbuffered part.nc",
+        "$GCOMP --machine studer-s36 --verify --quiet part.nc",
+    ],
+)
 def test_without_standard_error_the_program_is_the_same(place, corrected, line):
     """As a service or a window without a console calls it: no message may end up in the program."""
     ran = in_shell(place, f"{line} 2>&-")
@@ -525,7 +591,11 @@ def test_without_standard_output_there_is_a_message(place, corrected):
 
 @has_full
 def test_a_full_standard_output_is_told(place):
-    for line in ("$GCOMP --machine studer-s36 part.nc", "$GCOMP machines", "$GCOMP --machine studer-s36 --dry-run part.nc"):
+    for line in (
+        "$GCOMP --machine studer-s36 part.nc",
+        "$GCOMP machines",
+        "$GCOMP --machine studer-s36 --dry-run part.nc",
+    ):
         ran = in_shell(place, f"{line} > /dev/full")
         assert ran.status == 1
         assert "No space left" in ran.err

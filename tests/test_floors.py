@@ -12,7 +12,14 @@ FLOOR = {
     "units": 0, "errors": 0, "motions": 0, "pieces": 0, "nc": 1, "machine": 1, "effects": 1, "compensate": 3, "filter": 4,
     "verify": 4, "commands": 5, "cli": 5, "ports": 5, "__main__": 5, "__init__": 0,
 }  # fmt: skip
-STRANGERS = {("nc", "machine"), ("nc", "effects"), ("nc", "compensate"), ("machine", "nc"), ("effects", "nc"), ("compensate", "nc")}
+STRANGERS = {
+    ("nc", "machine"),
+    ("nc", "effects"),
+    ("nc", "compensate"),
+    ("machine", "nc"),
+    ("effects", "nc"),
+    ("compensate", "nc"),
+}
 OPENERS = {"ports", "commands", "cli", "machine/file"}  # file.py reads a machine's folder: that is what a machine is
 
 
@@ -46,7 +53,9 @@ def imports(path: Path) -> set[str]:
 def test_imports_go_down(path):
     own = part(path)
     for other in imports(path) - {own}:
-        assert FLOOR[other] <= FLOOR[own], f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports go down"
+        assert FLOOR[other] <= FLOOR[own], (
+            f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports go down"
+        )
         assert (own, other) not in STRANGERS, f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
 
 
@@ -59,7 +68,9 @@ def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             assert node.func.id not in ("open", "print", "input"), f"{where} calls {node.func.id}"
         if isinstance(node, ast.Import):
-            assert not {a.name for a in node.names} & {"time", "threading", "socket", "subprocess"}, f"{where} imports a clock or a port"
+            assert not {a.name for a in node.names} & {"time", "threading", "socket", "subprocess"}, (
+                f"{where} imports a clock or a port"
+            )
 
 
 def test_a_module_stays_in_one_head():

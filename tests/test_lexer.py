@@ -239,7 +239,10 @@ def test_the_lexer_never_raises(text, semicolon):
     assert (words.number < words.stop).all()
 
 
-@pytest.mark.parametrize("name, dialect", [("perfect", "linuxcnc"), ("perfect", "fanuc-lathe"), ("studer-s36", "fanuc-lathe"), ("studer-s36", "linuxcnc")])
+@pytest.mark.parametrize(
+    "name, dialect",
+    [("perfect", "linuxcnc"), ("perfect", "fanuc-lathe"), ("studer-s36", "fanuc-lathe"), ("studer-s36", "linuxcnc")],
+)
 def test_any_bytes_pass_or_are_refused(name, dialect):
     """Nothing but a ProgramError comes out, and a machine without errors passes its input to the byte."""
     machine, language = read_machine(ROOT / "machines" / name), dialects.load(dialect)

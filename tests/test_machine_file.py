@@ -500,7 +500,9 @@ def test_before_an_axis_has_moved_the_mean_of_both_ways_holds():
 
 
 def test_a_machine_without_squareness_cuts_arcs(tmp_path):
-    machine = read_machine(folder(tmp_path, toml=swap(TOML, "[squareness]\nB0X = -382.352941                  # urad", "")))
+    machine = read_machine(
+        folder(tmp_path, toml=swap(TOML, "[squareness]\nB0X = -382.352941                  # urad", ""))
+    )
     out = correct(machine, b"G0 X20. Z10.\nG1 X30. F100\nG3 X40. Z15. R5.\nG2 X50. Z20. K5.\n")
     assert b"\nG3" in out
     assert b"\nG2" in out

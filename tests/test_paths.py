@@ -32,7 +32,9 @@ REFERENCE = 0.01 * UM  # the product's kinematics are of first order, the refere
 def folders(tmp_path_factory):
     folder = tmp_path_factory.mktemp("machines")
     result = {name: ROOT / "machines" / name for name in ("studer-s36", "studer-s36-thesis")}
-    return result | {name: write_mill(folder / name, two_way) for name, two_way in (("one-way", False), ("two-way", True))}
+    return result | {
+        name: write_mill(folder / name, two_way) for name, two_way in (("one-way", False), ("two-way", True))
+    }
 
 
 def corrected(folder: Path, dialect: str, text: str, offsets=None, **options) -> tuple[str, float]:
@@ -121,9 +123,7 @@ RANDOM += [("studer-s36", replace(STUDER_FANUC, offsets=OFFSETS), seed) for seed
 RANDOM += [(name, MILL, seed) for seed in range(200, 208) for name in ("one-way", "two-way")]
 
 
-@pytest.mark.parametrize(
-    ("name", "site", "seed"), RANDOM, ids=lambda v: v if isinstance(v, (str, int)) else v.dialect
-)
+@pytest.mark.parametrize(("name", "site", "seed"), RANDOM, ids=lambda v: v if isinstance(v, (str, int)) else v.dialect)
 def test_random_programs_stay_within_the_tolerance(folders, name, site, seed):
     taste = replace(PLAIN, helix=name == "one-way", arcs=0.4 if seed % 2 else 0.0, late=seed % 3 == 0)
     text = program(random.Random(seed), site, taste).decode()
@@ -138,7 +138,11 @@ def as_the_thesis_prints_it() -> str:
     up = [(20 * k, 30 * k) for k in range(18)]
     way = [(0, 0), (-2, -1), *up, (342, 512), *up[::-1]]
     blocks = [f"X{x} Z{z};\nG04 X5;\n" for x, z in way]
-    return ("G01 " + blocks[0].replace(";", " F1000;", 1) + "".join(blocks[1:]) + "M30;\n").replace("Z-1", "Z -1").replace("Z512", "Z 512")
+    return (
+        ("G01 " + blocks[0].replace(";", " F1000;", 1) + "".join(blocks[1:]) + "M30;\n")
+        .replace("Z-1", "Z -1")
+        .replace("Z512", "Z 512")
+    )
 
 
 def targets(text: str) -> list[tuple[float, float]]:
@@ -158,7 +162,9 @@ def positioning_alone(folder: Path) -> Path:
     source = ROOT / "machines" / "studer-s36-thesis"
     folder.mkdir()
     for axis in "XZ":
-        rows = [row for row in csv.reader((source / f"{axis}.csv").read_text().splitlines()) if not row[0].startswith("#")]
+        rows = [
+            row for row in csv.reader((source / f"{axis}.csv").read_text().splitlines()) if not row[0].startswith("#")
+        ]
         keep = [i for i, name in enumerate(rows[0]) if name == f"{axis}_mm" or name.startswith(f"E{axis}{axis}_")]
         (folder / f"{axis}.csv").write_text("".join(",".join(row[i] for i in keep) + "\n" for row in rows))
     toml = (source / "machine.toml").read_text()

@@ -40,7 +40,9 @@ class Machines(dict):
 def machines(tmp_path_factory):
     folder = tmp_path_factory.mktemp("machines")
     result = Machines()
-    result |= {name: places.load(str(ROOT / "machines" / name)) for name in ("studer-s36", "studer-s36-thesis", "perfect")}
+    result |= {
+        name: places.load(str(ROOT / "machines" / name)) for name in ("studer-s36", "studer-s36-thesis", "perfect")
+    }
     for name, two_way in (("one-way", False), ("two-way", True)):
         result[name] = places.load(str(write_mill(folder / name, two_way)))
     return result
@@ -180,9 +182,7 @@ def test_a_corrected_program_is_refused(machines, name, data):
 
 def moving(text: bytes, machine, dialect: str) -> int:
     """How many blocks move, by the reference interpreter."""
-    blocks = run(
-        text.decode(), dialect, axes=machine.letters, diameter=machine.diameter, offsets=machine.offsets
-    )
+    blocks = run(text.decode(), dialect, axes=machine.letters, diameter=machine.diameter, offsets=machine.offsets)
     return sum(block.kind in ("rapid", "feed", "arc", "machine") for block in blocks)
 
 

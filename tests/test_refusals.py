@@ -132,7 +132,9 @@ CASES = [
 
 
 def filter_for(machine, case: Case) -> Filter:
-    return Filter(machine, dialects.load(case.dialect), setup_of(machine), Options(outside=case.outside), name="part.nc")
+    return Filter(
+        machine, dialects.load(case.dialect), setup_of(machine), Options(outside=case.outside), name="part.nc"
+    )
 
 
 def refusal(machine, case: Case, text: str) -> ProgramError:
@@ -194,7 +196,11 @@ def test_line_ends_and_what_follows_do_not_matter(case):
     for text in (HEAD + case.text, (HEAD + case.text + "\nM30\n").replace("\n", "\r\n")):
         error = refusal(GRINDER, case, text)
         assert (error.message, error.advice) == (plain.message, plain.advice)
-        assert (error.place.line, error.place.start, error.place.stop) == (plain.place.line, plain.place.start, plain.place.stop)
+        assert (error.place.line, error.place.start, error.place.stop) == (
+            plain.place.line,
+            plain.place.start,
+            plain.place.stop,
+        )
         assert str(error) == str(plain)
 
 
@@ -209,7 +215,9 @@ def test_without_errors_what_only_the_map_forbids_passes(case, after):
 ELSEWHERE = ("no axis", "no such axes")  # the perfect machine has these axes
 
 
-@pytest.mark.parametrize("case", [c for c in CASES if not c.by_map and not any(e in c.says for e in ELSEWHERE)], ids=str)
+@pytest.mark.parametrize(
+    "case", [c for c in CASES if not c.by_map and not any(e in c.says for e in ELSEWHERE)], ids=str
+)
 def test_without_errors_what_can_not_be_read_is_still_refused(case):
     error = refusal(PERFECT, case, HEAD + case.text + "\nM30\n")
     assert case.says in str(error)

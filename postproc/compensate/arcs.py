@@ -20,6 +20,7 @@ from postproc.units import TICKS_PER_MM
 LARGEST_SWEEP = np.radians(300.0)  # beyond, centre and radius are ill-determined: quarter it
 MOST_SAMPLES = 20_000
 SHALLOWEST = 1e-6  # mm
+SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
 
@@ -238,6 +239,7 @@ class Fitter:
         good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
         whole = np.abs(sweep) > 2 * np.pi - 0.1  # a full circle that was not moved
         good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
+        good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
         good &= np.abs(radius1 - radius0) <= was + self.mismatch
         for axis in self.machine.corrected:

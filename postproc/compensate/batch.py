@@ -122,7 +122,9 @@ class Batch:
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of each axis' word."""
         m, motion = self.m, self.motion[stroke]
-        zero = np.where(m.incremental[:, motion], self.before[:, stroke], m.origin[:, motion])
+        # Whole increments from the nominal place, wherever a difference of two places may be written; else from zero.
+        near = m.incremental[:, motion] | (self.travel[:, stroke] == 0)
+        zero = np.where(near, m.start[:, motion], m.origin[:, motion])
         step = m.grid[:, motion]
         return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
 
@@ -148,15 +150,6 @@ class Batch:
         inner = np.flatnonzero(~self.last)
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
-        # A word that is not there is written on the grid of its own zero.
-        bare = m.word < 0
-        row, absent = (
-            np.nonzero(self.last & (bare & ~m.incremental)[:, motion]) if bare.any() else (np.zeros(0, np.int64),) * 2
-        )
-        zero, step = m.origin[row, motion[absent]], step[row, absent]
-        on_grid = zero + np.rint((self.exact[row, absent] * TICKS_PER_MM - zero) / step).astype(np.int64) * step
-        loose = (on_grid - self.end[row, absent]) % step != 0  # the nominal place itself is off the grid
-        self.end[row[loose], absent[loose]] = on_grid[loose]
         self.end[self.fixed] = nominal_ticks[self.fixed]
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]

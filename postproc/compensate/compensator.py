@@ -15,7 +15,7 @@ from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import Notice
 from postproc.machine.model import Machine
 from postproc.motions import Motions
-from postproc.pieces import Pieces, in_order
+from postproc.pieces import Pieces, in_order, without_rests
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,8 @@ class Compensator:
         least = [axis.least_increment for axis in machine.axes.values()]
         rounding = np.array([a.least_increment / (2 if x in machine.diameter else 1) for x, a in machine.axes.items()])
         self.tolerance = options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
-        self.mode = options.reversal or machine.reversal
+        # Where no table and no effect asks for it, there is no direction to follow.
+        self.mode = (options.reversal or machine.reversal) if machine.two_way.any() else "mean"
         self.outside = options.outside or machine.limits.outside
         n = max(1, len(machine.corrected))
         # Rounding may take half a least increment in one axis beyond the tolerance; several axes together take more.
@@ -65,7 +66,7 @@ class Compensator:
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold = self.chord / 2
-        self.limit = approach.reach(self.mode if machine.two_way.any() else "mean", options.ramp or self._ramp())
+        self.limit = approach.reach(self.mode, options.ramp or self._ramp())
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
@@ -97,7 +98,7 @@ class Compensator:
         b.settle_ends()
         b.spread_reversals()
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
-        pieces = in_order([p for p in parts if p is not None])
+        pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
         after = Carry(
             b.turn_after[:, -1].copy(), b.end[:, -1].copy(), bool(b.free[b.motion[-1]]), max(carry.largest, largest)

@@ -141,10 +141,13 @@ class _Batch:
 
     def value(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
+        return _counts(self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]], decimals)
+
+    def _ticks(self, row: int, piece: np.ndarray) -> np.ndarray:
+        """(K,) what the axis word of pieces is worth."""
         m, p = self.m, self.p
         motion = p.motion[piece]
-        ticks = p.end[row, piece] - np.where(m.incremental[row, motion], p.start[row, piece], m.origin[row, motion])
-        return _counts(ticks, m.scale[row, motion], decimals)
+        return p.end[row, piece] - np.where(m.incremental[row, motion], p.start[row, piece], m.origin[row, motion])
 
     def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""
@@ -152,6 +155,13 @@ class _Batch:
         word = m.word[row, motion]
         own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
         return np.minimum(np.maximum(m.places[row, motion], own), MOST_DECIMALS)
+
+    def _enough(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
+        """(K,) as many decimals as new words need: more than the least increment's where the nominal place has more."""
+        ticks, scale = self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]]
+        for _ in range(MOST_DECIMALS):
+            decimals = decimals + ((ticks % (scale // POWERS[decimals]) != 0) & (decimals < MOST_DECIMALS))
+        return decimals
 
     def axis_words(self) -> None:
         m, p = self.m, self.p
@@ -181,7 +191,7 @@ class _Batch:
             missing &= m.target_known[row, p.motion] & p.corrected
             write = np.flatnonzero(missing | (~self.first & (moves | in_plane)))
             motion = p.motion[write]
-            decimals = self.decimals(row, motion)
+            decimals = self._enough(row, write, self.decimals(row, motion))
             start = np.where(self.first[write], self.at[motion], self.behind()[motion])
             prefix = np.zeros((len(write), 2), np.uint8)
             prefix[:, 0] = np.where(

@@ -10,7 +10,8 @@ from postproc import effects
 NAMES = effects.names()
 N = 7
 POSE = effects.Pose(
-    position={x: np.linspace(0.0, 100.0, N) for x in "XYZ"}, approach={x: np.array([-1, 1, 0, 1, -1, 0.5, -0.5]) for x in "XYZ"}
+    position={x: np.linspace(0.0, 100.0, N) for x in "XYZ"},
+    approach={x: np.array([-1, 1, 0, 1, -1, 0.5, -0.5]) for x in "XYZ"},
 )
 
 
@@ -38,7 +39,9 @@ def test_the_batch_does_not_matter(name):
     parameters = dict.fromkeys(module.PARAMETERS, 3.0)
     whole = module.deviation(POSE, "X", **parameters)
     for i in range(N):
-        one = effects.Pose({x: v[i : i + 1] for x, v in POSE.position.items()}, {x: v[i : i + 1] for x, v in POSE.approach.items()})
+        one = effects.Pose(
+            {x: v[i : i + 1] for x, v in POSE.position.items()}, {x: v[i : i + 1] for x, v in POSE.approach.items()}
+        )
         assert (module.deviation(one, "X", **parameters)[:, 0] == whole[:, i]).all()
 
 
