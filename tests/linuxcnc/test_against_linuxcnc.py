@@ -12,8 +12,7 @@ import pytest
 
 from postproc.motions import CLOCKWISE, COUNTER, RAPID
 from postproc.nc import dialects
-from postproc.nc.interpreter import Interpreter, Setup
-from postproc.nc.lexer import lex
+from postproc.nc.state import Setup
 from postproc.units import TICKS_PER_MM
 from tests.linuxcnc import oracle
 
