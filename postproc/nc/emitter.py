@@ -13,17 +13,15 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, RAPID, Motions
 from postproc.nc import codes
-from postproc.nc.arcs import PLANES
+from postproc.nc.centres import centre_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
 from postproc.nc.lexer import Words
+from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
 from postproc.pieces import Pieces
-from postproc.units import TICKS_PER_MM
 
-MOST_DECIMALS = 9
-POWERS = 10 ** np.arange(19)
-INSERT_CODE, INSERT_WORD = 1, 100
+INSERT_CODE = 1
 AFTER, AFTER_END = (
     -(10**12),
     10_000,
@@ -54,10 +52,10 @@ class Emitter:
                 state = Written(state.code, state.marked, b"\r\n")
         if not len(motions):
             return words.text, state, 0, 0
-        return _Batch(self, words, motions, pieces, state).run()
+        return Batch(self, words, motions, pieces, state).run()
 
 
-class _Batch:
+class Batch:
     def __init__(self, emitter: Emitter, words: Words, motions: Motions, pieces: Pieces, state: Written):
         self.e, self.w, self.m, self.p, self.state = emitter, words, motions, pieces, state
         self.splice = Splice(words.text)
@@ -72,7 +70,7 @@ class _Batch:
     def run(self) -> tuple[bytes, Written, int, int]:
         self.motion_codes()
         self.axis_words()
-        self.centre_words()
+        centre_words(self)
         added = np.flatnonzero(~self.first)
         if self.several.any():
             self.inverse_time()
@@ -141,7 +139,7 @@ class _Batch:
 
     def value(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
-        return _counts(self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]], decimals)
+        return counts(self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]], decimals)
 
     def _ticks(self, row: int, piece: np.ndarray) -> np.ndarray:
         """(K,) what the axis word of pieces is worth."""
@@ -252,101 +250,7 @@ class _Batch:
             leads |= moves | plane
         return leads
 
-    # -- arcs ----------------------------------------------------------------------------------------------------------
-
-    def centre_words(self) -> None:
-        """I J K of kept arcs; R becomes a centre where the arc changes; none in what became a chord."""
-        m, p, w = self.m, self.p, self.w
-        if not len(m.arcs):
-            return
-        first_piece = np.flatnonzero(self.first)
-        mine = np.flatnonzero((m.code == CLOCKWISE) | (m.code == COUNTER))
-        mine = mine[p.corrected[first_piece[mine]]]
-        arc_of = np.full(len(m), -1)
-        arc_of[m.arcs.motion] = np.arange(len(m.arcs))
-        piece = first_piece[mine]
-        arc = arc_of[mine]
-        is_arc = p.arc[piece] >= 0
-        by_radius = m.arcs.words[2, arc] >= 0
-        changed = self.touched[mine] | self.several[piece]
-        for k in range(2):
-            word = m.arcs.words[k, arc]
-            gone = (word >= 0) & ~is_arc
-            self._delete(word[gone], mine[gone])
-        gone = by_radius & changed
-        self._delete(m.arcs.words[2, arc[gone]], mine[gone])
-        self._turns(mine[changed & self.several[piece]])
-        for k in range(2):
-            word = m.arcs.words[k, arc]
-            value = self._centre(piece, arc, k)
-            wanted = np.where(m.arcs.absolute[arc], value, p.centre[k, piece])
-            decimals = self._centre_decimals(arc, k, word)
-            number = _counts(wanted, np.full(len(arc), 1), decimals, self._unit(arc, k))
-            own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
-            stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
-            replace = np.flatnonzero(is_arc & (word >= 0) & (number != stands) & ~by_radius)
-            self.splice.numbers(
-                w.number[word[replace]],
-                w.stop[word[replace]],
-                np.zeros(len(replace)),
-                number[replace],
-                decimals[replace],
-            )
-            add = np.flatnonzero(is_arc & (word < 0) & np.where(by_radius, changed, number != stands))
-            self._insert_centre(
-                mine[add],
-                arc[add],
-                k,
-                number[add],
-                decimals[add],
-                self.at[mine[add]],
-                np.full(len(add), INSERT_WORD + 20 + k),
-            )
-            self.touched[mine[replace]] = self.touched[mine[add]] = True
-            later = np.flatnonzero(~self.first & (p.arc >= 0))
-            decimals = self._centre_decimals(p.arc[later], k, np.full(len(later), -1))
-            wanted = np.where(m.arcs.absolute[p.arc[later]], self._centre(later, p.arc[later], k), p.centre[k, later])
-            number = _counts(wanted, np.full(len(later), 1), decimals, self._unit(p.arc[later], k))
-            motion = p.motion[later]
-            self._insert_centre(
-                motion, p.arc[later], k, number, decimals, self.behind()[motion], self.rank(later) + 30 + k
-            )
-
-    def _centre(self, piece, arc, k):
-        """(K,) ticks of an absolute centre word."""
-        axis = (self.m.arcs.first, self.m.arcs.second)[k][arc]
-        return self.p.start[axis, piece] + self.p.centre[k, piece] - self.m.arcs.origin[k, arc]
-
-    def _unit(self, arc, k):
-        """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
-        axis = (self.m.arcs.first, self.m.arcs.second)[k][arc]
-        scale = self.m.scale[axis, self.m.arcs.motion[arc]]
-        return np.where(
-            scale < TICKS_PER_MM,
-            scale * 2,
-            np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale),
-        )
-
-    def _centre_decimals(self, arc, k, word):
-        least = np.rint(np.log10(self._unit(arc, k) / self.m.arcs.grid[k, arc])).astype(np.int64)
-        own = np.where(word >= 0, self.w.decimals[np.maximum(word, 0)], 0)
-        return np.minimum(np.maximum(least, own), MOST_DECIMALS)
-
-    def _insert_centre(self, motion, arc, k, number, decimals, at, rank) -> None:
-        letters = {
-            (self.axes.index(a), self.axes.index(b)): (i, j)
-            for a, b, i, j in PLANES.values()
-            if a in self.axes and b in self.axes
-        }
-        letter = np.array(
-            [ord(letters[int(self.m.arcs.first[a]), int(self.m.arcs.second[a])][k]) for a in arc], np.uint8
-        )
-        prefix = np.zeros((len(motion), 2), np.uint8)
-        prefix[:, 0] = np.where(self.spaced[motion], ord(" "), 0)
-        prefix[:, 1] = letter
-        self.splice.numbers(at, at, rank, number, decimals, prefix)
-
-    def _delete(self, word: np.ndarray, motion: np.ndarray) -> None:
+    def delete(self, word: np.ndarray, motion: np.ndarray) -> None:
         """Take words out, with the blank before them (after them, for the first word)."""
         start, stop = self.w.start[word], self.w.stop[word]
         leads = start <= self.head[motion]
@@ -354,13 +258,6 @@ class _Batch:
         stop = stop + ((self.byte[stop] == ord(" ")) & leads)
         self.splice.constants(start, stop, np.zeros(len(word)), b"")
         self.touched[motion] = True
-
-    def _turns(self, motion: np.ndarray) -> None:
-        """P of an arc that was cut."""
-        if self.e.dialect.turns:
-            place = np.flatnonzero((self.w.letter == ord("P")) & np.isin(self.w.block, self.m.block[motion]))
-            owner = np.searchsorted(self.m.block, self.w.block[place])
-            self._delete(place, owner)
 
     # -- the rest of a block that was cut ------------------------------------------------------------------------------
 
@@ -442,18 +339,6 @@ class _Batch:
             newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
             return newline, b";"
         return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"
-
-
-def _counts(ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
-    """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
-    unit = scale if unit is None else unit
-    if len(ticks) and (unit == unit[0]).all() and (decimals == decimals[0]).all():
-        per = unit[0] // POWERS[decimals[0]]  # dividing by one number is several times faster
-    else:
-        per = unit // POWERS[decimals]
-    low = ticks // per
-    rest = 2 * (ticks - low * per)
-    return low + ((rest > per) | ((rest == per) & (low % 2 == 1)))
 
 
 def _plain(value: float) -> bytes:

@@ -1,0 +1,118 @@
+"""I J K of the arcs that are written: kept as they are where they hold, anew where the arc is cut, none in a chord."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.motions import CLOCKWISE, COUNTER
+from postproc.nc.arcs import PLANES
+from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.nc.emitter import Batch
+
+
+def centre_words(b: Batch) -> None:
+    """I J K of kept arcs; R becomes a centre where the arc changes; none in what became a chord."""
+    m, p, w = b.m, b.p, b.w
+    if not len(m.arcs):
+        return
+    first_piece = np.flatnonzero(b.first)
+    mine = np.flatnonzero((m.code == CLOCKWISE) | (m.code == COUNTER))
+    mine = mine[p.corrected[first_piece[mine]]]
+    arc_of = np.full(len(m), -1)
+    arc_of[m.arcs.motion] = np.arange(len(m.arcs))
+    piece = first_piece[mine]
+    arc = arc_of[mine]
+    is_arc = p.arc[piece] >= 0
+    by_radius = m.arcs.words[2, arc] >= 0
+    changed = b.touched[mine] | b.several[piece]
+    for k in range(2):
+        word = m.arcs.words[k, arc]
+        gone = (word >= 0) & ~is_arc
+        b.delete(word[gone], mine[gone])
+    gone = by_radius & changed
+    b.delete(m.arcs.words[2, arc[gone]], mine[gone])
+    _turns(b, mine[changed & b.several[piece]])
+    for k in range(2):
+        word = m.arcs.words[k, arc]
+        value = _centre(b, piece, arc, k)
+        wanted = np.where(m.arcs.absolute[arc], value, p.centre[k, piece])
+        decimals = _centre_decimals(b, arc, k, word)
+        number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
+        own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
+        stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
+        replace = np.flatnonzero(is_arc & (word >= 0) & (number != stands) & ~by_radius)
+        b.splice.numbers(
+            w.number[word[replace]],
+            w.stop[word[replace]],
+            np.zeros(len(replace)),
+            number[replace],
+            decimals[replace],
+        )
+        add = np.flatnonzero(is_arc & (word < 0) & np.where(by_radius, changed, number != stands))
+        _insert_centre(
+            b,
+            mine[add],
+            arc[add],
+            k,
+            number[add],
+            decimals[add],
+            b.at[mine[add]],
+            np.full(len(add), INSERT_WORD + 20 + k),
+        )
+        b.touched[mine[replace]] = b.touched[mine[add]] = True
+        later = np.flatnonzero(~b.first & (p.arc >= 0))
+        decimals = _centre_decimals(b, p.arc[later], k, np.full(len(later), -1))
+        wanted = np.where(m.arcs.absolute[p.arc[later]], _centre(b, later, p.arc[later], k), p.centre[k, later])
+        number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, p.arc[later], k))
+        motion = p.motion[later]
+        _insert_centre(b, motion, p.arc[later], k, number, decimals, b.behind()[motion], b.rank(later) + 30 + k)
+
+
+def _centre(b: Batch, piece, arc, k):
+    """(K,) ticks of an absolute centre word."""
+    axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
+    return b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
+
+
+def _unit(b: Batch, arc, k):
+    """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
+    axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
+    scale = b.m.scale[axis, b.m.arcs.motion[arc]]
+    return np.where(
+        scale < TICKS_PER_MM,
+        scale * 2,
+        np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale),
+    )
+
+
+def _centre_decimals(b: Batch, arc, k, word):
+    least = np.rint(np.log10(_unit(b, arc, k) / b.m.arcs.grid[k, arc])).astype(np.int64)
+    own = np.where(word >= 0, b.w.decimals[np.maximum(word, 0)], 0)
+    return np.minimum(np.maximum(least, own), MOST_DECIMALS)
+
+
+def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None:
+    """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places `at`."""
+    letters = {
+        (b.axes.index(first), b.axes.index(second)): words
+        for first, second, *words in PLANES.values()
+        if first in b.axes and second in b.axes
+    }
+    letter = np.array([ord(letters[int(b.m.arcs.first[a]), int(b.m.arcs.second[a])][k]) for a in arc], np.uint8)
+    prefix = np.zeros((len(motion), 2), np.uint8)
+    prefix[:, 0] = np.where(b.spaced[motion], ord(" "), 0)
+    prefix[:, 1] = letter
+    b.splice.numbers(at, at, rank, number, decimals, prefix)
+
+
+def _turns(b: Batch, motion: np.ndarray) -> None:
+    """P of an arc that was cut."""
+    if b.e.dialect.turns:
+        place = np.flatnonzero((b.w.letter == ord("P")) & np.isin(b.w.block, b.m.block[motion]))
+        owner = np.searchsorted(b.m.block, b.w.block[place])
+        b.delete(place, owner)
