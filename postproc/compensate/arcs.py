@@ -144,9 +144,9 @@ class Fitter:
         for halving in range(HALVINGS + 1):
             if not len(rows):
                 break
-            good, rows, middle = self.fit_all(rows)
+            good, straight, rows, middle = self.fit_all(rows)
             good &= ~force
-            short = self._short(rows) | (halving == HALVINGS)
+            short = (self._short(rows) & straight) | (halving == HALVINGS)
             done.append(rows.pick(good))
             done.append(replace(rows.pick(~good & short), chord=np.ones(int((~good & short).sum()), bool)))
             rows, middle = rows.pick(~good & ~short), middle[:, ~good & ~short]
@@ -166,8 +166,9 @@ class Fitter:
         tiny = sweep * radius < SHORTEST * self.arcs.grid[:, rows.arc].max(axis=0) / TICKS_PER_MM
         return tiny | (sagitta < self.tolerance / 8)
 
-    def fit_all(self, rows: Rows) -> tuple[np.ndarray, Rows, np.ndarray]:
-        """(R,) whether an arc will do; the rows with their centres; (A, R) ticks commanded at the middle of each."""
+    def fit_all(self, rows: Rows) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
+        """(R,) whether an arc will do, and whether the axes across the plane are straight enough for either arc or chord;
+        the rows with their centres; (A, R) ticks commanded at the middle of each."""
         count = self.samples(rows) // 2 * 2 + 1  # odd: one sample is the middle
         group = (np.cumsum(count) - count) // MOST_SAMPLES
         parts = []
@@ -175,13 +176,13 @@ class Fitter:
             which = np.flatnonzero(group == g)
             if len(which):
                 parts.append(self.fit(rows.pick(which), count[which]))
-        good, fitted, middle = zip(*parts, strict=True)
+        good, straight, fitted, middle = zip(*parts, strict=True)
         joined = Rows(
             **{f: np.concatenate([getattr(r, f) for r in fitted], axis=-1) for f in Rows.__dataclass_fields__}
         )
-        return np.concatenate(good), joined, np.concatenate(middle, axis=1)
+        return np.concatenate(good), np.concatenate(straight), joined, np.concatenate(middle, axis=1)
 
-    def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, Rows, np.ndarray]:
+    def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
         """The same for a few rows with `count` (R,) samples each."""
         arcs = self.arcs
         row = np.repeat(np.arange(len(rows)), count)
@@ -242,10 +243,12 @@ class Fitter:
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
         good &= np.abs(radius1 - radius0) <= was + self.mismatch
+        straight = np.ones(len(rows), bool)
         for axis in self.machine.corrected:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
             linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across
-            good &= linear | (a == axis) | (b == axis)
+            straight &= linear | (a == axis) | (b == axis)
+        good &= straight
         middle = first + (count - 1) // 2
         halfway = self.round_to(rows, np.arange(len(rows)), wanted[:, middle])
-        return good, replace(rows, centre=centre), halfway
+        return good, straight, replace(rows, centre=centre), halfway

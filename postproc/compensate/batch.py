@@ -181,34 +181,39 @@ class Batch:
         free, known = self.free[self.motion], self.known_before
         turning, all_known = self.turning.any(), known.all()
         held = (self.travel == 0).any(axis=1)
-        if all_known and not turning and not held[self.rows].any():
+        # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
+        left = ~free & (self.m.word[:, self.motion] < 0)
+        if all_known and not turning and not held[self.rows].any() and not left.any():
             self.begin = self.before
             return
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows and held[row]:
-                still = np.flatnonzero((self.travel[row] == 0) & free & known & (self.sure | self.turning))
-                end[still] = self._held(row, still, end)
+            if row in self.rows and (held[row] or left[row].any()):
+                rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
+                still = np.flatnonzero(rests | left[row])
+                end[still] = self._held(row, still, end, left[row, still])
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
-            before = np.where(known, before, self._nominal_begin(row))
+            known_here = self.m.start_known[row, self.motion] | (self.t0 > 0)
+            before = np.where(known_here, before, self._nominal_begin(row))
             self.before[row] = before
             differs = self.turning & (np.abs(self.wanted[row] - before) > hold)
             self.begin[row] = np.where(differs, self.wanted[row], before)
             self._notice_induced(row)
 
-    def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it."""
+    def _held(self, row: int, still: np.ndarray, end: np.ndarray, left: np.ndarray) -> np.ndarray:
+        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it.
+        left (K,): strokes that do not move the axis at all."""
         hold = self.c.hold * TICKS_PER_MM
         before = np.where(still > 0, end[still - 1], self.carry.issued[row]).tolist()
         value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
         wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
-        last = -2
+        stays, last = left.tolist(), -2
         for k, i in enumerate(still.tolist()):
             here = value[k - 1] if i == last + 1 else before[k]
             if turning[k] and abs(wanted[k] - here) > hold:
                 here = wanted[k]
-            if abs(exact[k] - here) <= hold:
+            if stays[k] or abs(exact[k] - here) <= hold:
                 value[k] = here
             last = i
         return np.array(value, np.int64)

@@ -336,6 +336,8 @@ class Batch:
             rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
             if rest.strip():
                 return b" ", b";"
+            if line_end < 0:
+                return self.state.newline, b";"
             newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
             return newline, b";"
         return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"
