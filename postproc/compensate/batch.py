@@ -182,7 +182,7 @@ class Batch:
         turning, all_known = self.turning.any(), known.all()
         held = (self.travel == 0).any(axis=1)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
-        left = ~free & (self.m.word[:, self.motion] < 0)
+        left = np.zeros(held.shape + free.shape, bool) if free.all() else ~free & (self.m.word[:, self.motion] < 0)
         if all_known and not turning and not held[self.rows].any() and not left.any():
             self.begin = self.before
             return
