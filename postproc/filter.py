@@ -160,7 +160,7 @@ class Filter:
         if self.modal.ended:
             self.summary.lines += text.count(b"\n")
             return text
-        words = lex(text, self.dialect.semicolon)
+        words = lex(text, self.dialect.grammar)
         if words.tape < 0:
             return self._batch(words)
         # A "%" line: what stands before it, then the line itself, then the rest.
@@ -231,9 +231,9 @@ class Filter:
         before = b""
         if line_start:
             try:
-                before = self._pass(lex(words.text[:line_start], self.dialect.semicolon))
+                before = self._pass(lex(words.text[:line_start], self.dialect.grammar))
             except BlockFault as earlier:
-                return self._deliver(lex(words.text[:line_start], self.dialect.semicolon), earlier)
+                return self._deliver(lex(words.text[:line_start], self.dialect.grammar), earlier)
         columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
         error = self._error(words.text[line_start:], fault.message, fault.advice, *columns)
         error.delivered = before

@@ -51,7 +51,7 @@ class Verifier:
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
-        again = lex(output, self.interpreter.dialect.semicolon)
+        again = lex(output, self.interpreter.dialect.grammar)
         try:
             if again.fault and not self.state.ended:
                 raise again.fault

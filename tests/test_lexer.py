@@ -15,7 +15,7 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
-from postproc.nc.lexer import lex
+from postproc.nc.lexer import Grammar, lex
 
 ROOT = Path(__file__).resolve().parents[1]
 SEMICOLON = st.sampled_from(["comment", "end of block"])
@@ -93,7 +93,7 @@ def slow(text: bytes, semicolon: str):
 
 def fast(text: bytes, semicolon: str):
     """The lexer's answer in the same form."""
-    w = lex(text, semicolon)
+    w = lex(text, Grammar(semicolon))
     words = [
         (int(w.block[i]), chr(w.letter[i]), Decimal(int(w.mantissa[i])).scaleb(-int(w.decimals[i])), int(w.start[i]),
          int(w.number[i]), int(w.stop[i]))
@@ -178,7 +178,7 @@ def test_a_strange_character_is_named_where_it_stands(program, strange, data):
     ],
 )  # fmt: skip
 def test_faults_carry_their_offset(text, start):
-    fault = lex(text.encode(), "comment").fault
+    fault = lex(text.encode(), Grammar("comment")).fault
     assert fault is not None
     assert fault.start == start
     assert start < fault.stop <= len(text)
@@ -196,13 +196,13 @@ def test_numbers_are_exact_to_eighteen_digits(whole, decimals):
 
 @given(SEMICOLON, st.integers(19, 400))
 def test_a_longer_number_is_refused_with_its_length(semicolon, n):
-    fault = lex(b"G1 X" + b"1" * n + b"\n", semicolon).fault
+    fault = lex(b"G1 X" + b"1" * n + b"\n", Grammar(semicolon)).fault
     assert str(n) in fault.message
     assert "18" in fault.message
 
 
 def test_blocks_know_their_line_and_their_slash():
-    words = lex(b"G1;X1\n/X2;/X3\n\nX4", "end of block")
+    words = lex(b"G1;X1\n/X2;/X3\n\nX4", Grammar("end of block"))
     assert words.line.tolist() == [0, 0, 1, 1, 2, 3]
     assert words.skip.tolist() == [False, False, True, True, False, False]
     text = [words.text[a:b] for a, b in zip(words.block_start, words.block_stop, strict=True)]
@@ -210,7 +210,7 @@ def test_blocks_know_their_line_and_their_slash():
 
 
 def test_a_tape_mark_ends_the_batch():
-    words = lex(b"G1 X1\n%\nX2,\n", "comment")
+    words = lex(b"G1 X1\n%\nX2,\n", Grammar("comment"))
     assert (words.tape, words.fault) == (6, None)
     assert bytes(words.letter) == b"GX"
 
@@ -233,7 +233,7 @@ BYTES = st.one_of(
 @FAST
 @given(st.binary(max_size=200), SEMICOLON)
 def test_the_lexer_never_raises(text, semicolon):
-    words = lex(text, semicolon)
+    words = lex(text, Grammar(semicolon))
     assert words.text == text
     assert (words.start < words.number).all()
     assert (words.number < words.stop).all()

@@ -13,22 +13,44 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Code:
     """A row: `word` as written ("G1"), modal `group` ("" for one that acts in its own block only), the axis words it
-    `takes` away from the motion (True for G10 G28 G92 ...), what it means, and why it can not be followed."""
+    `takes` away from the motion (True for G10 G28 G92 ...), what it means, and why it can not be followed.
+
+    `does`: what it does beyond naming a mode, as a key that the interpreter knows (FRAME_KEYS, CYCLE_KEYS), "" for
+    nothing. `like`: the G code of another control that it is (G70 of Siemens is like "G20", DIAMON like "G7"): then it
+    counts as that one everywhere, and only its spelling differs."""
 
     word: str
     group: str
     meaning: str
     takes: bool = False
     refuses: str = ""
-
-    @property
-    def letter(self) -> str:
-        return self.word[0]
+    does: str = ""
+    like: str = ""
 
     @property
     def number(self) -> int:
-        """Ten times the number: G54.1 is 541, so that codes are whole numbers."""
-        return round(float(self.word[1:]) * 10)
+        """Ten times the number: G54.1 is 541, so that codes are whole numbers. Keywords count from KEYWORD on."""
+        return code_number(self.like or self.word)
+
+
+KEYWORD = 10_000  # codes that are words (TRANS, DIAMON) rather than a letter and a number lie from here on
+KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
+# What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44, G49; G54.1 P; TRANS, ATRANS.
+FRAME_KEYS = (
+    "local", "set", "set zero", "set off", "set back", "data", "length", "length words", "length more", "length minus",
+    "no length", "extended", "trans", "atrans", "no frame",
+)  # fmt: skip
+# Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
+CYCLE_KEYS = ("drill", "tap", "thread")
+
+
+def code_number(word: str) -> int:
+    """The number of a code as it is written: "G54.1" is 541."""
+    if word[1:].replace(".", "").isdigit():
+        return round(float(word[1:]) * 10)
+    if word not in KEYWORDS:
+        KEYWORDS.append(word)
+    return KEYWORD + KEYWORDS.index(word)
 
 
 def _rows(letter: str, group: str, table: dict[str, str], takes: bool = False, refuses: str = "") -> list[Code]:

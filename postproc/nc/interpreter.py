@@ -158,7 +158,7 @@ def columns(
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool,
-        feed=b.feed, ended=b.ended, renamed=b.renamed,
+        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,23 @@ COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
     "end of block": re.compile(rb"\([^()\n]*\)"),
 }
+
+
+class Grammar(NamedTuple):
+    """How a dialect's text is cut into words. `semicolon`: "comment", or "end of block" with several blocks in a line.
+    `parentheses`: whether ( ) are comments. `keywords`: words that are codes by themselves (TRANS, DIAMON). `spellings`:
+    what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`: whether X=1 is X1 and X=IC(1) a distance.
+    `checksums`: whether *85 may end a line."""
+
+    semicolon: str = "comment"
+    parentheses: bool = True
+    keywords: tuple[str, ...] = ()
+    spellings: tuple[tuple[str, str], ...] = ()
+    assigns: bool = False
+    checksums: bool = False
+
+
+PLAIN = Grammar()
 
 
 @dataclass(frozen=True)
@@ -86,12 +104,12 @@ def _classes(semicolon: str) -> bytes:
     return bytes(table)
 
 
-def lex(text: bytes, semicolon: str) -> Words:
-    """Read a batch of whole lines; only its last line may lack the newline. `semicolon` is the dialect's.
+def lex(text: bytes, grammar: Grammar) -> Words:
+    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the dialect's.
 
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
-    code = text
+    code, semicolon = text, grammar.semicolon
     if b"(" in text or (semicolon == "comment" and b";" in text):
         code = COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
     if not code.endswith(b"\n"):

@@ -28,7 +28,8 @@ class Setup:
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
     tool offset and F in force, whether the program has ended, and whether a motion code was
-    named since the last motion."""
+    named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch; offsets: work and
+    tool offsets that the program itself has set, mm, beside those of the Setup."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -37,3 +38,5 @@ class ModalState:
     feed: float = float("nan")
     ended: bool = False
     renamed: bool = False
+    origin: np.ndarray | None = None
+    offsets: dict[str, dict[str, float]] = field(default_factory=dict)

@@ -16,7 +16,7 @@ def test_codes_are_whole(name):
     numbers = [code.number for code in dialect.codes]
     assert len(numbers) == len(set(numbers)), "a G number stands twice"
     for code in dialect.codes:
-        assert code.letter == "G", code
+        assert code.word[0] == "G", code
         assert code.meaning, code
         assert 0 <= code.number < dialects.LARGEST_G
     assert {"motion", "plane", "distance", "units", "work offset"} <= set(dialect.groups)
@@ -37,7 +37,7 @@ def test_what_is_refused_says_the_way_out(name):
 def test_a_dialect_is_found_by_its_name_and_is_data(name):
     dialect = dialects.load(name)
     assert dialect.name == name
-    assert dialect.semicolon in ("comment", "end of block")
+    assert dialect.grammar.semicolon in ("comment", "end of block")
     assert dialect.plane in (170, 180, 190)
     with pytest.raises(AttributeError):
         dialect.plane = 170

@@ -11,6 +11,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.nc.codes import Code
+from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
 LARGEST_G = 1000  # ten times the largest G number + 1
@@ -21,14 +22,18 @@ class Dialect:
     """How one family of controls reads a program.
 
     `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason why not.
-    `semicolon`: "comment", or "end of block" with several blocks in a line. `plane`: G code in force at the start.
+    `plane`: G code in force at the start.
     `increments`: letter of an incremental word to its axis. `dwell`: letters of the dwell time in a G4 block.
     `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end
     radius of an arc may differ by the former, and by more only within the latter, never by more than
     `arc_tolerance_most_mm`; a smaller radius than
     `radius_tolerance_mm` is none, and R may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell who
     writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one block are
-    an error (else the last one holds).
+    an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module of
+    postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`: decimals beyond the least
+    increment that a written-out number may have. `integers`: a coordinate without a decimal point counts "units" or
+    "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
+    expressions (upper case, ASCII) that tell its programs from others.
     """
 
     name: str
@@ -36,7 +41,6 @@ class Dialect:
     codes: tuple[Code, ...]
     m_codes: dict[int, str]
     m_refuses: dict[int, str]
-    semicolon: str
     plane: int
     increments: dict[str, str] = field(default_factory=dict)
     dwell: str = "P"
@@ -48,6 +52,12 @@ class Dialect:
     tool_offsets: bool = False
     integer_notice: str = ""
     one_code_per_group: bool = True
+    grammar: Grammar = PLAIN
+    language: str = ""
+    expand_decimals: int = 0
+    integers: str = "units"
+    carried: tuple[str, ...] = ()
+    signs: tuple[str, ...] = ()
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

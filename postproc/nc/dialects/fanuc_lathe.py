@@ -7,6 +7,7 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 from postproc.nc import codes
 from postproc.nc.codes import Code
 from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
 
 _CYCLES = {
     "32": "thread cutting", "33": "thread cutting", "34": "variable lead thread", "70": "finishing cycle",
@@ -60,7 +61,8 @@ DIALECT = Dialect(
         44: "gear",
     },
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    semicolon="end of block",
+    grammar=Grammar(semicolon="end of block"),
+    language="fanuc",
     plane=180,
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     dwell="PXU",

@@ -1,0 +1,60 @@
+"""Programs whose text runs at several places, written out: loops, subprograms, variables and expressions become plain blocks.
+
+A language is a module here, found by its name (Dialect.language). It reads the whole program, runs its control
+structures, and gives one plain line after the other, in the order in which the control would execute them, with a number
+in the place of every expression and all other text as it stood. It knows nothing of machines, and of positions only what
+the tracker tells it.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from postproc.errors import Place, ProgramError
+from postproc.nc.expand.tracker import Tracker
+
+
+class Line(NamedTuple):
+    """A plain line without its line end, the line it came from (from 1), and the file ("": the main program)."""
+
+    text: bytes
+    source: int
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far an unrolling may go: source lines executed, calls nested in each other."""
+
+    steps: int = 10_000_000
+    depth: int = 50
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program's whole text, and where others are found: `library` takes a subprogram's name or number as the program
+    writes it and gives its text, or None."""
+
+    name: str
+    text: bytes
+    library: Callable[[str], bytes | None] = lambda name: None
+
+    def lines(self) -> list[bytes]:
+        """The lines without their ends."""
+        return [line.rstrip(b"\r") for line in self.text.split(b"\n")]
+
+
+def fault(
+    name: str, source: int, text: bytes, message: str, advice: str, start: int = 0, stop: int = 0
+) -> ProgramError:
+    """An error at a line of a program; start and stop: offsets into `text`."""
+    columns = (start + 1, stop + 1) if stop else (0, 0)
+    return ProgramError(message, advice, Place(name, source, text[:1000].decode("latin-1"), *columns))
+
+
+def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
+    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the limits."""
+    return importlib.import_module(f"{__name__}.{language}").lines(program, tracker, limits)

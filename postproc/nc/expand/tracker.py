@@ -1,0 +1,83 @@
+"""Where the program stands, for those who must know while it is written out: variables that hold positions, and cycles.
+
+Plain lines are only collected until somebody asks; then the one interpreter runs over them as a batch.
+"""
+
+from __future__ import annotations
+
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
+from postproc.nc.state import ModalState
+from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
+
+
+class Tracker:
+    """Follows plain lines. Everything asked for is as it stands behind the last line taken."""
+
+    def __init__(self, interpreter: Interpreter):
+        self.interpreter = interpreter
+        self.setup, self.dialect = interpreter.setup, interpreter.dialect
+        self._state = interpreter.initial()
+        self._waiting: list[bytes] = []
+
+    def take(self, line: bytes) -> None:
+        """A plain line (without its end) that the control executes now."""
+        self._waiting.append(line)
+
+    @property
+    def state(self) -> ModalState:
+        """The modal state behind the last line taken."""
+        if self._waiting:
+            text = b"\n".join(self._waiting) + b"\n"
+            self._waiting = []
+            self._state = self.interpreter.run(lex(text, self.dialect.grammar), self._state)[1]
+        return self._state
+
+    def code(self, group: str) -> int:
+        """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...), -1: none yet."""
+        return int(self.state.codes.get(group, -1))
+
+    @property
+    def inch(self) -> bool:
+        return self.code("units") == 200
+
+    def is_diameter(self, axis: str) -> bool:
+        """Whether words of this axis are diameters now."""
+        mode = self.code("diameter")
+        if axis == "X" and mode in (70, 80):
+            return mode == 70
+        return axis in self.setup.diameter
+
+    def work(self, axis: str) -> float | None:
+        """The programmed coordinate (program's unit, diameter where such) at which the axis stands, None: not known."""
+        state, row = self.state, self.setup.axes.index(axis)
+        if not state.known[row] or state.origin is None:
+            return None
+        unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
+            2 if self.is_diameter(axis) else 1
+        )
+        return float((state.position[row] - state.origin[row]) / unit)
+
+    def machine(self, axis: str) -> float | None:
+        """mm (degrees), slide position, radius; None: not known."""
+        state, row = self.state, self.setup.axes.index(axis)
+        return float(state.position[row] / TICKS_PER_MM) if state.known[row] else None
+
+    def offset(self, name: str, axis: str) -> float | None:
+        """mm: a work or tool offset ("G54", "T0101", "H1") as stated or as set by the program, None: not stated."""
+        place = self.state.offsets.get(name) or self.setup.offsets.get(name)
+        return None if place is None else place.get(axis, 0.0)
+
+    def decimals(self, letter: str) -> int:
+        """How many decimals a number behind this letter is written with: a least increment for an axis, more elsewhere."""
+        if letter in "XYZABCUVWIJKRE":
+            least = min(self.setup.least_increment.values(), default=1e-4)
+            return len(f"{least:.9f}".rstrip("0").split(".")[1]) + self.dialect.expand_decimals + self.inch
+        return 6
+
+
+def number(value: float, decimals: int) -> str:
+    """A number as controls read it: no exponent, always a point, no zeros behind that say nothing, never minus zero."""
+    text = f"{value:.{decimals}f}"
+    text = text.rstrip("0") if "." in text else text + "."
+    return text[1:] if text in ("-0.", "-0") else text
