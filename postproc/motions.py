@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-RAPID, FEED, CLOCKWISE, COUNTER, FOREIGN = 0, 1, 2, 3, 9
+RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
 LINES = (RAPID, FEED)
 
 
@@ -43,16 +43,45 @@ class Arcs:
 
 
 @dataclass(frozen=True)
+class Holes:
+    """The n holes of canned cycles among the motions: a HOLE goes to its place, down to the bottom and back up.
+
+    motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks, machine coordinates, of
+    the bottom and of R. zero (n,): ticks, where the bottom's word counts from. word (n,): index of that word, -1 where
+    it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R.
+    """
+
+    motion: np.ndarray
+    axis: np.ndarray
+    bottom: np.ndarray
+    level: np.ndarray
+    zero: np.ndarray
+    word: np.ndarray
+    initial: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.motion)
+
+
+def no_holes() -> Holes:
+    """None."""
+    i = np.zeros(0, np.int64)
+    return Holes(i, i, i, i, i, i, i.astype(bool))
+
+
+@dataclass(frozen=True)
 class Motions:
     """Columns of motions.
 
-    block (N,); code (N,): RAPID, FEED, CLOCKWISE, COUNTER, or FOREIGN for what can not be followed.
+    block (N,); code (N,): RAPID, FEED, CLOCKWISE, COUNTER; HOLE; THREAD for a feed that is tied to the spindle; FOREIGN
+    for what can not be followed.
     start, target (A, N): ticks; start_known, target_known (A, N). word (A, N): index of the
     axis' word, or -1; incremental (A, N): whether the axis' word is (or would be) a distance.
     grid (A, N): ticks of one least increment of that word; scale (A, N): ticks of one whole unit of it; origin (A, N):
     ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
-    since the motion before. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
+    since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
+    (its start-up or end: not to be cut either). length (A, N): ticks of the tool's length in force. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
 
     block: np.ndarray
@@ -76,6 +105,51 @@ class Motions:
     renamed: np.ndarray
     arcs: Arcs
     reasons: list[tuple[str, str]] = field(default_factory=lambda: [("", "")])
+    holes: Holes = field(default_factory=no_holes)
+    cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
+    length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
     def __len__(self) -> int:
         return len(self.block)
+
+
+FREE, OFFSET, ENTRY = 0, 1, 2  # values of Motions.cutter
+
+
+def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
+    """One table of several, whose blocks and words begin at these numbers."""
+    if len(parts) == 1 and not blocks[0] and not words[0]:
+        return parts[0]
+    begin = np.concatenate([[0], np.cumsum([len(p) for p in parts])])
+    reasons: list[tuple[str, str]] = [("", "")]
+    columns: dict[str, list[np.ndarray]] = {}
+    arcs: dict[str, list[np.ndarray]] = {}
+    holes: dict[str, list[np.ndarray]] = {}
+    for k, part in enumerate(parts):
+        for name in _COLUMNS:
+            column = getattr(part, name)
+            if name == "block":
+                column = column + blocks[k]
+            elif name in ("word", "feed_word", "code_word"):
+                column = np.where(column >= 0, column + words[k], column)
+            elif name == "reason":
+                column = np.where(column > 0, column + len(reasons) - 1, 0)
+            columns.setdefault(name, []).append(column)
+        reasons += part.reasons[1:]
+        for table, into, index in ((part.arcs, arcs, "words"), (part.holes, holes, "word")):
+            for name in table.__dataclass_fields__:
+                column = getattr(table, name)
+                if name == "motion":
+                    column = column + begin[k]
+                elif name == index:
+                    column = np.where(column >= 0, column + words[k], column)
+                into.setdefault(name, []).append(column)
+    joined = {name: np.concatenate(c, axis=-1) for name, c in columns.items()}
+    return Motions(
+        **joined, reasons=reasons,
+        arcs=Arcs(**{name: np.concatenate(c, axis=-1) for name, c in arcs.items()}),
+        holes=Holes(**{name: np.concatenate(c, axis=-1) for name, c in holes.items()}),
+    )  # fmt: skip
+
+
+_COLUMNS = tuple(name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "reasons"))

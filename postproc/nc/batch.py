@@ -11,13 +11,28 @@ from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
 from postproc.nc.lexer import POWERS, Words
-from postproc.nc.state import NONE, ModalState
+from postproc.nc.state import NONE, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
 if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
+
+
+KEYWORD_LETTER = 0x80  # the letter under which the lexer hands on a code that is a word (TRANS)
+
+
+def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
+    """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code can be."""
+    mantissa, decimals = w.mantissa[place], w.decimals[place]
+    number = mantissa * 10
+    if decimals.any():
+        power = 10 ** np.minimum(decimals, 17)
+        number = np.where(decimals > 0, number // power, number)
+        number = np.where((decimals < 18) & (number * power == mantissa * 10), number, -1)
+    number = np.where((number >= 0) & (number < codes.KEYWORD), number, -1)
+    return np.where(w.letter[place] == KEYWORD_LETTER, codes.KEYWORD + mantissa, number)
 
 
 class Batch:
@@ -29,7 +44,7 @@ class Batch:
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
-        present = np.flatnonzero(np.bincount(words.letter, minlength=128))
+        present = np.flatnonzero(np.bincount(words.letter, minlength=256))
         self.places = {chr(c): np.flatnonzero(words.letter == c) for c in present}  # letter to its words
         self.ended = state.ended
         self.live = self._live()
@@ -44,6 +59,8 @@ class Batch:
         self.machine = np.zeros(self.n, bool)  # (B,) G53
         self.offset = np.zeros((len(self.rows), 1), np.int64)  # (A, B) or (A, 1) ticks, zero of absolute words
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
+        self.tool_after = state.tool
+        self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
     def fault(self, word: int, message: str, advice: str = "") -> BlockFault:
         w = self.words
@@ -108,12 +125,13 @@ class Batch:
     def read_codes(self) -> None:
         """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE where not named."""
         place = self.places.get("G", np.zeros(0, np.int64))
+        keyword = self.places.get(chr(KEYWORD_LETTER))
+        if keyword is not None:
+            place = np.sort(np.concatenate([place, keyword]))
         w = self.words
-        number = w.mantissa[place] * 10
-        fraction = w.decimals[place] > 0
-        number = np.where(fraction, w.mantissa[place] * 10 // 10 ** np.minimum(w.decimals[place], 17), number)
-        valid = (number >= 0) & (number < len(self.dialect.group_of)) & (w.decimals[place] < 18)
-        valid &= number * 10 ** np.minimum(w.decimals[place], 17) == w.mantissa[place] * 10
+        number = written_codes(w, place)
+        valid = number >= 0
+        number = np.where(valid, self.dialect.meant[np.where(valid, number, 0)], number)
         group = np.where(valid, self.dialect.group_of[np.where(valid, number, 0)], UNKNOWN)
         bad = np.flatnonzero(group == UNKNOWN)
         if len(bad):

@@ -10,20 +10,22 @@ shifts of the coordinates, subprograms.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 
-from postproc.errors import Notice
-from postproc.motions import FOREIGN, Motions
+from postproc.errors import BlockFault, Notice
+from postproc.motions import FOREIGN, Motions, join
+from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import Batch
+from postproc.nc.batch import KEYWORD_LETTER, Batch, written_codes
 from postproc.nc.columns import hold_last_float
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Words
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import check_letters, check_points, m_codes, refuse_motions, refused_groups, stray_words
-from postproc.nc.state import NONE, ModalState, Setup
+from postproc.nc.state import NONE, ModalState, Setup, no_frame
 from postproc.units import TICKS_PER_MM
 
 PARAMETERS = "NOGMFSTDHLPQ"
@@ -50,11 +52,43 @@ class Interpreter:
         modal["arc centre"] = 901 if setup.arc_centre == "absolute" else 911
         modal["work offset"] = 540 if "G54" in setup.offsets else NONE
         start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
-        return ModalState(modal, np.array(start, np.int64), np.array([x in setup.start for x in setup.axes]))
+        return ModalState(
+            modal,
+            np.array(start, np.int64),
+            np.array([x in setup.start for x in setup.axes]),
+            frame=no_frame(len(start)),
+        )
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""
-        return follow(Batch(self, words, state))
+        cuts = self._segments(words, state)
+        if len(cuts) == 2:
+            return follow(Batch(self, words, state))
+        parts, blocks, starts = [], [], []
+        notices: list[Notice] = []
+        for first, stop in itertools.pairwise(cuts):
+            part = words.part(first, stop)
+            try:
+                motions, state, more = follow(Batch(self, part, state))
+            except BlockFault as fault:
+                fault.block += first
+                raise
+            parts.append(motions)
+            blocks.append(first)
+            starts.append(int(np.searchsorted(words.block, first)))
+            notices += more
+        return join(parts, blocks, starts), state, notices
+
+    def _segments(self, words: Words, state: ModalState) -> list[int]:
+        """Blocks at which segments begin, and the number of blocks: a block that shifts the coordinates begins one."""
+        place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
+        if not len(place) or state.ended:
+            return [0, words.blocks]
+        number = written_codes(words, place)
+        begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]]
+        if not len(begins):
+            return [0, words.blocks]
+        return sorted({0, words.blocks, *begins.tolist()})
 
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
@@ -66,7 +100,9 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         for place in pair:
             b.has_axis[b.words.block[place]] = True
     single_codes(b)
+    frames.event(b, axis_words)
     refused_groups(b)
+    frames.offset_columns(b)
     m_codes(b)
     check_points(b)
     centre_words = {c: b.once(c) for c in "IJKR" if c in b.places}
@@ -89,9 +125,9 @@ def single_codes(b: Batch) -> None:
         code = b.dialect.by_number[number]
         if code.takes:
             b.taken[block] = True
-            if not code.refuses:
+            if not code.refuses and not code.does:
                 b.loses[block] = True
-        if code.refuses:
+        if code.refuses and not code.does:
             b.foreign[block] = True
             b.reason[block] = b.because(f"{code.word} ({code.meaning})", code.refuses)
         if number == 530:
@@ -157,9 +193,25 @@ def columns(
 
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
-        b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool,
-        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
+        b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
+        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], frame=b.frame, offsets=b.offsets,
+        tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
+
+
+def tool_in_use(b: Batch) -> int:
+    """The tool in the spindle behind the batch: the last T when M6 came, -1 before any."""
+    place, change = b.places.get("T"), b.places.get("M")
+    b.next_tool = b.state.next_tool if place is None else int(b.words.mantissa[place[-1]])
+    if change is None:
+        return b.state.tool_number
+    changes = change[(b.words.mantissa[change] == 6) & (b.words.decimals[change] == 0)]
+    if not len(changes):
+        return b.state.tool_number
+    if place is None:
+        return b.state.next_tool
+    called = place[b.words.block[place] <= b.words.block[changes[-1]]]
+    return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
 def _axis_letters(b: Batch):

@@ -79,6 +79,16 @@ class Words:
     def blocks(self) -> int:
         return len(self.block_start)
 
+    def part(self, first: int, stop: int) -> Words:
+        """Blocks first to stop - 1 alone; offsets still count bytes of the whole text."""
+        low, high = (int(np.searchsorted(self.block, b)) for b in (first, stop))
+        words = {
+            name: getattr(self, name)[low:high]
+            for name in ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
+        }
+        blocks = {name: getattr(self, name)[first:stop] for name in ("block_start", "block_stop", "line", "skip")}
+        return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=None)
+
     def before(self, block: int, fault: BlockFault | None = None) -> Words:
         """The same batch as if it ended before `block`."""
         n = int(np.searchsorted(self.block, block))

@@ -1,4 +1,4 @@
-"""What is refused, and what is handed on with a reason because it can not be followed; offsets that are not stated.
+"""What is refused, and what is handed on with a reason because it can not be followed.
 
 A reason is kept beside the motion: it matters only where a correction depends on the place.
 """
@@ -9,9 +9,8 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch
-from postproc.nc.columns import changes, hold_last
+from postproc.nc.columns import hold_last
 from postproc.nc.state import NONE
-from postproc.units import TICKS_PER_MM
 
 
 def check_letters(b: Batch) -> None:
@@ -63,7 +62,7 @@ def refused_groups(b: Batch) -> None:
                 code = b.dialect.by_number[int(number)]
                 if code.takes:
                     b.taken |= column == number
-                    harmless = (column == number) & ~b.has_axis & (number != 100)
+                    harmless = (column == number) & ~b.has_axis & (number != 100) & (not code.does)
                     column[harmless] = NONE  # G92 S: a speed limit, no position
             held = hold_last(column, before)
             refused = b.dialect.is_refused[np.maximum(held, 0)] & (held >= 0)
@@ -71,53 +70,11 @@ def refused_groups(b: Batch) -> None:
                 b.reason[held == number] = _in_force(b, int(number))
         elif before >= 0 and b.dialect.is_refused[before]:
             b.reason[:] = _in_force(b, before)
-    offset_columns(b)
 
 
 def _in_force(b: Batch, number: int) -> int:
     code = b.dialect.by_number[number]
     return b.because(f"{code.word} ({code.meaning}) is in force", code.refuses)
-
-
-def offset_columns(b: Batch) -> None:
-    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown ones become reasons."""
-    work = b.held("work offset")
-    for number in sorted(set(np.asarray(work).ravel()[changes(work)].tolist())):
-        name = "" if number == NONE else b.dialect.by_number[int(number)].word
-        _add_offset(b, name, work == number)
-    tool_place = b.places.get("T") if b.dialect.tool_offsets else None
-    if tool_place is None:
-        _add_offset(b, b.tool, True)
-        return
-    edges = [0, *b.words.block[tool_place].tolist(), b.n]
-    names = [b.state.tool] + [_tool_name(b, int(p)) for p in tool_place]
-    for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
-        within = np.zeros(b.n, dtype=bool)
-        within[first:stop] = True
-        _add_offset(b, name, within)
-    b.tool = names[-1]
-
-
-def _tool_name(b: Batch, place: int) -> str:
-    number = int(b.words.mantissa[place])
-    return f"T{number:04d}" if number >= 100 and number % 100 else ""
-
-
-def _add_offset(b: Batch, name: str, where) -> None:
-    if not name or not np.any(where):
-        return
-    if name not in b.setup.offsets:
-        kind = "work" if name.startswith("G") else "tool"
-        stated = ", ".join(sorted(b.setup.offsets)) or "none"
-        number = b.because(
-            f"the {kind} offset {name} is not stated",
-            f"say where its zero lies in machine coordinates, mm and radius: --offset {name}="
-            f"{','.join(x + '0' for x in b.rows)} (stated: {stated})",
-        )
-        b.reason = np.where(where, number, b.reason)
-        return
-    shift = [round(b.setup.offsets[name].get(x, 0.0) * TICKS_PER_MM) for x in b.rows]
-    b.offset = b.offset + np.array(shift, np.int64)[:, None] * np.atleast_1d(np.asarray(where, np.int64))
 
 
 def m_codes(b: Batch) -> None:

@@ -25,11 +25,53 @@ class Setup:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each, radius.
+
+    local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens. extended: the
+    name of the work offset that G54.1 P has chosen. unknown: message and advice, by part, for a shift that is in force
+    and not known."""
+
+    local: np.ndarray
+    preset: np.ndarray
+    length: np.ndarray
+    trans: np.ndarray
+    preset_on: bool = True
+    extended: str = ""
+    unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def shift(self) -> np.ndarray:
+        """(A,) ticks: their sum."""
+        total: np.ndarray = self.local + self.length + self.trans
+        return total + self.preset if self.preset_on else total
+
+
+def no_frame(axes: int) -> Frame:
+    """No shift at all."""
+    zero = np.zeros(axes, np.int64)
+    return Frame(zero, zero, zero, zero)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What a canned cycle keeps from block to block: where R and the bottom lie (ticks, machine coordinates, None: never
+    said), the initial level, whether that is known, and whether a hole has ended at R since it was left."""
+
+    level: int | None = None
+    bottom: int | None = None
+    initial: int = 0
+    known: bool = False
+    at_level: bool = False
+
+
+@dataclass(frozen=True)
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
     tool offset and F in force, whether the program has ended, and whether a motion code was
     named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch; offsets: work and
-    tool offsets that the program itself has set, mm, beside those of the Setup."""
+    tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; cycle: the
+    canned cycle in force; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -39,4 +81,8 @@ class ModalState:
     ended: bool = False
     renamed: bool = False
     origin: np.ndarray | None = None
+    frame: Frame | None = None
+    cycle: Cycle | None = None
+    tool_number: int = -1
+    next_tool: int = -1
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)

@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 
 from postproc.errors import UsageError
-from postproc.nc.codes import Code
+from postproc.nc.codes import CYCLE_KEYS, FRAME_KEYS, KEYWORD, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
-LARGEST_G = 1000  # ten times the largest G number + 1
+LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,8 @@ class Dialect:
     postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`: decimals beyond the least
     increment that a written-out number may have. `integers`: a coordinate without a decimal point counts "units" or
     "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
-    expressions (upper case, ASCII) that tell its programs from others.
+    expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
+    `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one.
     """
 
     name: str
@@ -58,11 +59,13 @@ class Dialect:
     integers: str = "units"
     carried: tuple[str, ...] = ()
     signs: tuple[str, ...] = ()
+    local_is_preset: bool = False
+    extended_by_p: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:
-        """G codes by ten times their number."""
-        return {code.number: code for code in self.codes}
+        """G codes by ten times their number; of several spellings the one that is like no other."""
+        return {code.number: code for code in sorted(self.codes, key=lambda code: not code.like)}
 
     @cached_property
     def groups(self) -> tuple[str, ...]:
@@ -82,7 +85,31 @@ class Dialect:
         """(LARGEST_G,) True where the code is known but can not be followed."""
         table = np.zeros(LARGEST_G, dtype=bool)
         for code in self.codes:
-            table[code.number] = bool(code.refuses)
+            table[code.number] = bool(code.refuses) and not code.does
+        return table
+
+    @cached_property
+    def meant(self) -> np.ndarray:
+        """(LARGEST_G,) the number that each written code counts as: another one where it is but another spelling."""
+        table = np.arange(LARGEST_G)
+        for code in self.codes:
+            table[code_number(code.word)] = code.number
+        return table
+
+    @cached_property
+    def frame_codes(self) -> dict[int, str]:
+        """Numbers of the codes that shift the coordinates, and what each does."""
+        return {code.number: code.does for code in self.codes if code.does in FRAME_KEYS}
+
+    @cached_property
+    def begins_segment(self) -> np.ndarray:
+        """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or end."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        cycles = any(code.does in ("drill", "tap") for code in self.codes)
+        for code in self.codes:
+            table[code_number(code.word)] = code.does in FRAME_KEYS or (
+                cycles and (code.does in CYCLE_KEYS or code.number == 800)
+            )
         return table
 
 
