@@ -63,10 +63,34 @@ class Holes:
         return len(self.motion)
 
 
+@dataclass(frozen=True)
+class Presets:
+    """The n words by which a block gives the place where the machine stands a new coordinate (G92 X).
+
+    motion (n,): how many motions come before it; axis (n,): row; word (n,): index of the word; scale (n,): ticks of one
+    whole unit of it; places (n,): decimals of a least increment.
+    """
+
+    motion: np.ndarray
+    axis: np.ndarray
+    word: np.ndarray
+    scale: np.ndarray
+    places: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.motion)
+
+
 def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
     return Holes(i, i, i, i, i, i, i.astype(bool))
+
+
+def no_presets() -> Presets:
+    """None."""
+    i = np.zeros(0, np.int64)
+    return Presets(i, i, i, i, i)
 
 
 @dataclass(frozen=True)
@@ -106,6 +130,7 @@ class Motions:
     arcs: Arcs
     reasons: list[tuple[str, str]] = field(default_factory=lambda: [("", "")])
     holes: Holes = field(default_factory=no_holes)
+    presets: Presets = field(default_factory=no_presets)
     cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
@@ -125,6 +150,7 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
     columns: dict[str, list[np.ndarray]] = {}
     arcs: dict[str, list[np.ndarray]] = {}
     holes: dict[str, list[np.ndarray]] = {}
+    presets: dict[str, list[np.ndarray]] = {}
     for k, part in enumerate(parts):
         for name in _COLUMNS:
             column = getattr(part, name)
@@ -136,7 +162,8 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
                 column = np.where(column > 0, column + len(reasons) - 1, 0)
             columns.setdefault(name, []).append(column)
         reasons += part.reasons[1:]
-        for table, into, index in ((part.arcs, arcs, "words"), (part.holes, holes, "word")):
+        tables = ((part.arcs, arcs, "words"), (part.holes, holes, "word"), (part.presets, presets, "word"))
+        for table, into, index in tables:
             for name in table.__dataclass_fields__:
                 column = getattr(table, name)
                 if name == "motion":
@@ -148,8 +175,9 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
     return Motions(
         **joined, reasons=reasons,
         arcs=Arcs(**{name: np.concatenate(c, axis=-1) for name, c in arcs.items()}),
-        holes=Holes(**{name: np.concatenate(c, axis=-1) for name, c in holes.items()}),
+        holes=Holes(**{name: np.concatenate(c) for name, c in holes.items()}),
+        presets=Presets(**{name: np.concatenate(c) for name, c in presets.items()}),
     )  # fmt: skip
 
 
-_COLUMNS = tuple(name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "reasons"))
+_COLUMNS = tuple(name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "presets", "reasons"))

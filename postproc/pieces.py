@@ -17,7 +17,8 @@ class Pieces:
     share (P,): part of the motion's length, 0 for a take-up; arc (P,): row of the motions' arcs, or -1;
     centre (2, P): ticks from the piece's start to its centre, along the plane axes; nominal (A, P): ticks, where its end
     lies on the nominal path. take_up (P,): turns the slides round, does not advance on the path. corrected (P,): whether its
-    motion was corrected at all; one that was not is left as written.
+    motion was corrected at all; one that was not is left as written. bottom (P,): ticks commanded at the bottom of a HOLE, 0
+    elsewhere.
     """
 
     motion: np.ndarray
@@ -30,6 +31,7 @@ class Pieces:
     nominal: np.ndarray
     take_up: np.ndarray
     corrected: np.ndarray
+    bottom: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)

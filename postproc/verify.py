@@ -15,7 +15,7 @@ from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
-from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
+from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
@@ -105,12 +105,37 @@ class Verifier:
                 self.corrected,
                 ~pieces.take_up & pieces.corrected,
             )
+            self._measure_holes(motions, motions, line, self.uncorrected)
+            self._measure_holes(motions, back, line, self.corrected)
             self.turn = self.after
+
+    def _measure_holes(self, nominal: Motions, run: Motions, line, into: Largest) -> None:
+        """The axis of each hole from R to its bottom, sideways, and the bottom along it too."""
+        holes, drilled = nominal.holes, run.holes
+        counts = (
+            self._all(nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion] if len(holes) else holes.initial
+        )
+        for k in np.flatnonzero(counts):
+            row, motion = int(holes.axis[k]), int(holes.motion[k])
+            t = np.concatenate([PLACES[:32], [1.0]])
+            command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
+            top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
+            command[row] = top + (bottom - top) * t
+            weight = np.repeat(self.weights[:, [motion]], len(t), axis=1)
+            weight[row] = np.sign(bottom - top) if self.limit else 0.0
+            off = command + self.machine.deviation(command, weight)
+            off -= nominal.target[:, [motion]] / TICKS_PER_MM
+            off[row, :-1] = 0.0
+            off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
+            distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
+            if distance.max() > into.deviation:
+                into.deviation, into.line = float(distance.max()), int(line[motion])
 
     def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, line, into: Largest, counts) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
+        known &= run.code != HOLE
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
         if counts is not None:
             known &= counts
@@ -162,6 +187,9 @@ class Verifier:
     def _follow(self, nominal: Motions) -> np.ndarray:
         """(A, N) weight of approach of nominal motions, from the sign of each axis' last move; arcs: at their end."""
         travel = np.where(nominal.start_known & nominal.target_known, nominal.target - nominal.start, 0)
+        holes = nominal.holes
+        if len(holes):
+            travel[holes.axis, holes.motion] = holes.level - holes.bottom
         forget = ~nominal.start_known & nominal.target_known & (nominal.word >= 0)
         arcs = nominal.arcs
         if len(arcs):
@@ -170,7 +198,8 @@ class Verifier:
                 travel[axes, arcs.motion] = self._sense(nominal, axes, np.arange(n), np.ones(n))
         _, after = approach.follow(travel, forget, self.turn, self.limit)
         self.after = after[:, -1].copy()
-        return after.astype(float)
+        self.weights: np.ndarray = after.astype(float)
+        return self.weights
 
     def _sense(self, nominal: Motions, axis, arc, t) -> np.ndarray:
         """(K,) sign of the way that an axis goes in the part of an arc, between two turning points, that t lies in."""

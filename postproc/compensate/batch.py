@@ -13,7 +13,7 @@ from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
-from postproc.motions import FOREIGN, RAPID, Motions
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, HOLE, Motions
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ class Batch:
         self.known: np.ndarray = np.all(motions.target_known[self.rows], axis=0)
         self.start_known: np.ndarray = np.all(motions.start_known[self.rows], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
+        self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
     def strokes(self) -> None:
         """Motions, and arcs cut where a two-way axis turns back: motion, t0, t1 (S,), travel (A, S)."""
@@ -82,7 +83,12 @@ class Batch:
             travel = np.where(sure, travel, 0)
             forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
-        before, after = approach.follow(travel, forget, self.carry.turn, self.c.limit)
+        turns = travel
+        if len(m.holes):  # the axis that drills has come back up last
+            turns = travel.copy()
+            self.hole = np.searchsorted(motion, m.holes.motion)
+            turns[m.holes.axis, self.hole] = m.holes.level - m.holes.bottom
+        before, after = approach.follow(turns, forget, self.carry.turn, self.c.limit)
         self.turn_after = after
         if self.c.mode in ("step", "off"):
             before = np.where(travel != 0, after, before)
@@ -154,13 +160,14 @@ class Batch:
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
-        self.sure = np.concatenate([[self.carry.sure], free[:-1]]) if n else free
+        self.sure_after = free & (m.code[motion] != HOLE)
+        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) if n else free
         self.known_before = self.start_known[motion] | (self.t0 > 0)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
         m, motion = self.m, self.motion
-        cutting = (m.code[motion] != RAPID) & (m.code[motion] != FOREIGN)
+        cutting = np.isin(m.code[motion], (FEED, CLOCKWISE, COUNTER)) & (m.cutter[motion] == FREE)
         weight_before = np.concatenate(
             [(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1
         )
@@ -183,6 +190,9 @@ class Batch:
         held = (self.travel == 0).any(axis=1)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
         left = np.zeros(held.shape + free.shape, bool) if free.all() else ~free & (self.m.word[:, self.motion] < 0)
+        holes = self.m.holes
+        if len(holes):  # the cycle brings the axis back to where it was
+            left[holes.axis[holes.initial], self.hole[holes.initial]] = True
         if all_known and not turning and not held[self.rows].any() and not left.any():
             self.begin = self.before
             return

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.compensate import approach, cut, limits
+from postproc.compensate import approach, cut, holes, limits
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import Notice
 from postproc.machine.model import Machine
@@ -91,9 +91,11 @@ class Compensator:
         b = Batch(self, motions, carry)
         limits.refuse(b)
         limits.check_unknown(b)
+        limits.bound_cutter(b)
         b.strokes()
         limits.check_inside(b)
         b.ends()
+        holes.settle(b)
         b.starts()
         b.settle_ends()
         b.spread_reversals()
@@ -101,9 +103,15 @@ class Compensator:
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
         after = Carry(
-            b.turn_after[:, -1].copy(), b.end[:, -1].copy(), bool(b.free[b.motion[-1]]), max(carry.largest, largest)
+            b.turn_after[:, -1].copy(), b.end[:, -1].copy(), bool(b.sure_after[-1]), max(carry.largest, largest)
         )
         return pieces, after, b.notices
+
+
+def _bottoms(motions: Motions) -> np.ndarray:
+    bottom = np.zeros(len(motions), np.int64)
+    bottom[motions.holes.motion] = motions.holes.bottom
+    return bottom
 
 
 def _untouched(motions: Motions) -> Pieces:
@@ -113,5 +121,5 @@ def _untouched(motions: Motions) -> Pieces:
     return Pieces(
         motion=np.arange(n), code=motions.code, start=motions.start, end=motions.target, share=np.ones(n), arc=arc,
         centre=written_centre(motions)[:, np.maximum(arc, 0)] if len(motions.arcs) else np.zeros((2, n), np.int64),
-        nominal=motions.target, take_up=np.zeros(n, bool), corrected=np.zeros(n, bool),
+        nominal=motions.target, take_up=np.zeros(n, bool), corrected=np.zeros(n, bool), bottom=_bottoms(motions),
     )  # fmt: skip

@@ -8,7 +8,7 @@ from postproc.compensate import nodes
 from postproc.compensate.arcs import Fitter, Rows, points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault
-from postproc.motions import FEED, FOREIGN, RAPID
+from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
@@ -31,7 +31,7 @@ def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=Fals
     pieces = Pieces(
         motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
         arc=np.full(n, -1) if arc is None else arc, centre=np.zeros((2, n), np.int64) if centre is None else centre,
-        nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]],
+        nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]], bottom=b.bottom[b.motion[stroke]],
     )  # fmt: skip
     return np.stack([stroke, order], axis=1), pieces
 
@@ -40,11 +40,11 @@ def straight_pieces(b: Batch):
     """Straight strokes: whole, or cut where the map asks for it."""
     m, motion = b.m, b.motion
     code = m.code[motion]
-    straight = np.flatnonzero((code == RAPID) | (code == FEED) | (code == FOREIGN) | ~b.free[motion])
+    straight = np.flatnonzero(((code != CLOCKWISE) & (code != COUNTER)) | ~b.free[motion])
     if not len(straight):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
-    may &= b.free[motion[straight]] & b.known_before[straight]
+    may &= b.free[motion[straight]] & b.known_before[straight] & (m.cutter[motion[straight]] != ENTRY)
     chosen = straight[may]
     if b.c.mode != "ramp":
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]

@@ -7,8 +7,8 @@ import numpy as np
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
-from postproc.motions import FEED, RAPID
-from postproc.units import TICKS_PER_MM
+from postproc.motions import FEED, FREE, RAPID
+from postproc.units import TICKS_PER_MM, UM
 
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
@@ -106,3 +106,19 @@ def check_limits(b: Batch) -> float:
         f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
         "the slide can not go there: move the part or the work offset",
     )
+
+
+def bound_cutter(b: Batch) -> None:
+    """Inside cutter radius compensation the control shifts the path by the tool's radius, and the map is read at the
+    contour: say by how much that can be wrong, and what reversal stays."""
+    inside = np.flatnonzero((b.m.cutter != FREE) & b.free)
+    if not len(inside):
+        return
+    reversal = ""
+    if b.machine.two_way.any():
+        half = [np.abs(t.half[:3]).max() for t in b.machine.tables.values()]
+        reversal = f"; where an axis turns back its reversal of up to {2 * max(half, default=0.0) / UM:.1f} um is spread over the block"
+    b.notices.append(
+        Notice("cutter", f"inside G41 G42 the map is read at the programmed contour, not at the tool's centre: wrong by {b.machine.steepest / UM:.2f} um "
+               f"per mm of tool radius at most{reversal}", int(inside[0]))
+    )  # fmt: skip

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
+from postproc.motions import no_presets
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
@@ -15,6 +16,7 @@ from postproc.nc.state import NONE, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
 if TYPE_CHECKING:
+    from postproc.nc.holes import InCycle
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
@@ -59,7 +61,9 @@ class Batch:
         self.machine = np.zeros(self.n, bool)  # (B,) G53
         self.offset = np.zeros((len(self.rows), 1), np.int64)  # (A, B) or (A, 1) ticks, zero of absolute words
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
-        self.tool_after = state.tool
+        self.tool_after, self.next_tool = state.tool, state.next_tool
+        self.cycle: InCycle | None = None
+        self.presets = no_presets()
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
     def fault(self, word: int, message: str, advice: str = "") -> BlockFault:

@@ -7,13 +7,14 @@ after the motion (M0 M1 M2 M5 M9 M30) move to the last piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, RAPID, Motions
+from postproc.motions import FOREIGN, RAPID, Motions
 from postproc.nc import codes
 from postproc.nc.centres import centre_words
+from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
 from postproc.nc.lexer import Words
@@ -36,6 +37,8 @@ class Written:
     code: int = -1
     marked: bool = False
     newline: bytes = b"\n"
+    shift: tuple[int, ...] = ()
+    bottom: int = 0
 
 
 class Emitter:
@@ -49,9 +52,13 @@ class Emitter:
         if not state.newline or state.newline == b"\n":
             first = words.text.find(b"\n")
             if first > 0 and words.text[first - 1 : first] == b"\r":
-                state = Written(state.code, state.marked, b"\r\n")
+                state = replace(state, newline=b"\r\n")
         if not len(motions):
-            return words.text, state, 0, 0
+            if not len(motions.presets) or not any(state.shift):
+                return words.text, state, 0, 0
+            splice = Splice(words.text)
+            preset_words(splice, words, motions, np.array([state.shift]).T)
+            return splice.result(), state, 0, 0
         return Batch(self, words, motions, pieces, state).run()
 
 
@@ -64,6 +71,7 @@ class Batch:
         self.final = np.concatenate([self.first[1:], [True]])
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
+        self.bottom = state.bottom
         self.several = ~(self.first & self.final)
         self.layout()
 
@@ -71,18 +79,26 @@ class Batch:
         self.motion_codes()
         self.axis_words()
         centre_words(self)
+        hole_words(self)
+        preset_words(self.splice, self.w, self.m, self._shift())
         added = np.flatnonzero(~self.first)
         if self.several.any():
             self.inverse_time()
             self.late_codes()
             self.frames_of_blocks(added)
-        state = Written(self._last_code(), self.state.marked, self.state.newline)
+        shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
+        state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)
         touched = np.flatnonzero(self.touched)
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
             self.splice.texts([at], [at], [-1], [self.e.marker.encode() + self.state.newline])
-            state = Written(state.code, True, state.newline)
+            state = replace(state, marked=True)
         return self.splice.result(), state, len(touched), len(added)
+
+    def _shift(self) -> np.ndarray:
+        """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last."""
+        first = self.state.shift or (0,) * len(self.axes)
+        return np.concatenate([np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1)
 
     def layout(self) -> None:
         """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,
@@ -92,14 +108,19 @@ class Batch:
         centre = np.full((3, len(m)), -1)
         centre[:, m.arcs.motion] = m.arcs.words
         self.centre = centre
-        all_words = np.stack([*every, *centre])
+        bottom = np.full(len(m), -1)
+        bottom[m.holes.motion] = m.holes.word
+        all_words = np.stack([*every, *centre, bottom])
         some = all_words.max(axis=0) >= 0
         first = np.where(all_words >= 0, all_words, np.iinfo(np.int64).max).min(axis=0)
         first = np.where(some, first, 0)
         axis_last = np.stack(every).max(axis=0)
         last = np.where(axis_last >= 0, axis_last, all_words.max(axis=0))
-        fallback = w.block_stop[m.block]
         n = len(w.start)
+        fallback = w.block_stop[m.block]
+        if n and not some.all():  # behind the block's last word, before a comment
+            last_word = np.searchsorted(w.block, m.block, side="right") - 1
+            fallback = np.where(w.block[np.maximum(last_word, 0)] == m.block, w.stop[last_word], fallback)
         self.head = np.where(some, w.start[np.minimum(first, n - 1)], fallback) if n else fallback
         self.at = np.where(some, w.stop[np.minimum(np.maximum(last, 0), n - 1)], fallback) if n else fallback
         blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
@@ -133,7 +154,7 @@ class Batch:
 
     def _last_code(self) -> int:
         code = int(self.p.code[-1])
-        return code if code in (RAPID, FEED, CLOCKWISE, COUNTER) else -1
+        return code if code != FOREIGN else -1
 
     # -- axis words ----------------------------------------------------------------------------------------------------
 
@@ -187,6 +208,8 @@ class Batch:
                 self.first & (m.word[row, p.motion] < 0) & moves & (m.code[p.motion] != FOREIGN) & ~m.alone[p.motion]
             )
             missing &= m.target_known[row, p.motion] & p.corrected
+            if len(m.holes):
+                missing[np.isin(p.motion, m.holes.motion[m.holes.axis == row])] = False
             write = np.flatnonzero(missing | (~self.first & (moves | in_plane)))
             motion = p.motion[write]
             decimals = self._enough(row, write, self.decimals(row, motion))

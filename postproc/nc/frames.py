@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.motions import Presets
 from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
 from postproc.nc.state import NONE, Frame
@@ -136,6 +137,20 @@ def _number(b: Batch, letter: str) -> float | None:
     return float(b.numbers(place[:1])[0])
 
 
+def _presets(b: Batch, axis_words, letters) -> None:
+    """Note the words that name the place where the machine stands: it stands beside it by the correction."""
+    rows, words, scales, places = [], [], [], []
+    for letter in letters:
+        place = axis_words[letter][0]
+        half = np.broadcast_to(b.halves(letter), b.n)[0]
+        unit, grid = (np.broadcast_to(x, b.n)[0] // half for x in b.unit_scale(letter))
+        rows.append(b.rows[letter])
+        words.append(int(place[0]))
+        scales.append(int(unit))
+        places.append(round(float(np.log10(unit / grid))))
+    b.presets = Presets(np.zeros(len(rows), np.int64), *(np.array(c, np.int64) for c in (rows, words, scales, places)))
+
+
 def _changed(part: np.ndarray, values: dict[int, int]) -> np.ndarray:
     part = part.copy()
     for row, value in values.items():
@@ -173,6 +188,7 @@ def _set(b: Batch, axis_words, word: str) -> None:
             f"{','.join(x + '0' for x in missing)}",
         )
     b.frame = _known(replace(frame, preset=_changed(frame.preset, preset), preset_on=True), "preset", reason)
+    _presets(b, axis_words, [x for x, (_, is_inc) in values.items() if not is_inc])
 
 
 def _set_zero(b: Batch, axis_words, word: str) -> None:
@@ -214,7 +230,7 @@ def _data(b: Batch, axis_words, word: str) -> None:
         return
     p = int(number)
     if line in (1, 10, 11):
-        _tool_data(b, p, int(line), values)
+        _tool_data(b, axis_words, p, int(line), values)
         return
     by_place = line == 20 and not b.dialect.extended_by_p
     if line == 20 and not by_place:
@@ -246,13 +262,15 @@ def _data(b: Batch, axis_words, word: str) -> None:
         elif incremental or is_inc:
             value = value + round(place.get(letter, 0.0) * TICKS_PER_MM)
         place[letter] = value / TICKS_PER_MM
+    if by_place:
+        _presets(b, axis_words, values)
     if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):
         reason = ask_for(b, name, "work")
     b.offsets = {**b.offsets, name: place}
     b.frame = _known(b.frame, f"data {name}", reason)
 
 
-def _tool_data(b: Batch, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
+def _tool_data(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
     """G10 L1 L10 L11 P: the offsets of a tool; what G43 has in force stays until the next G43."""
     if b.dialect.tool_offsets:
         b.frame = _known(b.frame, "data", ("G10 sets a tool offset", "state the tool offsets with --offset T0101=X..,Z.., "
@@ -264,6 +282,8 @@ def _tool_data(b: Batch, p: int, line: int, values: dict[str, tuple[int, bool]])
         unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
         values = {"Z": (round(radius * int(unit)), False)} if "Z" in b.rows else {}
     place = dict(stated(b, name) or {})
+    if line in (10, 11) and not b.dialect.extended_by_p:
+        _presets(b, axis_words, values)
     for letter, (value, _) in values.items():
         row = b.rows[letter]
         if line in (10, 11) and not b.dialect.extended_by_p:  # so that the axis stands at this coordinate

@@ -22,6 +22,7 @@ from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import KEYWORD_LETTER, Batch, written_codes
 from postproc.nc.columns import hold_last_float
 from postproc.nc.dialects import Dialect
+from postproc.nc.holes import holes_of, in_cycle
 from postproc.nc.lexer import Words
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import check_letters, check_points, m_codes, refuse_motions, refused_groups, stray_words
@@ -112,8 +113,13 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     for place in centre_words.values():
         block = b.words.block[place]
         moving[block] |= arc_code[block] & ~b.taken[block]
+    b.cycle = in_cycle(b, motion, axis_words)
+    if b.cycle is not None:
+        moving[b.cycle.mask] = False
+        moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
-    stray_words(b, centre_words, moving & ~arc_code)
+    straight = (motion == 0) | (motion == 10)
+    stray_words(b, centre_words, moving & straight)
     block = np.flatnonzero(moving | b.foreign)
     places = position(b, block, axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
@@ -153,7 +159,7 @@ def columns(
     """Gather the columns of the moving blocks, and the arcs among them."""
     n = b.n
     motion = motion[block]
-    code = np.where(b.foreign[block], FOREIGN, motion // 10).astype(np.int8)
+    code = np.where(b.foreign[block], FOREIGN, b.dialect.kind[np.maximum(motion, 0)]).astype(np.int8)
     feed_place = b.once("F")
     feed_mode = np.broadcast_to(b.held("feed mode"), n)[block]
     feed = np.full(n, np.nan)
@@ -187,7 +193,8 @@ def columns(
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=b.machine[block], inverse=feed_mode == 930, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons,
+        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=np.zeros(len(block), np.int8),
+        length=np.broadcast_to(b.frame.length[:, None], places.start.shape),
     )  # fmt: skip
 
 
@@ -195,7 +202,7 @@ def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
         feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], frame=b.frame, offsets=b.offsets,
-        tool_number=tool_in_use(b), next_tool=b.next_tool,
+        cycle=b.cycle.after if b.cycle else None, tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
 
 

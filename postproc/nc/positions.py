@@ -64,13 +64,16 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         place = absolute if not len(increment) else np.sort(np.concatenate([absolute, increment]))
         if taken.any():
             place = place[~taken[w.block[place]]]
+        cycle = b.cycle if b.cycle is not None and b.cycle.letter == letter else None
+        if cycle:
+            place = place[~cycle.mask[w.block[place]]]
         by = w.block[place]
         is_inc = at(distance == 910, by) & ~machine[by]
         if len(increment):
             is_inc |= w.letter[place] != ord(letter)
         value = b.ticks(place, at(scale, by))
         named = np.zeros(n, bool)
-        if len(by):
+        if len(by) or cycle:
             run: np.ndarray | int = 0
             here, set_to = by, value
             if is_inc.any():
@@ -81,6 +84,10 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             base = np.zeros(n, np.int64)
             base[here] = set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
             named[here] = True
+            if cycle:
+                holes = cycle.blocks
+                base[holes] = cycle.target - (run[holes] if isinstance(run, np.ndarray) else 0)
+                named[holes] = True
             last = hold_index(named)
             position = base[last]
             position[: np.searchsorted(last, 0)] = b.state.position[row]
@@ -91,6 +98,8 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
                 _reference(b, number, letter, drop)
         if named.any() or drop.any():
             event = np.where(drop, 0, np.where(named, 1, -1))
+            if cycle and not cycle.known:
+                event[cycle.blocks[cycle.initial]] = 0
             known = hold_last(event, int(b.state.known[row])).astype(bool)
         before = np.concatenate([[b.state.position[row]], position[:-1]])
         before_known = np.concatenate([[b.state.known[row]], known[:-1]])

@@ -27,10 +27,6 @@ NO_TOOL = (-1, *[0.0] * 12, 0)
 TOOL_WORDS = "XYZABCUVWDIJQ"  # of a tool table, in the order get_tool answers
 
 
-class NotCovered(Exception):
-    """A motion this oracle does not translate: a probe, a rigid tap, an arc it cannot rotate."""
-
-
 class Canon:
     """What the interpreter calls. It speaks inches and program coordinates; `motions` are mm and machine."""
 
@@ -46,6 +42,7 @@ class Canon:
         self.rotation = 0.0  # degrees, about Z
         self.program = (0.0,) * AXES  # last end, program coordinates
         self.machine = (0.0,) * AXES  # the same point, machine coordinates
+        self.missing = None  # line, what this oracle does not translate, motions before it
 
     # -- what the interpreter asks
 
@@ -70,7 +67,8 @@ class Canon:
     # -- what it tells
 
     def next_line(self, state):
-        self.line = state.sequence_number
+        if state.sequence_number > 0:  # the moves of G70 to G73 are counted as line -1
+            self.line = state.sequence_number
 
     def set_plane(self, plane):
         self.plane = plane
@@ -103,18 +101,24 @@ class Canon:
         end = millimetres((*end, *rest))
         centre[first], centre[second] = centre_1 * MM_PER_INCH, centre_2 * MM_PER_INCH
         centre = self.to_machine((*centre, *end[3:]))
-        if self.rotation and self.plane != 1:
-            raise NotCovered("an arc outside XY while the coordinate system is rotated")
+        if self.rotation and self.plane != 1 and self.missing is None:
+            self.missing = self.line, "an arc outside XY while the coordinate system is rotated", list(self.motions)
         self.moved("arc", end, plane=plane, centre=(centre[first], centre[second]), turns=turns)
 
     def dwell(self, seconds):
         self.moved("dwell", self.program, seconds=seconds)
 
     def straight_probe(self, *end):
-        raise NotCovered("a probe")
+        """As if it tripped just where it ends."""
+        self.moved("probe", millimetres(end))
 
     def rigid_tap(self, *end):
-        raise NotCovered("a rigid tap")
+        """Down and back: where it returns to is where the interpreter goes on from."""
+        machine = self.machine
+        there = self.to_machine((*millimetres(end), *(0.0,) * (AXES - len(end))))
+        for end in (*there[:3], *machine[3:]), machine:
+            self.motions.append({"line": self.line, "kind": "feed", "start": self.machine[:6], "end": end[:6]})
+            self.machine = end
 
     def user_defined_function(self, *arguments):
         pass
@@ -193,10 +197,10 @@ def run(job, home, rs274):
     if job["tools"] or uses_tools(job["text"]):
         attach_tool_table(home, job["tools"], rs274)
     canon = Canon(parameters, job["block_delete"], job["tools"])
-    try:
-        result, _ = gcode.parse(program, canon, *START)
-    except NotCovered as error:
-        return {"error": f"not covered by the oracle: {error}", "line": canon.line, "motions": canon.motions}
+    result, _ = gcode.parse(program, canon, *START)
+    if canon.missing is not None:
+        line, reason, before = canon.missing
+        return {"error": f"not covered by the oracle: {reason}", "line": line, "motions": before}
     if result > gcode.MIN_ERROR:  # canon.line: the line number gcode.parse returns is one too high at times
         return {"error": gcode.strerror(result), "line": canon.line, "motions": canon.motions}
     return {"motions": canon.motions}

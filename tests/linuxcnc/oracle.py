@@ -27,7 +27,7 @@ class Motion:
     """One canonical motion. `start` and `end` are X Y Z (mm) A B C (degrees) in machine coordinates."""
 
     line: int  # in the source, from 1
-    kind: str  # "rapid", "feed", "arc" or "dwell"
+    kind: str  # "rapid", "feed", "arc", "dwell" or "probe"
     start: tuple[float, ...]
     end: tuple[float, ...]
     plane: str | None = None  # arc: "XY", "ZX" or "YZ"

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.errors import UsageError
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
 from postproc.nc.codes import CYCLE_KEYS, FRAME_KEYS, KEYWORD, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
@@ -34,7 +35,8 @@ class Dialect:
     increment that a written-out number may have. `integers`: a coordinate without a decimal point counts "units" or
     "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
     expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
-    `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one.
+    `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `repeats`: letters that say how
+    often a canned cycle is run.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Dialect:
     signs: tuple[str, ...] = ()
     local_is_preset: bool = False
     extended_by_p: bool = False
+    repeats: str = "L"
 
     @cached_property
     def by_number(self) -> dict[int, Code]:
@@ -94,6 +97,23 @@ class Dialect:
         table = np.arange(LARGEST_G)
         for code in self.codes:
             table[code_number(code.word)] = code.number
+        return table
+
+    @cached_property
+    def is_hole(self) -> np.ndarray:
+        """(LARGEST_G,) canned cycles for holes."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        table[[code.number for code in self.codes if code.does in ("drill", "tap")]] = True
+        return table
+
+    @cached_property
+    def kind(self) -> np.ndarray:
+        """(LARGEST_G,) what a motion code makes of a motion: a value of postproc.motions."""
+        table = np.full(LARGEST_G, FOREIGN, np.int8)
+        table[[0, 10, 20, 30]] = RAPID, FEED, CLOCKWISE, COUNTER
+        for code in self.codes:
+            if code.does in CYCLE_KEYS:
+                table[code.number] = THREAD if code.does == "thread" else HOLE
         return table
 
     @cached_property

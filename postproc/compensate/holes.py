@@ -1,0 +1,66 @@
+"""Holes of canned cycles: X and Y are corrected for the middle of the hole's axis, the bottom for the bottom.
+
+A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within the tolerance of the
+nominal one over the whole depth: deviations are linear between the nodes, so ends and nodes tell. The level R and the way
+back are rapids, and stay as written.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.compensate.batch import Batch
+from postproc.compensate.inverse import command
+from postproc.errors import MotionFault
+from postproc.units import TICKS_PER_MM, UM
+
+
+def settle(b: Batch) -> None:
+    """Set end, exact and bottom of every stroke that is a hole. Raises MotionFault for a hole that bends too much."""
+    holes = b.m.holes
+    free = b.free[holes.motion] if len(holes) else np.zeros(0, bool)
+    for k in map(int, np.flatnonzero(free)):
+        i, row = int(b.hole[k]), int(holes.axis[k])
+        target, weight = _depth(b, k, i, row)
+        exact = command(b.machine, target, weight, np.full(target.shape[1], holes.motion[k]))
+        correction = exact - target
+        across = [r for r in b.rows if r != row]
+        low, high = correction[across].min(axis=1, initial=np.inf), correction[across].max(axis=1, initial=-np.inf)
+        bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
+        if bend > b.c.tolerance:
+            letter = b.machine.letters[row]
+            raise MotionFault(
+                int(holes.motion[k]),
+                f"the hole's axis bends by {bend / UM:.2f} um between {letter} = {target[row, 0]:.3f} and {target[row, -1]:.3f} mm (tolerance {b.c.tolerance / UM:g} um)",
+                "a cycle holds its place over the depth: --expand writes it out as plain blocks",
+            )
+        place = b.end_nominal[:, i].copy()
+        place[across] += (low + high) / 2
+        place[row] = exact[row, -1]
+        b.exact[:, i] = place
+        step = b.m.grid[:, holes.motion[k]]
+        whole = np.rint((place - b.end_nominal[:, i]) * TICKS_PER_MM / step).astype(np.int64) * step
+        b.end[across, i] = b.nominal_end[across, i] + whole[across]
+        depth = np.rint(correction[row, -1] * TICKS_PER_MM / step[row])
+        b.bottom[holes.motion[k]] = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
+        b.end[row, i] = b.nominal_end[row, i]
+        b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
+    b.bottom[holes.motion[~free]] = holes.bottom[~free]
+    if len(holes):
+        b.before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
+
+
+def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:
+    """(A, K) mm places down a hole, from R to the bottom with every node between, and (A, K) their approach."""
+    top, bottom = b.m.holes.level[k] / TICKS_PER_MM, b.m.holes.bottom[k] / TICKS_PER_MM
+    table = b.machine.tables.get(b.machine.letters[row])
+    inner = np.zeros(0)
+    if table is not None:
+        inner = table.nodes[(table.nodes > min(top, bottom)) & (table.nodes < max(top, bottom))]
+    place = np.concatenate([[top], np.sort(inner) if bottom > top else np.sort(inner)[::-1], [bottom]])
+    target = np.repeat(b.end_nominal[:, stroke : stroke + 1], len(place), axis=1)
+    target[row] = place
+    weight = np.repeat(b.weight_end[:, stroke : stroke + 1], len(place), axis=1)
+    if b.c.limit:
+        weight[row] = np.sign(bottom - top)
+    return target, weight

@@ -1,0 +1,140 @@
+"""Canned cycles for holes, in place: X and Y are the hole's place, Z its bottom, R the level from which it is drilled.
+
+The block stays a cycle; what is corrected are its words. Z and R hold from block to block; the axis that drills is the
+one across the plane. Sources: NIST RS274/NGC 3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
+(tests/linuxcnc/README.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.motions import Holes, no_holes
+from postproc.nc.batch import Batch
+from postproc.nc.columns import hold_index
+from postproc.nc.state import Cycle
+
+ACROSS = {170: "Z", 180: "Y", 190: "X"}
+WRITE_OUT = "--expand writes the cycle out as plain blocks"
+
+
+@dataclass
+class InCycle:
+    """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all of them, and per hole
+    (k,) the ticks where the axis ends up, the bottom, R, the zero of the bottom's word, that word, and whether the axis
+    goes back to the initial level."""
+
+    letter: str
+    row: int
+    mask: np.ndarray
+    blocks: np.ndarray
+    target: np.ndarray
+    bottom: np.ndarray
+    level: np.ndarray
+    zero: np.ndarray
+    word: np.ndarray
+    initial: np.ndarray
+    known: bool
+    after: Cycle | None
+
+
+def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> InCycle | None:
+    """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
+    mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
+    if not mask.any():
+        return None
+    planes = np.broadcast_to(b.held("plane"), b.n)[mask]
+    letter = ACROSS.get(int(planes[0]), "")
+    if (planes != planes[0]).any() or letter not in b.rows:
+        b.blame(
+            np.flatnonzero(mask), f"a canned cycle across {letter or 'a plane'}, which can not be followed", WRITE_OUT
+        )
+        return None
+    row = b.rows[letter]
+    cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
+    absolute = np.broadcast_to(b.held("distance"), b.n) != 910
+    absolute_word, increment = axis_words[letter]
+    depth = np.sort(np.concatenate([absolute_word, increment]))
+    depth = depth[mask[b.words.block[depth]]]
+    level_word = b.once("R")
+    level_word = level_word[mask[b.words.block[level_word]]]
+    drills = mask & b.has_axis & ~b.taken
+    drills[b.words.block[level_word]] = True
+    scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
+    offset = np.broadcast_to(b.offset[row], b.n)
+    by_increment = b.words.block[increment][mask[b.words.block[increment]]]
+    b.blame(by_increment, "an increment for the bottom of a hole", WRITE_OUT)
+    level, has_level = _held(b, level_word, np.where(absolute, offset, cycle.initial), scale, cycle.level)
+    bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
+    holes = np.flatnonzero(drills)
+    _repeats(b, mask, drills)
+    holes = np.flatnonzero(drills)
+    word = np.full(b.n, -1, np.int64)
+    word[b.words.block[depth]] = depth
+    back = np.broadcast_to(b.held("return"), b.n) != 990
+    initial = back & (cycle.initial > level)
+    at_level = np.cumsum(drills & ~initial) > 0
+    _blame(b, holes, has_level, has_bottom, level, bottom, letter)
+    mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
+    relative = holes[~absolute[holes] & ~initial[holes]]
+    b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", WRITE_OUT)
+    before = np.concatenate([[cycle.at_level], at_level[:-1] | cycle.at_level])
+    b.blame(holes[(initial & before)[holes]], "G98 after G99 in one series of holes", WRITE_OUT)
+    last = int(np.flatnonzero(mask)[-1])
+    after = None
+    if mask[-1]:
+        after = Cycle(
+            int(level[last]) if has_level[last] else None, int(bottom[last]) if has_bottom[last] else None,
+            cycle.initial, cycle.known, bool(at_level[-1] | cycle.at_level),
+        )  # fmt: skip
+    return InCycle(
+        letter=letter, row=row, mask=mask, blocks=holes, target=np.where(initial, cycle.initial, level)[holes],
+        bottom=bottom[holes], level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
+        initial=initial[holes], known=cycle.known, after=after,
+    )  # fmt: skip
+
+
+def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None):
+    """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was ever given."""
+    block = b.words.block[place]
+    value = np.full(b.n, 0 if carry is None else carry, np.int64)
+    named = np.zeros(b.n, bool)
+    named[block] = True
+    own = np.zeros(b.n, np.int64)
+    own[block] = b.ticks(place, scale[block]) + zero[block]
+    last = hold_index(named)
+    return np.where(last >= 0, own[np.maximum(last, 0)], value), (last >= 0) | (carry is not None)
+
+
+def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:
+    """L or K: so many holes; none stores the words alone."""
+    for letter in b.dialect.repeats:
+        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = place[mask[b.words.block[place]]]
+        count, block = b.numbers(place), b.words.block[place]
+        drills[block[count == 0]] = False
+        following = np.searchsorted(np.flatnonzero(drills), block[count == 0])
+        after = np.flatnonzero(drills)[following[following < drills.sum()]]
+        b.blame(after, f"{letter}0 before this hole stores words without drilling", WRITE_OUT)
+        b.blame(block[(count != 1) & (count != 0)], "a cycle that is repeated", WRITE_OUT)
+
+
+def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:
+    b.blame(holes[~has_level[holes]], "a canned cycle without R", "write R, the level from which it drills")
+    b.blame(holes[~has_bottom[holes]], f"a canned cycle without {letter}", f"write {letter}, the bottom of the hole")
+    b.blame(
+        holes[(bottom > level)[holes]], f"a hole whose bottom lies beyond R, against the sense of {letter}", WRITE_OUT
+    )
+
+
+def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
+    """The holes among the motions whose blocks these are."""
+    if cycle is None or not len(cycle.blocks):
+        return no_holes()
+    motion = np.searchsorted(block, cycle.blocks)
+    return Holes(
+        motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level, zero=cycle.zero,
+        word=cycle.word, initial=cycle.initial,
+    )  # fmt: skip

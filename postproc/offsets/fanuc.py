@@ -1,0 +1,191 @@
+"""Fanuc's offsets as the control punches them: a program of G10 blocks. Haas and others take the same blocks.
+
+    G10 L2 P0 X.. Z..       the external offset, common to all: "EXT"        G10 L2 P1 to P6     G54 to G59
+    G10 L20 P1 X..          additional work offset: "G54.1 P1"
+    G10 L10 P1 R..          length geometry of H1, L11 (or L1) its wear, L12 radius geometry of D1, L13 its wear
+    G10 P1 X.. Z.. R.. Q..  lathe: wear of offset 1, P10001 its geometry; U V W C are increments of X Y Z R
+
+Geometry and wear are added. Memories A and B of a mill have no L12 and L13: H1 and D1 are then the same register. A lathe
+offset is chosen by the last digits of T; it is called as where tool and offset have the same number, "T0101".
+
+X of a lathe: tool offsets are diameters unless parameter 5004#1 (ORC) is 1, work offsets are as the axis is (1006#3,
+DIA). Nothing in the file tells that. Unless the user says it, X is a diameter in files with lathe offsets and a radius in
+all others. R of L12 and L13 is taken as a radius (5004#2, ODI; Haas setting 40 may say diameter). The tables of work and
+tool offsets that some controls print are not read, for want of a source.
+
+Sources: Fanuc 16i/18i-TB operator's manual B-63524EN 14.5.2 (G10 P_ X_ Z_ R_ Q_), 16i/18i-PA B-63124EN 15.3 (L11, L1),
+16/18-TC operator's manual B-62754EN 9.4 (DIA, ORC); Haas and Mitsubishi M700V manuals, 12.7 (L2, L10 to L13, L20).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from postproc.offsets import AXES, ROTARY, Offsets, Source
+from postproc.units import MM_PER_INCH
+
+TITLE = "G10 program of Fanuc, Haas and others"
+LOOK = re.compile(r"(?<![A-Z0-9.])G10(?![\d.])")
+COMMENT = re.compile(r"\([^()]*\)")
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*")
+LENGTH_WEAR, LENGTH, RADIUS, RADIUS_WEAR = "11", "10", "12", "13"
+REGISTERS = {"1": LENGTH_WEAR, **{code: code for code in (LENGTH, LENGTH_WEAR, RADIUS, RADIUS_WEAR)}}
+STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
+GEOMETRY = 10_000
+HEAD = re.compile(r"([O:]\s*\d+\s*|<[^<>]*>\s*)?(.*)")
+LAST = re.compile(r"M0*(2|30|99)\s*")
+ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
+NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
+
+
+@dataclass
+class Memory:
+    """The registers that a program has set so far: (kind, number) to letter to mm, X as the file has it."""
+
+    place: dict[tuple[str, int], dict[str, float]] = field(default_factory=dict)
+    incremental: bool = False
+    inch: bool | None = None
+    bare: bool = False  # whether a length without a decimal point was met
+
+    def write(self, key: tuple[str, int], letter: str, value: float, step: bool) -> bool:
+        """Set or change a value; False where a step has nothing to step from."""
+        place = self.place.setdefault(key, {})
+        if step and letter not in place:
+            return False
+        place[letter] = place.get(letter, 0.0) * step + value
+        return True
+
+
+def recognises(source: Source) -> bool:
+    """Whether a G10 stands somewhere, outside comments."""
+    return any(LOOK.search(COMMENT.sub(" ", line.upper())) for _, line in source.lines() if "$" not in line)
+
+
+def read(source: Source) -> Offsets:
+    """Work offsets, tools "H1", "D1", or "T0101" of a lathe. Raises UsageError for any block that is no G10."""
+    memory = Memory(inch=source.inch)
+    for number, line in source.lines():
+        text = HEAD.fullmatch(COMMENT.sub(" ", line.upper()).strip().strip("%").strip())
+        for block in text[2].split(";") if text else [line]:
+            _block(source, number, block.strip(), memory)
+    return _assembled(source, memory)
+
+
+def _block(source: Source, number: int, block: str, memory: Memory) -> None:
+    words: dict[str, str] = {}
+    codes: list[str] = []
+    end = 0
+    while end < len(block):
+        word = WORD.match(block, end)
+        if not word:
+            raise source.fault(number, f"{block[end : end + 20]!r} is not a word of a G10 block", ADVICE)
+        end = word.end()
+        if word[1] == "G":
+            codes.append(word[2].lstrip("0"))
+        elif word[1] in words:
+            raise source.fault(number, f"{word[1]} stands twice", ADVICE)
+        else:
+            words[word[1]] = word[2]
+    words.pop("N", None)
+    memory.incremental = "91" in codes or (memory.incremental and "90" not in codes)
+    if "20" in codes or "21" in codes:
+        memory.inch = "20" in codes
+    if "10" in codes:
+        _register(source, number, words, memory)
+    elif set(codes) - {"90", "91", "20", "21", "11"} or (words and not LAST.fullmatch(block)):
+        raise source.fault(number, "this block is no G10: only offsets are read here", ADVICE)
+
+
+def _register(source: Source, number: int, words: dict[str, str], memory: Memory) -> None:
+    """One G10 block into the memory."""
+    code, p = words.pop("L", "").lstrip("0"), words.pop("P", "")
+    if not re.fullmatch(r"\d{1,6}", p):
+        raise source.fault(number, "G10 needs P, the number of the offset", ADVICE)
+    n = int(p)
+    lathe = not code
+    if lathe:
+        words.pop("Q", None)  # the nose's direction
+        for letter in set(words) & set(STEPS):
+            if STEPS[letter] in words:
+                raise source.fault(number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE)
+        kind, allowed, numbers = "", "XYZR" + "".join(STEPS), n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2
+        if n == 0 and any(source.number(number, x) for x in words.values()):
+            raise source.fault(number, "P0 shifts the work coordinates of a lathe", "add it to EXT, and drop the line")
+        if n == 0:
+            return
+    elif code in ("2", "20"):
+        kind, allowed, numbers = code, AXES, n in (range(7) if code == "2" else range(1, 301))
+        if not lathe and set(words) & set("UVW"):
+            raise source.fault(number, "U V W may be axes, or steps of X Y Z", "state this offset one by one")
+    elif code in REGISTERS:
+        kind, allowed, numbers = REGISTERS[code], "R", n in range(1, 1000)
+        if "R" not in words:
+            raise source.fault(number, f"G10 L{code} needs R, the offset's value", ADVICE)
+    else:
+        raise source.fault(number, f"G10 L{code} sets no offset", ADVICE)
+    if not numbers:
+        raise source.fault(number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE)
+    memory.place.setdefault((kind, n), {})
+    for letter, text in words.items():
+        if letter not in allowed:
+            raise source.fault(number, f"{letter} does not belong into G10{' L' * bool(code)}{code}", ADVICE)
+        value = source.number(number, text)
+        memory.bare |= "." not in text and value != 0
+        if lathe or letter not in ROTARY:
+            value *= MM_PER_INCH if memory.inch else 1.0
+        step = letter in STEPS if lathe else memory.incremental
+        if not memory.write((kind, n), STEPS.get(letter, letter) if lathe else letter, value, step):
+            raise source.fault(number, f"{letter}{text} is a step from a value that the file does not have", ADVICE)
+
+
+def _assembled(source: Source, memory: Memory) -> Offsets:
+    """Geometry and wear added, X halved where it is a diameter, names as programs say them."""
+    offsets = Offsets(notices=source.unit_notice() if memory.inch is None else [])
+    if memory.bare:
+        offsets.notices.append(
+            "numbers without a decimal point are read as whole mm or inches, not as least increments"
+        )
+    has = {kind for kind, _ in memory.place}
+    diameter = _is_diameter(source, memory, "" in has, offsets)
+    shared = not has & {RADIUS, RADIUS_WEAR}
+    if has & {LENGTH, LENGTH_WEAR} and shared:
+        offsets.notices.append("no L12 or L13: offset memory A or B, where H and D of a number are the same")
+    if has & {RADIUS, RADIUS_WEAR}:
+        offsets.notices.append(
+            "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas setting 40)"
+        )
+    for (kind, n), place in memory.place.items():
+        if diameter and kind in ("", "2", "20") and "X" in place:
+            place = {**place, "X": place["X"] / 2}
+        if kind == "2":
+            offsets.work[f"G{53 + n}" if n else "EXT"] = place
+        elif kind == "20":
+            offsets.work[f"G54.1 P{n}"] = place
+        elif kind == "":
+            offset = n % GEOMETRY
+            _add(offsets.tools, f"T{offset:02d}{offset:02d}", place)
+        else:
+            length = kind in (LENGTH, LENGTH_WEAR)
+            if length:
+                _add(offsets.tools, f"H{n}", {"Z": place["R"]})
+            if shared or not length:
+                _add(offsets.tools, f"D{n}", {"R": place["R"]})
+    return offsets
+
+
+def _is_diameter(source: Source, memory: Memory, lathe: bool, offsets: Offsets) -> bool:
+    """Whether X is stored as a diameter; where nobody said it, and it matters, with a notice."""
+    if source.diameter is not None:
+        return source.diameter
+    places = memory.place.values()
+    mill = any("Y" in place for place in places) or any(kind not in ("", "2", "20") for kind, _ in memory.place)
+    if any(place.get("X") for place in places) and (lathe or not mill):
+        offsets.notices.append(NO_X.format("diameter" if lathe else "radius"))
+    return lathe
+
+
+def _add(tools: dict[str, dict[str, float]], name: str, place: dict[str, float]) -> None:
+    tool = tools.setdefault(name, {})
+    for letter, value in place.items():
+        tool[letter] = tool.get(letter, 0.0) + value

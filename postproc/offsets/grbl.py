@@ -1,0 +1,70 @@
+"""What GRBL and grblHAL answer to `$#`: `[G54:0.000,0.000,0.000]`, `[G92:...]`, `[TLO:...]`, one in a line.
+
+The axes come in the order X Y Z A B C U V W. Three decimals are mm and four inches ($13), unless the user says it. X is
+a radius; grblHAL writes it doubled while G7 is in force, which the report does not tell: then say that X is a diameter.
+A place is program word + offset + G92 + tool length. The tool length is one for all, as G43.1 sets it: "G43.1".
+
+Source: GRBL 1.1, grbl/report.c (report_ngc_parameters, report_realtime_status), config.h (N_DECIMAL_COORDVALUE_MM, _INCH).
+"""
+
+from __future__ import annotations
+
+import re
+
+from postproc.offsets import AXES, ROTARY, Offsets, Source
+from postproc.units import MM_PER_INCH
+
+TITLE = "GRBL's answer to $#"
+LOOK = re.compile(r"\[G5[4-9](\.[1-3])?:[^\]]*\]")
+ENTRY = re.compile(r"\[([A-Z][A-Z0-9.]*)(?::([^\]]*))?\]", re.IGNORECASE)
+WORK = re.compile(r"G5[4-9]|G59\.[1-3]|G92")
+TALK = re.compile(r"ok|>+|<.*>|>*\s*\$.*|Grbl .*", re.IGNORECASE)
+TOOL = "G43.1"
+ADVICE = "a line is like: [G54:0.000,0.000,0.000]"
+
+
+def recognises(source: Source) -> bool:
+    """Whether a line is the answer for a work offset."""
+    return any(LOOK.fullmatch(line) for _, line in source.lines())
+
+
+def read(source: Source) -> Offsets:
+    """Work offsets, "G92", and the tool length as tool "G43.1". G28, G30 and the probe are no offsets.
+
+    Raises UsageError.
+    """
+    offsets = Offsets()
+    entries: list[tuple[int, str, list[str]]] = []
+    for number, line in source.lines():
+        entry = ENTRY.fullmatch(line)
+        if entry and (WORK.fullmatch(entry[1].upper()) or entry[1].upper() == "TLO"):
+            entries.append((number, entry[1].upper(), (entry[2] or "").split(",")))
+        elif not entry and not TALK.fullmatch(line):
+            raise source.fault(number, "this is no line of GRBL's answer to $#", ADVICE)
+    scale = _scale(source, [text for *_, values in entries for text in values], offsets)
+    for number, name, texts in entries:
+        axes = "Z" if name == "TLO" and len(texts) == 1 else AXES
+        if len(texts) > len(axes):
+            raise source.fault(number, f"{len(texts)} values, for {len(axes)} axes at most", ADVICE)
+        place = {}
+        for axis, text in zip(axes, texts, strict=False):
+            value = source.number(number, text.strip()) * (1.0 if axis in ROTARY else scale)
+            place[axis] = value / 2 if axis == "X" and source.diameter else value
+        into = offsets.tools if name == "TLO" else offsets.work
+        key = TOOL if name == "TLO" else name
+        if key in into:
+            raise source.fault(number, f"{name} stands twice", "give one answer of the control, the latest")
+        into[key] = place
+    return offsets
+
+
+def _scale(source: Source, texts: list[str], offsets: Offsets) -> float:
+    """mm per unit, as the user or the decimals say."""
+    if source.inch is None:
+        decimals = {len(text.strip().partition(".")[2]) for text in texts}
+        if decimals == {4}:
+            offsets.notices.append("four decimals: lengths are read as inches, as GRBL writes them with $13=1")
+            return MM_PER_INCH
+        if decimals != {3}:
+            offsets.notices.extend(source.unit_notice())
+    return source.scale()
