@@ -105,7 +105,8 @@ class Motions:
     ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
-    (its start-up or end: not to be cut either). length (A, N): ticks of the tool's length in force. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
+    (its start-up or end: not to be cut either). length (A, N): ticks of the tool's length in force. stop (N,): ten times
+    the code that makes it end in an exact stop (G61, G9), 0: none. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
 
     block: np.ndarray
@@ -133,9 +134,21 @@ class Motions:
     presets: Presets = field(default_factory=no_presets)
     cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
 
     def __len__(self) -> int:
         return len(self.block)
+
+    def part(self, first: int, stop: int) -> Motions:
+        """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets are left out."""
+        columns = {name: getattr(self, name)[..., first:stop] for name in _COLUMNS}
+        tables = {}
+        for name in ("arcs", "holes"):
+            table = getattr(self, name)
+            low, high = (int(np.searchsorted(table.motion, k)) for k in (first, stop))
+            rows = {f: getattr(table, f)[..., low:high] for f in table.__dataclass_fields__}
+            tables[name] = type(table)(**{**rows, "motion": rows["motion"] - first})
+        return Motions(**columns, **tables, reasons=self.reasons)
 
 
 FREE, OFFSET, ENTRY = 0, 1, 2  # values of Motions.cutter

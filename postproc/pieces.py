@@ -62,3 +62,9 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     fields = Pieces.__dataclass_fields__
     joined = {f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1)[..., order] for f in fields}
     return Pieces(**joined)
+
+
+def joined(parts: list[Pieces]) -> Pieces:
+    """Pieces of motions that follow each other, in one table."""
+    fields = Pieces.__dataclass_fields__
+    return Pieces(**{f: np.concatenate([getattr(p, f) for p in parts], axis=-1) for f in fields})

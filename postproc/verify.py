@@ -113,7 +113,9 @@ class Verifier:
         """The axis of each hole from R to its bottom, sideways, and the bottom along it too."""
         holes, drilled = nominal.holes, run.holes
         counts = (
-            self._all(nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion] if len(holes) else holes.initial
+            self._all(nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
+            if len(holes)
+            else holes.initial
         )
         for k in np.flatnonzero(counts):
             row, motion = int(holes.axis[k]), int(holes.motion[k])
@@ -123,7 +125,7 @@ class Verifier:
             command[row] = top + (bottom - top) * t
             weight = np.repeat(self.weights[:, [motion]], len(t), axis=1)
             weight[row] = np.sign(bottom - top) if self.limit else 0.0
-            off = command + self.machine.deviation(command, weight)
+            off = command + self._deviation(run, np.full(len(t), drilled.motion[k]), command, weight)
             off -= nominal.target[:, [motion]] / TICKS_PER_MM
             off[row, :-1] = 0.0
             off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
@@ -163,11 +165,26 @@ class Verifier:
             weight = self._weight(
                 nominal, weights, owner[row], t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             )
-            actual = command + self.machine.deviation(command, weight)
+            actual = command + self._deviation(run, row, command, weight)
             distance = self._distance(nominal, owner[row], t, actual)
             worst = int(np.argmax(distance))
             if distance[worst] > into.deviation:
                 into.deviation, into.line = float(distance[worst]), int(line[owner[row[worst]]])
+
+    def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
+        if not self.machine.turns or not run.length.any():
+            return self.machine.deviation(command, weight)
+        result = np.zeros_like(command)
+        lengths, which = np.unique(run.length[:, row], axis=1, return_inverse=True)
+        for k, length in enumerate(lengths.T):
+            of = which.ravel() == k
+            tool = [
+                length[self.machine.letters.index(x)] / TICKS_PER_MM if x in self.machine.letters else 0.0
+                for x in "XYZ"
+            ]
+            result[:, of] = self.machine.with_tool((tool[0], tool[1], tool[2])).deviation(command[:, of], weight[:, of])
+        return result
 
     def _all(self, known: np.ndarray) -> np.ndarray:
         return np.all(known[list(self.machine.corrected)], axis=0)

@@ -6,16 +6,18 @@ command of every end, take up the reversal, keep still what stands still, cut th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from postproc.compensate import approach, cut, holes, limits
 from postproc.compensate.batch import Batch, written_centre
-from postproc.errors import Notice
+from postproc.errors import MotionFault, Notice
 from postproc.machine.model import Machine
 from postproc.motions import Motions
-from postproc.pieces import Pieces, in_order, without_rests
+from postproc.pieces import Pieces, in_order, joined, without_rests
+from postproc.units import TICKS_PER_MM
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class Compensator:
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold = self.chord / 2
+        self.by_tool: dict[tuple[float, ...], Compensator] = {}
         self.limit = approach.reach(self.mode, options.ramp or self._ramp())
 
     def _ramp(self) -> float:
@@ -88,6 +91,37 @@ class Compensator:
             return _untouched(motions), carry, []
         if self.machine.is_zero:
             return _untouched(motions), carry, []
+        if self.machine.turns and motions.length.any():
+            return self._by_tool(motions, carry)
+        return self._run(motions, carry)
+
+    def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        """The same where tools have lengths: every run of motions on the machine with its own tool."""
+        length = motions.length
+        edges = [0, *(np.flatnonzero((length[:, 1:] != length[:, :-1]).any(axis=0)) + 1).tolist(), len(motions)]
+        parts, notices = [], []
+        for first, stop in pairwise(edges):
+            one = motions.part(first, stop)
+            x, y, z = (
+                float(one.length[self.machine.letters.index(x), 0]) / TICKS_PER_MM if x in self.machine.letters else 0.0
+                for x in "XYZ"
+            )
+            tool = (x, y, z)
+            if tool not in self.by_tool:
+                self.by_tool[tool] = Compensator(self.machine.with_tool(tool), self.options)
+            try:
+                pieces, carry, more = self.by_tool[tool]._run(one, carry)
+            except MotionFault as fault:
+                fault.motion += first
+                raise
+            arcs = int(np.searchsorted(motions.arcs.motion, first))
+            parts.append(
+                replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
+            )
+            notices += [replace(n, line=n.line + first) for n in more]
+        return joined(parts), carry, notices
+
+    def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         b = Batch(self, motions, carry)
         limits.refuse(b)
         limits.check_unknown(b)

@@ -88,6 +88,16 @@ class Machine:
         by_effect = {e.axis for e in self.effects if getattr(e.module, "TWO_WAY", False)}
         return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
 
+    @cached_property
+    def turns(self) -> bool:
+        """Whether any axis has a rotation, so that the tool's length matters."""
+        return any(max(t.rows, default=0) >= 3 for t in self.tables.values())
+
+    def with_tool(self, length: tuple[float, float, float]) -> Machine:
+        """The same machine with a tool of this length, mm along X Y Z: the tip lies as much before the point that the
+        slides carry."""
+        return replace(self, tool=self.tool - np.array(length))
+
     def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(A, N) mm: actual - commanded of each linear axis, at commanded slide positions (A, N) mm.
 

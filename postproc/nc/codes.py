@@ -1,8 +1,8 @@
-"""One row per G and M code: modal group, what it takes, what it means, and whether it can be followed.
+"""What a row of a dialect's table of codes says: modal group, what it takes, what it does, whether it can be followed.
 
 Groups and numbers follow NIST RS274/NGC (NISTIR 6556, table 4) and Fanuc B-64304EN (G-code system B). A code with
 `refuses` is known but can not be followed: it is passed where no correction depends on it (a map without errors) and
-refused, with this sentence, where one does.
+refused, with this sentence, where one does. Rows that several dialects share are in postproc.nc.rows.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ class Code:
     """A row: `word` as written ("G1"), modal `group` ("" for one that acts in its own block only), the axis words it
     `takes` away from the motion (True for G10 G28 G92 ...), what it means, and why it can not be followed.
 
-    `does`: what it does beyond naming a mode, as a key that the interpreter knows (FRAME_KEYS, CYCLE_KEYS), "" for
-    nothing. `like`: the G code of another control that it is (G70 of Siemens is like "G20", DIAMON like "G7"): then it
-    counts as that one everywhere, and only its spelling differs."""
+    `does`: what it does beyond naming a mode, as a key that the interpreter knows (DOES), "" for nothing. `like`: the
+    G code of another control that it is (G70 of Siemens is like "G20", DIAMON like "G7"): then it counts as that one
+    everywhere, and only its spelling differs."""
 
     word: str
     group: str
@@ -42,6 +42,9 @@ FRAME_KEYS = (
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
 CYCLE_KEYS = ("drill", "tap", "thread")
+CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
+QUIET_KEYS = ("words",)  # the axis words are data (limits, a pole): nothing moves, every place stays known
+DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *QUIET_KEYS)
 
 
 def code_number(word: str) -> int:
@@ -53,40 +56,27 @@ def code_number(word: str) -> int:
     return KEYWORD + KEYWORDS.index(word)
 
 
-def _rows(letter: str, group: str, table: dict[str, str], takes: bool = False, refuses: str = "") -> list[Code]:
-    return [Code(letter + number, group, meaning, takes, refuses) for number, meaning in table.items()]
-
-
-CYCLE = "canned cycles are not compensated yet: let the CAM program write them out as G0 and G1"
+# Sentences of refusal: what is wrong, a colon, the way out.
+EXPAND = "--expand writes it out as plain blocks"
+CYCLE = f"its motions are worked out by the control: {EXPAND}"
+FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
+CALL = f"the same text runs at several places: {EXPAND}"
+LENGTH = "tool lengths come with the T word here: program with G49"
 CUTTER = "cutter radius compensation is not followed yet: let the CAM program write the tool centre path (G40)"
-FRAME = "this shift of the coordinates is not followed yet: program in G54-G59 with --offset, or without it"
-LENGTH = "tool lengths are not followed yet: program from the spindle nose with G49"
-
-MOTION = _rows(
-    "G", "motion", {"0": "rapid", "1": "straight feed", "2": "arc, clockwise", "3": "arc, counter-clockwise"}
+WRITE_OUT = "its motions are the control's own: let the CAM program write it out as G0, G1, G2 and G3"
+PROBE = "where it ends is known at the machine alone: keep measuring in a program of its own"
+CURVE = "corrected points do not lie on such a curve: let the CAM program write lines and arcs"
+TRANSFORM = "the control makes other motions of the words: let the CAM program write the motions of the axes themselves"
+TILTED = "the words are coordinates of a tilted plane: let the CAM program write coordinates of the machine's own axes"
+TOOL_POINT = (
+    "the control swings the slides about the tool tip: let the CAM program write the places of the axes themselves"
 )
-PLANE = _rows("G", "plane", {"17": "XY plane", "18": "ZX plane", "19": "YZ plane"})
-DISTANCE = _rows("G", "distance", {"90": "absolute words", "91": "incremental words"})
-UNITS = _rows("G", "units", {"20": "inch", "21": "millimetre"})
-FEED_MODE = _rows("G", "feed mode", {"93": "feed as inverse time", "94": "feed per minute", "95": "feed per turn"})
-WORK = _rows("G", "work offset", {str(n): f"work offset {n - 53}" for n in range(54, 60)})
-SPINDLE = _rows("G", "spindle mode", {"96": "constant surface speed", "97": "constant spindle speed"})
-CUTTER_ROWS = _rows("G", "cutter", {"40": "no cutter radius compensation"}) + _rows(
-    "G", "cutter", {"41": "cutter radius left", "42": "cutter radius right"}, refuses=CUTTER
-)
-LENGTH_ROWS = _rows("G", "tool length", {"49": "no tool length"}) + _rows(
-    "G", "tool length", {"43": "tool length"}, refuses=LENGTH
-)
-REFERENCE = _rows("G", "", {"28": "to the reference point", "30": "to the second reference point"}, takes=True)
-MACHINE_FRAME = [Code("G53", "", "this block in machine coordinates")]
-DWELL = [Code("G4", "", "dwell")]
-COMMON = [
-    *MOTION, *PLANE, *DISTANCE, *UNITS, *WORK, *SPINDLE, *CUTTER_ROWS, *LENGTH_ROWS, *REFERENCE, *MACHINE_FRAME, *DWELL,
-]  # fmt: skip
+ITSELF = "the control moves an axis by itself: write its motion out, or take it out"
+CORNER = "it changes the contour before it: write the corner out"
+STATE = "modes and places come back from elsewhere: write the codes out"
 
 END_OF_PROGRAM = (2, 30)  # M codes after which the control reads no further
 CALLS = {97: "local subprogram", 98: "subprogram call", 99: "end of subprogram, or again from the top"}
-CALL = "the same text would run at several places: write the subprogram out in line"
 SPINDLE_AND_COOLANT = {
     0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise", 4: "spindle counter-clockwise",
     5: "spindle stop", 6: "tool change", 7: "mist coolant", 8: "coolant", 9: "coolant off", 19: "orient the spindle",

@@ -20,6 +20,7 @@ from postproc.nc.interpreter import Setup
 from postproc.nc.lexer import Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
+from postproc.nc.stops import exact_stops
 from postproc.pieces import Pieces
 
 INSERT_CODE = 1
@@ -85,6 +86,7 @@ class Batch:
         if self.several.any():
             self.inverse_time()
             self.late_codes()
+            exact_stops(self)
             self.frames_of_blocks(added)
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
         state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)

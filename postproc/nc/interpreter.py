@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
-from postproc.motions import FOREIGN, Motions, join
+from postproc.motions import ENTRY, FOREIGN, FREE, OFFSET, Motions, join
 from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import KEYWORD_LETTER, Batch, written_codes
@@ -193,16 +193,38 @@ def columns(
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=b.machine[block], inverse=feed_mode == 930, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=np.zeros(len(block), np.int8),
+        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block),
         length=np.broadcast_to(b.frame.length[:, None], places.start.shape),
     )  # fmt: skip
+
+
+def cutter_column(b: Batch, block: np.ndarray) -> np.ndarray:
+    """(N,) FREE, OFFSET inside cutter radius compensation, ENTRY where it begins and where it has ended."""
+    held = b.held("cutter")
+    on = np.isin(np.broadcast_to(held, b.n)[block], b.dialect.beside)
+    b.beside = bool(on[-1]) if len(on) else b.state.cutting_beside
+    if not on.any() and not b.state.cutting_beside:
+        return np.zeros(len(block), np.int8)
+    before = np.concatenate([[b.state.cutting_beside], on[:-1]])
+    return np.where(on != before, ENTRY, np.where(on, OFFSET, FREE)).astype(np.int8)
+
+
+def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
+    """(N,) ten times the code that makes the motion end in an exact stop, 0: none."""
+    stop = np.zeros(b.n, np.int16)
+    held = b.held("path")
+    for number in b.dialect.exact_stops:
+        if number in b.single:
+            stop[b.single[number]] = number
+        stop[np.broadcast_to(held, b.n) == number] = number
+    return stop[block]
 
 
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
         feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], frame=b.frame, offsets=b.offsets,
-        cycle=b.cycle.after if b.cycle else None, tool_number=tool_in_use(b), next_tool=b.next_tool,
+        cycle=b.cycle.after if b.cycle else None, cutting_beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
 
 

@@ -71,7 +71,7 @@ class ModalState:
     tool offset and F in force, whether the program has ended, and whether a motion code was
     named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch; offsets: work and
     tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; cycle: the
-    canned cycle in force; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
+    canned cycle in force; cutting_beside: whether the last motion was inside cutter radius compensation; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -83,6 +83,7 @@ class ModalState:
     origin: np.ndarray | None = None
     frame: Frame | None = None
     cycle: Cycle | None = None
+    cutting_beside: bool = False
     tool_number: int = -1
     next_tool: int = -1
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)

@@ -1,0 +1,46 @@
+"""Exact stops of a motion that was cut: only its last piece stops, the ones before run on.
+
+A modal code (G61) is taken back by G64 at the first piece and named again at the last; one that acts in its own block
+(G9) moves to the last piece.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.nc.numbers import INSERT_WORD
+
+if TYPE_CHECKING:
+    from postproc.nc.emitter import Batch
+
+RUN_ON = b"G64"
+
+
+def exact_stops(b: Batch) -> None:
+    """Write the codes around every motion that stops exactly and has several pieces."""
+    m, w = b.m, b.w
+    final = np.flatnonzero(b.final)
+    cut = np.flatnonzero((m.stop > 0) & b.several[np.flatnonzero(b.first)])
+    for i in map(int, cut):
+        number = int(m.stop[i])
+        name = b"G%d" % (number // 10) + (b".%d" % (number % 10) if number % 10 else b"")
+        space = b" " if b.spaced[i] else b""
+        low, high = np.searchsorted(w.block, [m.block[i], m.block[i] + 1])
+        own = [k for k in range(low, high) if w.letter[k] == ord("G") and _is(w, k, number)]
+        single = bool(own) and number not in b.e.dialect.modal_stops
+        if single:
+            b.delete(np.array(own), np.full(len(own), i))
+        elif own:
+            word = own[-1]
+            b.splice.texts([int(w.start[word])], [int(w.stop[word])], [0], [RUN_ON])
+        else:
+            b.splice.texts([int(b.head[i])], [int(b.head[i])], [0], [RUN_ON + space])
+        at = int(b.behind()[i])
+        rank = int(b.rank(final[[i]])[0])
+        b.splice.texts([at], [at], [rank + INSERT_WORD // 50], [name + space])
+
+
+def _is(w, word: int, number: int) -> bool:
+    return int(w.mantissa[word]) * 10 == number * 10 ** int(w.decimals[word])
