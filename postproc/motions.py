@@ -22,7 +22,7 @@ class Arcs:
     centre (2, n): mm, machine coordinates. angle (n,): rad, of the start seen from the centre. sweep (n,): rad, whole
     way, + is counter-clockwise from `first` to `second`. radius, radius_end (n,): mm. grid (2, n): ticks of one least
     increment of the two centre words. words (3, n): word index of the two centre words and of R, -1 where not written.
-    absolute (n,): whether the centre words are absolute; origin (2, n): ticks, their zero if so.
+    absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so.
     """
 
     motion: np.ndarray
@@ -105,7 +105,7 @@ class Motions:
     ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
-    (its start-up or end: not to be cut either). length (A, N): ticks of the tool's length in force. stop (N,): ten times
+    (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. length (A, N): ticks of the tool's length in force. stop (N,): ten times
     the code that makes it end in an exact stop (G61, G9), 0: none. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
 
@@ -134,6 +134,7 @@ class Motions:
     presets: Presets = field(default_factory=no_presets)
     cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
 
     def __len__(self) -> int:

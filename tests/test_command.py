@@ -341,8 +341,10 @@ def test_a_tolerance_may_be_written_so(place, text, um):
 def test_a_tolerance_may_not_be_written_so(place, text):
     ran = gcomp(place, *GRINDER, f"--tolerance={text}", "part.nc")
     assert (ran.status, ran.out) == (2, b"")
-    assert f"{text!r}" in ran.err
-    assert "um" in ran.err.splitlines()[-1]
+    last = ran.err.splitlines()[-1]
+    assert f"argument --tolerance: {text!r}" in last
+    assert "um" in last
+    assert ("is that meant in um?" in last) == (text == "20mm")
 
 
 def test_offsets_may_be_stated(place):
@@ -363,6 +365,9 @@ def test_offsets_may_be_stated(place):
         "--offset=G99=X1",
         "--offset=G54=X",
         "--offset=G54=X1,X2",
+        "--offset=G504=X1",
+        "--offset=G54.1=X1",
+        "--offset=D1=X5",
         "--start=Q1",
         "--start=X1;Z2",
         "--block-delete=yes",

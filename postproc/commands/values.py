@@ -6,40 +6,81 @@ import argparse
 import math
 import re
 
+from postproc.offsets import KNOWN_NAMES, canonical
+from postproc.units import LARGEST_WORD_MM
+
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
+LENGTH = re.compile(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
+LONGEST, COARSEST = 10.0, 1.0  # mm
+WORD = re.compile(r"\s*([XYZABCUVWR])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
+PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
+OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
 
 
 def length(text: str) -> float:
     """mm from "0.5um", "0.001mm", "0.00004in"; a bare number is mm."""
-    found = re.fullmatch(
-        r"([0-9.]+(?:e-?\d+)?)\s*(um|mm|in|)", text.strip().replace("\u00b5m", "um").replace("\u03bcm", "um")
-    )
+    plain = text.strip().replace("\u00b5m", "um").replace("\u03bcm", "um")
+    found = LENGTH.fullmatch(plain)
     try:
         value = float(found[1]) * LENGTHS[found[2]] if found else math.nan
     except ValueError:
         value = math.nan
-    if not 0 < value <= 10:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length like 0.5um or 0.001mm")
-    if value > 0.1 and found and not found[2]:
-        raise argparse.ArgumentTypeError(f"{text!r} without a unit is mm; write {text}um or {text}mm")
+    if not math.isfinite(value) or found is None:
+        hint = (
+            f"; write {plain.replace(',', '.')}" if LENGTH.fullmatch(plain.replace(",", ".")) and "," in plain else ""
+        )
+        raise argparse.ArgumentTypeError(f"{text!r} is not a length like 0.5um or 0.001mm{hint}")
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not above zero; a length is like 0.5um or 0.001mm")
+    if value > 0.1 and not found[2]:
+        raise argparse.ArgumentTypeError(f"{text!r} without a unit is mm; write {plain}um or {plain}mm")
+    if value > LONGEST:
+        raise argparse.ArgumentTypeError(f"{text!r} is over {LONGEST:g} mm: is that meant in um? write {found[1]}um")
+    return value
+
+
+def tolerance(text: str) -> float:
+    """mm, as `length`; more than a millimetre is no tolerance but a slip of the unit."""
+    value = length(text)
+    if value > COARSEST:
+        number = re.match(r"[-+0-9.e]+", text.strip())
+        meant = f"; write {number[0]}um" if number else ""
+        raise argparse.ArgumentTypeError(f"{text!r} is over {COARSEST:g} mm: is that meant in um?{meant}")
     return value
 
 
 def place(text: str) -> dict[str, float]:
     """Axis to mm, from "X1,Z-2.5"."""
-    result: dict[str, float] = {}
-    for part in text.upper().split(","):
-        found = re.fullmatch(r"\s*([XYZABC])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*", part)
-        if not found or found[1] in result:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a place like X1,Z-2.5 (mm, radius)")
-        result[found[1]] = float(found[2])
-    return result
+    return _words(text, text, "XYZABCUVW", PLACE)
 
 
 def offset(text: str) -> tuple[str, dict[str, float]]:
-    """Name and place, from "G54=X1,Z2" or "T0101=X0,Z80"."""
+    """Name and place, from "G54=X1,Z2", "G54.1P3=X1", "T0101=X0,Z80", "H1=Z120" or "D1=R5" (R: the tool's radius).
+
+    The name comes back as offset files give it: "G54.1 P3".
+    """
     name, equals, rest = text.partition("=")
-    name = name.strip().upper()
-    if not equals or not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name):
-        raise argparse.ArgumentTypeError(f"{text!r} is not an offset like G54=X1,Z2 or T0101=X0,Z80")
-    return name, place(rest)
+    known = canonical(name)
+    if not equals or not rest.strip():
+        raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: after the name comes =, then axes")
+    if known is None:
+        raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: there is no {name.strip()!r}, but {KNOWN_NAMES}")
+    letters = {"D": "R", "T": "XYZABCUVWR"}.get(known[0], "XYZABCUVW")
+    return known, _words(text, rest, letters, OFFSET)
+
+
+def _words(whole: str, text: str, letters: str, wanted: str) -> dict[str, float]:
+    """Letter to number of "X1,Z-2.5". `whole` and `wanted` are for the message."""
+    result: dict[str, float] = {}
+    for part in text.upper().split(","):
+        found = WORD.fullmatch(part)
+        if not found or found[1] not in letters:
+            raise argparse.ArgumentTypeError(
+                f"{whole!r} {wanted}: {part.strip()!r} is not one of {letters} and a number"
+            )
+        if found[1] in result:
+            raise argparse.ArgumentTypeError(f"{whole!r} {wanted}: {found[1]} stands twice")
+        if abs(float(found[2])) > LARGEST_WORD_MM:
+            raise argparse.ArgumentTypeError(f"{whole[:60]!r} {wanted}: no machine reaches that far")
+        result[found[1]] = float(found[2])
+    return result

@@ -12,6 +12,7 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER, Arcs
 from postproc.nc.batch import Batch
+from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.units import TICKS_PER_MM
 
@@ -95,11 +96,12 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
         written = np.flatnonzero(centre_word[k] >= 0)
         value[k, written] = batch.ticks(centre_word[k, written], unit[written])
     by_radius = centre_word[2] >= 0
-    absolute = circle.absolute[arc] & ~by_radius
+    written = words.letter[np.maximum(centre_word[:2], 0)] if len(words.letter) else np.zeros((2, n), np.uint8)
+    by_letter = (centre_word[:2] >= 0) & (written >= RELATIVE)
+    absolute = np.where(by_letter, written >= ABSOLUTE, circle.absolute[arc]) & ~by_radius
     origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
-    missing = ~by_radius & (
-        np.where(absolute, np.minimum(centre_word[0], centre_word[1]), np.maximum(centre_word[0], centre_word[1])) < 0
-    )
+    one = np.where(circle.absolute[arc], centre_word[:2].min(axis=0), centre_word[:2].max(axis=0))
+    missing = ~by_radius & (one < 0)
     batch.blame(blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
     centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM
     start_mm, end_mm = start / TICKS_PER_MM, end / TICKS_PER_MM
@@ -122,14 +124,14 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     _check(batch, blocks, good & known & ~missing, radius, radius_end)
     return Arcs(
         motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
-        radius_end=radius_end, grid=grid, words=centre_word, absolute=circle.absolute[arc], origin=origin,
+        radius_end=radius_end, grid=grid, words=centre_word, absolute=absolute, origin=origin,
     )  # fmt: skip
 
 
 def _empty() -> Arcs:
     i, f = np.zeros(0, np.int64), np.zeros(0)
     two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
-    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, i.astype(bool), two.astype(np.int64))
+    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, two.astype(bool), two.astype(np.int64))
 
 
 def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
@@ -169,10 +171,13 @@ def _turns(batch: Batch, circle: Circle, arc, sweep):
     if not batch.dialect.turns:
         batch.blame(circle.block[arc][has], "P in an arc", "this control has no turns in arcs")
         return sweep
-    turns = np.where(has, batch.numbers(np.maximum(of, 0)), 1.0)
-    wrong = (turns < 1) | (turns != np.floor(turns))
-    batch.blame(circle.block[arc][wrong], "P of an arc is not a whole number of turns", "write P1, P2, ...")
-    return sweep + np.sign(sweep) * (turns - 1) * 2 * np.pi
+    least = batch.dialect.first_turn
+    turns = np.where(has, batch.numbers(np.maximum(of, 0)), float(least))
+    wrong = (turns < least) | (turns != np.floor(turns))
+    batch.blame(
+        circle.block[arc][wrong], "the turns of an arc are not a whole number", f"write {least}, {least + 1}, ..."
+    )
+    return sweep + np.sign(sweep) * (turns - least) * 2 * np.pi
 
 
 def _check(batch: Batch, blocks, good, radius, radius_end) -> None:

@@ -11,7 +11,7 @@ from postproc.motions import no_presets
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
-from postproc.nc.lexer import POWERS, Words
+from postproc.nc.lexer import KEYWORD_LETTER, POWERS, Words
 from postproc.nc.state import NONE, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
-
-
-KEYWORD_LETTER = 0x80  # the letter under which the lexer hands on a code that is a word (TRANS)
+DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
 
 
 def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
@@ -65,6 +63,7 @@ class Batch:
         self.beside = state.cutting_beside
         self.cycle: InCycle | None = None
         self.presets = no_presets()
+        self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
     def fault(self, word: int, message: str, advice: str = "") -> BlockFault:
@@ -79,7 +78,7 @@ class Batch:
         if self.ended:
             live[:] = False
         for place in self.places.get("M", ())[:] if not self.ended else ():
-            if w.mantissa[place] in codes.END_OF_PROGRAM and w.decimals[place] == 0 and live[w.block[place]]:
+            if w.mantissa[place] in self.dialect.ends and w.decimals[place] == 0 and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
                 break
@@ -99,6 +98,18 @@ class Batch:
             raise self.fault(
                 place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one"
             )
+        return place
+
+    def one_of(self, *letters: str) -> np.ndarray:
+        """Word indices of letters of which one may stand once in a block."""
+        some = [self.once(letter) for letter in letters if letter in self.places]
+        if len(some) < 2:
+            return some[0] if some else np.zeros(0, np.int64)
+        place = np.sort(np.concatenate(some))
+        block = self.words.block[place]
+        twice = np.flatnonzero(block[1:] == block[:-1])
+        if len(twice):
+            raise self.fault(place[twice[0] + 1], f"two words for {letters[0]} in one block", "keep one")
         return place
 
     def numbers(self, place: np.ndarray) -> np.ndarray:
@@ -164,6 +175,18 @@ class Batch:
                 self.code_word[block[of]] = place[of]
         for code in sorted(set(number[group == NO_GROUP].tolist())):
             self.single[int(code)] = block[number == code]
+        if self.dialect.carried:
+            self._carried_mode()
+
+    def _carried_mode(self) -> None:
+        """Whether words of carried axes are absolute (900) or increments (910): M82 M83, and G90 G91 where they count."""
+        column = np.full(self.n, NONE, np.int64)
+        if self.dialect.carried_by_distance and "distance" in self.given:
+            column = self.given["distance"].copy()
+        place = self.places.get("M", np.zeros(0, np.int64))
+        for number, mode in zip(self.dialect.carried_codes, (900, 910), strict=False):
+            column[self.words.block[place[self.words.mantissa[place] == number]]] = mode
+        self.given["carried"] = column
 
     def held(self, group: str):
         """The code of a group in force at each block: (B,) where the batch names it, else one number."""
@@ -211,5 +234,8 @@ class Batch:
         if letter == "X" and "diameter" in self.dialect.groups:
             mode = self.held("diameter")
             default = 2 if letter in self.setup.diameter else 1
+            if DIAM90 in self.dialect.by_number:
+                by_distance = np.where(self.held("distance") == 910, 1, 2)
+                return np.where(mode == DIAM90, by_distance, np.where(mode == 70, 2, np.where(mode == 80, 1, default)))
             return np.where(mode == 70, 2, np.where(mode == 80, 1, default))
         return np.asarray(2 if letter in self.setup.diameter else 1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
 from postproc.nc.arcs import PLANES
+from postproc.nc.lexer import RELATIVE
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
 from postproc.units import TICKS_PER_MM
 
@@ -40,7 +41,7 @@ def centre_words(b: Batch) -> None:
     for k in range(2):
         word = m.arcs.words[k, arc]
         value = _centre(b, piece, arc, k)
-        wanted = np.where(m.arcs.absolute[arc], value, p.centre[k, piece])
+        wanted = np.where(m.arcs.absolute[k, arc], value, p.centre[k, piece])
         decimals = _centre_decimals(b, arc, k, word)
         number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
         own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
@@ -67,7 +68,10 @@ def centre_words(b: Batch) -> None:
         b.touched[mine[replace]] = b.touched[mine[add]] = True
         later = np.flatnonzero(~b.first & (p.arc >= 0))
         decimals = _centre_decimals(b, p.arc[later], k, np.full(len(later), -1))
-        wanted = np.where(m.arcs.absolute[p.arc[later]], _centre(b, later, p.arc[later], k), p.centre[k, later])
+        # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have it are incremental.
+        word = m.arcs.words[k, p.arc[later]]
+        absolute = m.arcs.absolute[k, p.arc[later]] & ~_by_letter(b, word)
+        wanted = np.where(absolute, _centre(b, later, p.arc[later], k), p.centre[k, later])
         number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, p.arc[later], k))
         motion = p.motion[later]
         _insert_centre(b, motion, p.arc[later], k, number, decimals, b.behind()[motion], b.rank(later) + 30 + k)
@@ -77,6 +81,11 @@ def _centre(b: Batch, piece, arc, k):
     """(K,) ticks of an absolute centre word."""
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
     return b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
+
+
+def _by_letter(b: Batch, word) -> np.ndarray:
+    """(K,) bool: words whose own spelling says whether they are absolute."""
+    return (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE) if len(b.w.letter) else word >= 0
 
 
 def _unit(b: Batch, arc, k):

@@ -120,10 +120,14 @@ def _digits(value: int, like: bytes) -> bytes:
 
 def _marks(text: bytes) -> Iterator[tuple[int, int, int]]:
     """Start of the line, place of the `*`, and end of the digits, of every checksum."""
-    for found in MARK.finditer(text):
+    found = MARK.search(text)
+    while found:
         start = text.rfind(b"\n", 0, found.start()) + 1
         if text.find(b";", start, found.start()) < 0:
             yield start, found.start(), found.end()
+        # What follows in this line is a comment.
+        stop = text.find(b"\n", found.end())
+        found = MARK.search(text, stop) if stop >= 0 else None
 
 
 def _right(code: bytes) -> tuple[int, int]:

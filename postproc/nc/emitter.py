@@ -17,7 +17,7 @@ from postproc.nc.centres import centre_words
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
-from postproc.nc.lexer import Words
+from postproc.nc.lexer import RELATIVE, Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
 from postproc.nc.stops import exact_stops
@@ -153,6 +153,8 @@ class Batch:
         # Pieces behind the first name their code when it differs from the piece before.
         code = p.code.astype(np.int64)
         self.names_code = np.concatenate([[False], code[1:] != code[:-1]]) & ~self.first
+        if not self.e.dialect.modal_motion:
+            self.names_code = ~self.first
 
     def _last_code(self) -> int:
         code = int(self.p.code[-1])
@@ -168,7 +170,16 @@ class Batch:
         """(K,) what the axis word of pieces is worth."""
         m, p = self.m, self.p
         motion = p.motion[piece]
-        return p.end[row, piece] - np.where(m.incremental[row, motion], p.start[row, piece], m.origin[row, motion])
+        incremental = m.incremental[row, motion]
+        by_letter = self._by_letter(row, motion)
+        if by_letter.any():  # X=IC() holds for its own word; blocks put in follow G90 G91
+            incremental = np.where(by_letter & ~self.first[piece], m.relative[motion], incremental)
+        return p.end[row, piece] - np.where(incremental, p.start[row, piece], m.origin[row, motion])
+
+    def _by_letter(self, row: int, motion: np.ndarray) -> np.ndarray:
+        """(K,) bool: words whose own spelling says whether they are absolute."""
+        word = self.m.word[row, motion]
+        return (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE) if len(self.w.letter) else word >= 0
 
     def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""

@@ -37,6 +37,8 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if not b.live[0]:
             continue
         ACTIONS[does](b, axis_words, code.word)
+    if b.dialect.length_letter != "H" and _number(b, b.dialect.length_letter) is not None:
+        _length_by(b, b.dialect.length_letter)
     if b.dialect.extended_by_p and "work offset" in b.given and b.given["work offset"][0] == 540 and _number(b, "P"):
         _extended(b, axis_words, "G54")
 
@@ -171,6 +173,8 @@ def _set(b: Batch, axis_words, word: str) -> None:
         return
     frame = b.frame
     others = work_columns(b)[:, 0] + frame.shift - (frame.preset if frame.preset_on else 0)
+    if not frame.preset_on:
+        frame = replace(frame, preset=np.zeros_like(frame.preset))
     preset, missing = {}, ""
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]
@@ -210,7 +214,8 @@ def _local(b: Batch, axis_words, word: str) -> None:
     """G52: a zero within the work offset. LinuxCNC keeps it where it keeps G92's."""
     values = {b.rows[x]: value for x, (value, _) in _values(b, axis_words).items()}
     if b.dialect.local_is_preset:
-        b.frame = _known(replace(b.frame, preset=_changed(b.frame.preset, values), preset_on=True), "preset")
+        base = b.frame.preset if b.frame.preset_on else np.zeros_like(b.frame.preset)
+        b.frame = _known(replace(b.frame, preset=_changed(base, values), preset_on=True), "preset")
     else:
         b.frame = replace(b.frame, local=_changed(b.frame.local, values))
 
@@ -287,7 +292,10 @@ def _tool_data(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[
     for letter, (value, _) in values.items():
         row = b.rows[letter]
         if line in (10, 11) and not b.dialect.extended_by_p:  # so that the axis stands at this coordinate
-            base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row] if line == 10 else 0
+            if line == 10:
+                base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
+            else:  # in G59.3, without G92
+                base = ticks_of(b, stated(b, "G59.3") or {})[row]
             value = int(b.state.position[row]) - value - int(base)
         place[letter] = value / TICKS_PER_MM
     b.offsets = {**b.offsets, name: place}
@@ -310,6 +318,17 @@ def _length(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -
         b.frame = _known(b.frame, "length", reason)
         return
     b.frame = _known(replace(b.frame, length=b.frame.length + length if add else length), "length")
+
+
+def _length_by(b: Batch, letter: str) -> None:
+    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none."""
+    number = int(_number(b, letter) or 0)
+    name = f"{letter}{number}"
+    place = stated(b, name) if number else {}
+    reason = None
+    if place is None:
+        reason = (f"the tool length {name} is not stated", f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table")
+    b.frame = _known(replace(b.frame, length=ticks_of(b, place or {})), "length", reason)
 
 
 def _length_words(b: Batch, axis_words, word: str) -> None:

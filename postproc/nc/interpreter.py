@@ -19,13 +19,21 @@ from postproc.errors import BlockFault, Notice
 from postproc.motions import ENTRY, FOREIGN, FREE, OFFSET, Motions, join
 from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import KEYWORD_LETTER, Batch, written_codes
+from postproc.nc.batch import LINEAR, Batch, written_codes
 from postproc.nc.columns import hold_last_float
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
-from postproc.nc.lexer import Words
+from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, Words
 from postproc.nc.positions import Places, position
-from postproc.nc.refusals import check_letters, check_points, m_codes, refuse_motions, refused_groups, stray_words
+from postproc.nc.refusals import (
+    check_letters,
+    check_points,
+    m_codes,
+    refuse_motions,
+    refused_groups,
+    stray_words,
+    unnamed_motions,
+)
 from postproc.nc.state import NONE, ModalState, Setup, no_frame
 from postproc.units import TICKS_PER_MM
 
@@ -51,19 +59,20 @@ class Interpreter:
         modal = dict.fromkeys(self.dialect.groups, NONE)
         modal.update({"plane": self.dialect.plane, "distance": 900, "units": 210, "feed mode": 940})
         modal["arc centre"] = 901 if setup.arc_centre == "absolute" else 911
+        modal["carried"] = 900
         modal["work offset"] = 540 if "G54" in setup.offsets else NONE
         start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
         return ModalState(
             modal,
             np.array(start, np.int64),
-            np.array([x in setup.start for x in setup.axes]),
+            np.array([x in setup.start or x in self.dialect.carried for x in setup.axes]),
             frame=no_frame(len(start)),
         )
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""
         cuts = self._segments(words, state)
-        if len(cuts) == 2:
+        if len(cuts) <= 2:
             return follow(Batch(self, words, state))
         parts, blocks, starts = [], [], []
         notices: list[Notice] = []
@@ -83,20 +92,25 @@ class Interpreter:
     def _segments(self, words: Words, state: ModalState) -> list[int]:
         """Blocks at which segments begin, and the number of blocks: a block that shifts the coordinates begins one."""
         place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
-        if not len(place) or state.ended:
+        if state.ended:
             return [0, words.blocks]
+        tools: list[int] = []
+        if self.dialect.length_letter != "H":
+            tools = words.block[words.letter == ord(self.dialect.length_letter)].tolist()
         number = written_codes(words, place)
-        begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]]
-        if not len(begins):
-            return [0, words.blocks]
-        return sorted({0, words.blocks, *begins.tolist()})
+        begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]].tolist()
+        return sorted({0, words.blocks, *begins, *tools})
 
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     """In the order of a control: letters, codes, what they take away from the motion, then positions and arcs."""
     check_letters(b)
     b.read_codes()
-    axis_words = {x: (b.once(x), b.once(u) if u else np.zeros(0, np.int64)) for x, u in _axis_letters(b)}
+    if b.integers == "least increments":
+        count_increments(b)
+    axis_words = {
+        x: (b.one_of(x, spelled(ABSOLUTE, x)), b.one_of(u, spelled(RELATIVE, x))) for x, u in _axis_letters(b)
+    }
     for pair in axis_words.values():
         for place in pair:
             b.has_axis[b.words.block[place]] = True
@@ -106,7 +120,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     frames.offset_columns(b)
     m_codes(b)
     check_points(b)
-    centre_words = {c: b.once(c) for c in "IJKR" if c in b.places}
+    centre_words = {c: b.one_of(c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": b.once("R")}
+    centre_words = {c: place for c, place in centre_words.items() if len(place)}
     motion = np.broadcast_to(b.held("motion"), b.n)
     arc_code = (motion == 20) | (motion == 30)
     moving = b.has_axis & ~b.taken
@@ -118,11 +133,27 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    if not b.dialect.modal_motion:
+        unnamed_motions(b, moving)
     straight = (motion == 0) | (motion == 10)
     stray_words(b, centre_words, moving & straight)
     block = np.flatnonzero(moving | b.foreign)
     places = position(b, block, axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
+
+
+def count_increments(b: Batch) -> None:
+    """A number without a decimal point counts least increments: X1000 is X1.000 where they are 0.001."""
+    w = b.words
+    places = {x: -round(np.log10(b.setup.least_increment.get(x, 1e-4))) for x in b.rows}
+    linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
+    by_letter = {**places, **{u: places[x] for u, x in b.dialect.increments.items() if x in places}}
+    inch = np.broadcast_to(b.held("units"), b.n) == 200
+    for letter in {*by_letter, *"IJKR"}:
+        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = place[~w.pointed[place]]
+        more = inch[w.block[place]] & (letter not in b.rows or letter in LINEAR)
+        w.decimals[place] = by_letter.get(letter, linear) + more
 
 
 def single_codes(b: Batch) -> None:
@@ -193,7 +224,7 @@ def columns(
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=b.machine[block], inverse=feed_mode == 930, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block),
+        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=np.broadcast_to(b.held("distance"), n)[block] == 910,
         length=np.broadcast_to(b.frame.length[:, None], places.start.shape),
     )  # fmt: skip
 
@@ -243,6 +274,11 @@ def tool_in_use(b: Batch) -> int:
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
+def spelled(how: int, letter: str) -> str:
+    """The letter under which X=AC() or X=IC() comes."""
+    return chr(how + AXES.index(letter)) if letter in AXES else ""
+
+
 def _axis_letters(b: Batch):
     reverse = {row: u for u, row in b.interpreter.increment_rows.items()}
-    return [(x, reverse.get(row)) for x, row in b.rows.items()]
+    return [(x, reverse.get(row, "")) for x, row in b.rows.items()]

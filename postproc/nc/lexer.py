@@ -35,7 +35,10 @@ class Grammar(NamedTuple):
     """How a dialect's text is cut into words. `semicolon`: "comment", or "end of block" with several blocks in a line.
     `parentheses`: whether ( ) are comments. `keywords`: words that are codes by themselves (TRANS, DIAMON). `spellings`:
     what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`: whether X=1 is X1 and X=IC(1) a distance.
-    `checksums`: whether *85 may end a line."""
+    `checksums`: whether *85 may end a line.
+    `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what their group holds stays. `bare_letters`:
+    whether a letter may stand without a number where it moves nothing (G28 X Y, M84 E). `block_end`: a character that
+    ends a block besides the line's end."""
 
     semicolon: str = "comment"
     parentheses: bool = True
@@ -43,9 +46,25 @@ class Grammar(NamedTuple):
     spellings: tuple[tuple[str, str], ...] = ()
     assigns: bool = False
     checksums: bool = False
+    ignores: tuple[str, ...] = ()
+    bare_letters: bool = False
+    block_end: str = ""
+
+    @property
+    def is_respelled(self) -> bool:
+        """Whether words may be written in other ways than as a letter and a number."""
+        return bool(self.keywords or self.spellings or self.ignores or self.bare_letters) or self.assigns or self.checksums
 
 
 PLAIN = Grammar()
+# Letters, beyond those of a program, under which other spellings are handed on (postproc.nc.spellings): codes that are
+# words, parameters that move nothing, and axis or centre words with IC() or AC().
+KEYWORD_LETTER, PARAMETER, RELATIVE, ABSOLUTE = 0x80, 0x81, 0x90, 0xC0
+AXES = "XYZABCUVWEIJK"
+SPELLED = bytes(
+    [KEYWORD_LETTER, PARAMETER, *range(RELATIVE, RELATIVE + len(AXES)), *range(ABSOLUTE, ABSOLUTE + len(AXES))]
+)
+AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
 @dataclass(frozen=True)
@@ -101,13 +120,16 @@ class Words:
 
 
 @lru_cache
-def _classes(semicolon: str) -> bytes:
+def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     """The class of each of the 256 bytes, for bytes.translate."""
     table = bytearray([OTHER]) * 256
     classes = {BLANK: b" \t\r", DIGIT: b"0123456789", SIGN: b"+-", POINT: b".", SLASH: b"/", PERCENT: b"%", END: b"\n"}
     classes[LETTER] = bytes(range(ord("A"), ord("Z") + 1)) + bytes(range(ord("a"), ord("z") + 1))
     if semicolon == "end of block":
         classes[END] += b";"
+    classes[END] += block_end.encode()
+    if spelled:
+        classes[LETTER] += SPELLED
     for kind, characters in classes.items():
         for character in characters:
             table[character] = kind
@@ -120,12 +142,19 @@ def lex(text: bytes, grammar: Grammar) -> Words:
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
     code, semicolon = text, grammar.semicolon
-    if b"(" in text or (semicolon == "comment" and b";" in text):
+    comments = b"(" in text or (semicolon == "comment" and b";" in text)
+    if comments and grammar.parentheses:
         code = COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
+    elif comments and semicolon == "comment":
+        code = AFTER_SEMICOLON.sub(_blank, text)
+    if grammar.is_respelled:
+        from postproc.nc.spellings import respelled
+
+        code = respelled(code, grammar)
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
-    kind = np.frombuffer(code.translate(_classes(semicolon)), dtype=np.uint8)
+    kind = np.frombuffer(code.translate(_classes(semicolon, grammar.is_respelled, grammar.block_end)), dtype=np.uint8)
     at = np.flatnonzero(kind != BLANK)  # offsets of all that is not blank
     if len(at) < len(kind):
         kind, byte = kind[at], byte[at]

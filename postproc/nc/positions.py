@@ -8,6 +8,7 @@ import numpy as np
 
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
+from postproc.nc.lexer import ABSOLUTE
 
 
 @dataclass
@@ -32,7 +33,6 @@ class Places:
 def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
     w, n = b.words, b.n
-    distance = b.held("distance")
     shape = (len(b.rows), len(block))
     whole = [np.zeros(shape, np.int64) for _ in range(6)]
     p = Places(
@@ -43,6 +43,7 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     taken, machine = b.taken, b.machine
     forget = b.loses | b.foreign
     for letter, row in b.rows.items():
+        distance = b.held("carried") if letter in b.dialect.carried else b.held("distance")
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
         least = -round(np.log10(b.setup.least_increment.get(letter, 1e-4)))
@@ -69,8 +70,9 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             place = place[~cycle.mask[w.block[place]]]
         by = w.block[place]
         is_inc = at(distance == 910, by) & ~machine[by]
-        if len(increment):
-            is_inc |= w.letter[place] != ord(letter)
+        own = w.letter[place] == ord(letter)
+        if not own.all():
+            is_inc = np.where(own, is_inc, w.letter[place] < ABSOLUTE)
         value = b.ticks(place, at(scale, by))
         named = np.zeros(n, bool)
         if len(by) or cycle:

@@ -10,15 +10,23 @@ import numpy as np
 from postproc.errors import Notice
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
+from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, PARAMETER, RELATIVE
 from postproc.nc.state import NONE
+
+CENTRES = range(AXES.index("I"), len(AXES))
 
 
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
     for letter, place in b.places.items():
+        code = ord(letter)
+        if code in (KEYWORD_LETTER, PARAMETER) or code - RELATIVE in CENTRES or code - ABSOLUTE in CENTRES:
+            continue
+        if code >= RELATIVE:
+            letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
         if letter in b.interpreter.letters:
             continue
-        if letter in "ABCUVWXYZ":
+        if letter in "ABCUVWXYZ" or letter in b.dialect.carried:
             raise b.fault(
                 place[0],
                 f"the machine has no axis {letter}",
@@ -61,7 +69,9 @@ def refused_groups(b: Batch) -> None:
             for number in sorted(set(column[column != NONE].tolist())):
                 code = b.dialect.by_number[int(number)]
                 if code.takes:
-                    b.taken |= column == number
+                    # G43.1 with a motion code in its block shifts by its words and then moves by them.
+                    both = (b.code_word >= 0) & (code.does == "length words")
+                    b.taken |= (column == number) & ~both
                     harmless = (column == number) & ~b.has_axis & (number != 100) & (not code.does)
                     column[harmless] = NONE  # G92 S: a speed limit, no position
             held = hold_last(column, before)
@@ -114,6 +124,12 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         "begin the program with the motion code it means",
     )
     b.foreign |= refused | bare
+
+
+def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
+    """Controls on which every block names its motion code do not know a block without."""
+    bare = moving & (b.code_word < 0) & ~b.foreign
+    b.blame(np.flatnonzero(bare), "axis words without a motion code in the block", "this control wants G0 or G1 in every line")
 
 
 def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndarray) -> None:

@@ -84,7 +84,7 @@ MACRO = [
 ]
 
 # What every control for cutting has here; each adds its units, frames and cycles.
-COMMON = [*MOTION, *PLANE, *DISTANCE, *UNITS, *WORK, *REFERENCE, *MACHINE_FRAME, *DWELL]
+COMMON = [*MOTION, *PLANE, *DISTANCE, *WORK, *REFERENCE, *MACHINE_FRAME, *DWELL]
 
 # -- Fanuc: what mills and lathes share, and what the lathes of all three G-code systems share ------------------------------
 

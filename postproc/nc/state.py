@@ -13,7 +13,7 @@ NONE = -1  # no code of that group yet
 class Setup:
     """What the text must be told of the machine: its axes, which words are diameters, least increments (mm), work and
     tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start (mm, machine coordinates), and how
-    block delete and arc centres are read (None: as the dialect does)."""
+    block delete and arc centres are read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as in the dialect)."""
 
     axes: tuple[str, ...]
     diameter: frozenset[str] = frozenset()
@@ -22,6 +22,7 @@ class Setup:
     start: dict[str, float] = field(default_factory=dict)
     block_delete: bool = False
     arc_centre: str = "incremental"
+    integers: str = ""
 
 
 @dataclass(frozen=True)

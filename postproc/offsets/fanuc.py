@@ -26,14 +26,14 @@ from postproc.offsets import AXES, ROTARY, Offsets, Source
 from postproc.units import MM_PER_INCH
 
 TITLE = "G10 program of Fanuc, Haas and others"
-LOOK = re.compile(r"(?<![A-Z0-9.])G10(?![\d.])")
+LOOK = re.compile(r"(?<![A-Z0-9.])G10(?![0-9.])")
 COMMENT = re.compile(r"\([^()]*\)")
-WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*")
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 LENGTH_WEAR, LENGTH, RADIUS, RADIUS_WEAR = "11", "10", "12", "13"
 REGISTERS = {"1": LENGTH_WEAR, **{code: code for code in (LENGTH, LENGTH_WEAR, RADIUS, RADIUS_WEAR)}}
 STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
 GEOMETRY = 10_000
-HEAD = re.compile(r"([O:]\s*\d+\s*|<[^<>]*>\s*)?(.*)")
+HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")  # the tape's mark, the program's number or name
 LAST = re.compile(r"M0*(2|30|99)\s*")
 ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
 NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
@@ -66,8 +66,8 @@ def read(source: Source) -> Offsets:
     """Work offsets, tools "H1", "D1", or "T0101" of a lathe. Raises UsageError for any block that is no G10."""
     memory = Memory(inch=source.inch)
     for number, line in source.lines():
-        text = HEAD.fullmatch(COMMENT.sub(" ", line.upper()).strip().strip("%").strip())
-        for block in text[2].split(";") if text else [line]:
+        text = HEAD.sub("", COMMENT.sub(" ", line.upper()), count=1)
+        for block in text.split(";"):
             _block(source, number, block.strip(), memory)
     return _assembled(source, memory)
 
@@ -99,11 +99,11 @@ def _block(source: Source, number: int, block: str, memory: Memory) -> None:
 
 def _register(source: Source, number: int, words: dict[str, str], memory: Memory) -> None:
     """One G10 block into the memory."""
+    lathe = "L" not in words
     code, p = words.pop("L", "").lstrip("0"), words.pop("P", "")
-    if not re.fullmatch(r"\d{1,6}", p):
+    if not re.fullmatch(r"[0-9]{1,6}", p):
         raise source.fault(number, "G10 needs P, the number of the offset", ADVICE)
     n = int(p)
-    lathe = not code
     if lathe:
         words.pop("Q", None)  # the nose's direction
         for letter in set(words) & set(STEPS):
@@ -116,14 +116,14 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
             return
     elif code in ("2", "20"):
         kind, allowed, numbers = code, AXES, n in (range(7) if code == "2" else range(1, 301))
-        if not lathe and set(words) & set("UVW"):
+        if set(words) & set("UVW"):
             raise source.fault(number, "U V W may be axes, or steps of X Y Z", "state this offset one by one")
     elif code in REGISTERS:
         kind, allowed, numbers = REGISTERS[code], "R", n in range(1, 1000)
         if "R" not in words:
             raise source.fault(number, f"G10 L{code} needs R, the offset's value", ADVICE)
     else:
-        raise source.fault(number, f"G10 L{code} sets no offset", ADVICE)
+        raise source.fault(number, f"G10 L{code or 0} sets no offset", ADVICE)
     if not numbers:
         raise source.fault(number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE)
     memory.place.setdefault((kind, n), {})

@@ -41,7 +41,7 @@ def read(source: Source) -> Offsets:
             entries.append((number, entry[1].upper(), (entry[2] or "").split(",")))
         elif not entry and not TALK.fullmatch(line):
             raise source.fault(number, "this is no line of GRBL's answer to $#", ADVICE)
-    scale = _scale(source, [text for *_, values in entries for text in values], offsets)
+    scale = _scale(source, [values[0] for *_, values in entries], offsets)
     for number, name, texts in entries:
         axes = "Z" if name == "TLO" and len(texts) == 1 else AXES
         if len(texts) > len(axes):
@@ -59,7 +59,7 @@ def read(source: Source) -> Offsets:
 
 
 def _scale(source: Source, texts: list[str], offsets: Offsets) -> float:
-    """mm per unit, as the user or the decimals say."""
+    """mm per unit, as the user or the decimals of the first axis say (angles have three always)."""
     if source.inch is None:
         decimals = {len(text.strip().partition(".")[2]) for text in texts}
         if decimals == {4}:

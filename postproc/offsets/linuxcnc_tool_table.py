@@ -14,7 +14,7 @@ import re
 from postproc.offsets import AXES, ROTARY, Offsets, Source
 
 TITLE = "LinuxCNC tool table"
-LOOK = re.compile(r"T\d+\s+P\d+(\s+[A-Z][-+.\d]+)*\s*(;.*)?", re.IGNORECASE)
+LOOK = re.compile(r"T[0-9]+\s+P[0-9]+(\s+[A-Z][-+.0-9]+)*\s*(;.*)?", re.IGNORECASE)
 WORD = re.compile(r"([TPXYZABCUVWDIJQ])(\S+)", re.IGNORECASE)
 ADVICE = "a line is like: T1 P1 X0 Z+0.511 D0.125 ;remark"
 
@@ -43,7 +43,7 @@ def read(source: Source) -> Offsets:
                 raise source.fault(number, f"{letter} stands twice", ADVICE)
             values[letter] = word[2]
         tool = values.get("T", "")
-        if not re.fullmatch(r"\d{1,6}", tool):
+        if not re.fullmatch(r"[0-9]{1,6}", tool):
             raise source.fault(number, "the tool's number is missing", ADVICE)
         name = f"T{int(tool)}"
         if name in offsets.tools:

@@ -18,8 +18,8 @@ from postproc.offsets import AXES, ROTARY, Offsets, Source
 TITLE = "LinuxCNC parameter file"
 SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 SHIFT_ON, SHIFT, ACTIVE, FIRST, STEP = 5210, 5211, 5220, 5221, 20
-LINE = re.compile(r"(\d{1,5})\s+(\S+)")
-LOOK = re.compile(r"5[23]\d\d\s+[-+.\d][-+.\deE]*")
+LINE = re.compile(r"([0-9]{1,5})\s+(\S+)")
+LOOK = re.compile(r"5[23][0-9][0-9]\s+[-+.0-9][-+.0-9eE]*")
 ADVICE = "a line is a parameter's number and its value, as LinuxCNC writes them"
 
 

@@ -8,10 +8,10 @@
 Coarse and fine, and geometry, wear and base, are added. Lengths are given to axes as in the basic planes: length 1 2 3 is
 Z Y X in G17 for mills and drills, X Z Y in G18 for types 400 to 599, turning and grinding. A frame that scales, mirrors
 or turns about X or Y can not be said as an offset: it is left out with a notice (a basic frame is refused), so that a
-program that selects it is refused too. X is a radius unless the user says diameter (MD20360 bit 0 and 1 turn the tools'
-X into one). The unit is that of the control (MD10240), which the file does not tell.
+program that selects it is refused too. X is a radius; where the user says diameter, X of turning tools is halved, as
+MD20360 bit 0 and 1 have it. The unit is that of the control (MD10240), which the file does not tell.
 
-Sources: Siemens 840D programming guide advanced 6FC5298-5AB10 6 and 8.1 ($P_UIFR, $TC_DP), SINUMERIK ONE 6FC5398-2EP40
+Sources: Siemens 840D programming guide advanced (PGA) 04.00, 6 and 8.1 ($P_UIFR, $TC_DP), SINUMERIK ONE 6FC5398-2EP40
 3.8.2.2 (TR FI RT SC MI) and 3.13.3.4 (lengths), 828D function manual K2 10.5.5.3 (basic frames), 802D sl W1 25.5.
 """
 
@@ -21,14 +21,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from postproc.offsets import AXES, LINEAR, ROTARY, Offsets, Source
+from postproc.offsets import AXES, LINEAR, Offsets, Source
 
 TITLE = "SINUMERIK data with $P_UIFR or $TC_DP"
-LOOK = re.compile(r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP\d+)\b")
-BLOCK = r"(?:N\d+\s*)?"
-ASSIGNMENT = re.compile(BLOCK + r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP\d{1,3})\s*(?:\[([^\]]*)\])?\s*=\s*(.*)")
+LOOK = re.compile(r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP[0-9]+)\b")
+BLOCK = r"(?:N[0-9]+\s*)?"
+ASSIGNMENT = re.compile(BLOCK + r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP[0-9]{1,3})\s*(?:\[([^\]]*)\])?\s*=\s*(.*)")
 OTHER = re.compile(BLOCK + r"(\$[A-Z].*=.*|%.*|M0*(2|17|30)|RET)")
-CHANNEL = re.compile(BLOCK + r"CHANDATA\s*\(\s*(\d+)\s*\)")
+CHANNEL = re.compile(BLOCK + r"CHANDATA\s*\(\s*([0-9]+)\s*\)")
 FUNCTION = re.compile(r"(CTRANS|CFINE|CROT|CSCALE|CMIRROR)\s*\(([^()]*)\)")
 COMPONENTS = {"CTRANS": "TR", "CFINE": "FI", "CROT": "RT", "CSCALE": "SC", "CMIRROR": "MI"}
 NEUTRAL = {"SC": 1.0}
@@ -78,6 +78,8 @@ def read(source: Source) -> Offsets:
         elif text and not OTHER.fullmatch(text):
             raise source.fault(number, "this is no assignment of offsets", ADVICE)
     offsets = Offsets(notices=source.unit_notice())
+    if source.diameter and frames:
+        offsets.notices.append("X of frames is read as a radius; MD20360 makes a diameter of tool lengths only")
     _places(source, frames, offsets)
     _tools(source, edges, offsets)
     return offsets
@@ -85,13 +87,13 @@ def read(source: Source) -> Offsets:
 
 def _indices(source: Source, number: int, text: str | None, count: int) -> list[int]:
     parts = [part.strip() for part in (text or "").split(",")]
-    if len(parts) != count or not all(re.fullmatch(r"\d{1,6}", part) for part in parts):
+    if len(parts) != count or not all(re.fullmatch(r"[0-9]{1,6}", part) for part in parts):
         raise source.fault(number, f"[{text or ''}] should be {count} whole numbers", ADVICE)
     return [int(part) for part in parts]
 
 
 def _value(source: Source, number: int, text: str) -> float:
-    return source.number(number, re.sub(r"(?<=[\d.])EX(?=[-+\d])", "E", text.strip()))
+    return source.number(number, re.sub(r"(?<=[0-9.])EX(?=[-+0-9])", "E", text.strip()))
 
 
 def _edge(source: Source, number: int, parameter: int, index: str | None, text: str, edges) -> None:
@@ -162,7 +164,7 @@ def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offse
         for component in ("TR", "FI"):
             for axis, value in frame.parts.get(component, {}).items():
                 if axis in AXES:
-                    place[axis] = place.get(axis, 0.0) + _mm(source, axis, value)
+                    place[axis] = place.get(axis, 0.0) + value * (source.scale() if axis in LINEAR else 1.0)
                 elif value:
                     offsets.notices.append(f"{name} shifts {axis} by {value:g}, no axis that gcomp knows: left out")
         if turn:
@@ -176,18 +178,14 @@ def _tools(source: Source, edges: dict[tuple[int, int], dict[int, float]], offse
     if edges:
         offsets.notices.append("tool lengths are given to axes as in G17 for mills, G18 for turning tools")
     for (tool, number), edge in edges.items():
-        order = TURN if int(edge.get(TYPE, 0)) in TURNING else MILL
+        turning = int(edge.get(TYPE, 0)) in TURNING
         place = {
-            axis: _mm(source, axis, sum(edge.get(n, 0.0) for n in numbers))
-            for axis, numbers in zip(order, LENGTHS, strict=True)
+            axis: sum(edge.get(n, 0.0) for n in numbers) * source.scale()
+            for axis, numbers in zip(TURN if turning else MILL, LENGTHS, strict=True)
             if any(n in edge for n in numbers)
         }
+        if turning and source.diameter and "X" in place:
+            place["X"] /= 2
         if any(n in edge for n in RADII):
             place["R"] = sum(edge.get(n, 0.0) for n in RADII) * source.scale()
         offsets.tools[f"T{tool}D{number}"] = place
-
-
-def _mm(source: Source, axis: str, value: float) -> float:
-    """mm (degrees), X as a radius."""
-    value = value * source.scale() if axis in LINEAR else value if axis in ROTARY else 0.0
-    return value / 2 if axis == "X" and source.diameter else value

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from postproc.errors import UsageError
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
-from postproc.nc.codes import CYCLE_KEYS, FRAME_KEYS, KEYWORD, Code, code_number
+from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
+NOTHING = LARGEST_G - 1  # no code has this number
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,20 @@ class Dialect:
     "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
     expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
     `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `repeats`: letters that say how
-    often a canned cycle is run.
+    often a canned cycle is run. `exact_stops`: ten times the
+    codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
+
+    `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for outside
+    of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its motion code out; if
+    not, every block and every added one must name it. `one_command`: a line is one command, its first G or M or T word,
+    and all other words are its parameters. `m_takes`: what stands behind an M word in its line is that code's own affair
+    (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M numbers behind which even a G or M begins
+    no other command (M117 G1 is done). `bare_letters`: letters without a number are legal (G28 X Y).
+    `first_turn`: P of an arc that has no further turns. `arc_centre`: how I J K are meant without G90.1 or G91.1:
+    "incremental"; "pole": absolute, and kept from block to block. `length_letter`: whose number names the tool's length
+    offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain, printers). `carried_codes`: M codes that make
+    the carried axes absolute and incremental; `carried_by_distance`: whether G90 and G91 do so too, the last one counts.
+    `block_end`: a character that ends a block besides the line's end (* of DIN/ISO).
     """
 
     name: str
@@ -64,6 +78,20 @@ class Dialect:
     local_is_preset: bool = False
     extended_by_p: bool = False
     repeats: str = "L"
+    exact_stops: tuple[int, ...] = ()
+    remarks: tuple[str, ...] = ()
+    ends: tuple[int, ...] = END_OF_PROGRAM
+    modal_motion: bool = True
+    one_command: bool = False
+    m_takes: bool = False
+    m_text: tuple[int, ...] = ()
+    bare_letters: bool = False
+    first_turn: int = 1
+    arc_centre: str = "incremental"
+    length_letter: str = "H"
+    carried_codes: tuple[int, ...] = ()
+    carried_by_distance: bool = False
+    block_end: str = ""
 
     @cached_property
     def by_number(self) -> dict[int, Code]:
@@ -93,8 +121,9 @@ class Dialect:
 
     @cached_property
     def meant(self) -> np.ndarray:
-        """(LARGEST_G,) the number that each written code counts as: another one where it is but another spelling."""
-        table = np.arange(LARGEST_G)
+        """(LARGEST_G,) the number that each written code counts as: another one where it is but another spelling, and
+        NOTHING where the control has no such code, though it may have one that is like it (G20 of Siemens)."""
+        table = np.full(LARGEST_G, NOTHING)
         for code in self.codes:
             table[code_number(code.word)] = code.number
         return table
@@ -105,6 +134,16 @@ class Dialect:
         table = np.zeros(LARGEST_G, dtype=bool)
         table[[code.number for code in self.codes if code.does in ("drill", "tap")]] = True
         return table
+
+    @cached_property
+    def modal_stops(self) -> tuple[int, ...]:
+        """Those of the exact stops that hold until G64."""
+        return tuple(n for n in self.exact_stops if n in self.by_number and self.by_number[n].group)
+
+    @cached_property
+    def beside(self) -> tuple[int, ...]:
+        """Codes by which the control shifts the path sideways by the tool's radius."""
+        return tuple(code.number for code in self.codes if code.group == "cutter" and code.does == "cutter")
 
     @cached_property
     def kind(self) -> np.ndarray:
@@ -142,4 +181,13 @@ def load(name: str) -> Dialect:
     """The dialect called `name`. Raises UsageError with the names that there are."""
     if name not in names():
         raise UsageError(f"there is no dialect {name!r}", f"dialects: {', '.join(names())}")
-    return importlib.import_module(f"{__name__}.{name.replace('-', '_')}").DIALECT
+    dialect: Dialect = importlib.import_module(f"{__name__}.{name.replace('-', '_')}").DIALECT
+    return replace(dialect, grammar=_grammar(dialect))
+
+
+def _grammar(dialect: Dialect) -> Grammar:
+    """The grammar with what the dialect's own fields say about its text."""
+    ignores = dialect.grammar.ignores
+    if dialect.m_takes:
+        ignores += (r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?(M[ \t]*[0-9]+(?:\.[0-9]+)?)[^;\n]*",)
+    return dialect.grammar._replace(ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end)

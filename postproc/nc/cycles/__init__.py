@@ -1,0 +1,74 @@
+"""Canned cycles and turned, scaled or mirrored coordinates, written out as plain blocks.
+
+One family of controls and of cycles per module; which dialect has which is said here and nowhere else. A new family is a
+new module and a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
+from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.dialects import Dialect
+
+
+class Cycle(Protocol):
+    """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its own."""
+
+    modal: bool
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome: ...
+
+    def wants(self, scene: Scene, block: Block) -> bool: ...
+
+    def end(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class Family:
+    """The cycles of a dialect by ten times their G number. `restores`: G80 brings back the motion code (G0 G1 G2 G3) that
+    was in force before the cycle."""
+
+    cycles: dict[int, Cycle] = field(default_factory=dict)
+    restores: bool = False
+
+
+def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
+    holes = LinuxcncDrilling(synchronised)
+    return Family(dict.fromkeys([*ACTIONS, *REFUSED], holes))
+
+
+def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
+    holes = FanucDrilling(synchronised=synchronised)
+    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), restores=True)
+
+
+def haas(dialect: Dialect, synchronised: bool) -> Family:
+    holes = HaasDrilling(synchronised)
+    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), restores=True)
+
+
+def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
+    holes = LatheDrilling(synchronised)
+    return Family(dict.fromkeys(LATHE, holes), restores=True)
+
+
+FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
+    "linuxcnc": linuxcnc,
+    "fanuc": fanuc_mill,
+    "fanuc-lathe": fanuc_lathe,
+    "haas": haas,
+    "haas-lathe": fanuc_lathe,
+}
+
+
+def family(dialect: Dialect, synchronised: bool = False) -> Family:
+    """The cycles and frames of a dialect; none where nobody has written them."""
+    found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
+    return FAMILIES[found](dialect, synchronised) if found else Family()

@@ -1,0 +1,162 @@
+"""One block as words with their places, so that some can be taken out or changed and all other text stays as it stood."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from postproc.nc.codes import code_number
+from postproc.nc.lexer import Grammar
+
+_DIGITS = rb"[0-9](?:[ \t]*[0-9])*"
+_NUMBER = rb"[+-]?[ \t]*(?:" + _DIGITS + rb"(?:[ \t]*\.(?:[ \t]*" + _DIGITS + rb")?)?|\.[ \t]*" + _DIGITS + rb")"
+_HIDDEN = b"\x01"  # in place of a comment's characters: no number goes on behind it
+_HELD = rb"(?P<held>AC|IC)[ \t]*\([ \t]*(?P<inner>" + _NUMBER + rb")[ \t]*\)"
+_BLANK = b" \t\r"
+LONGEST_WORD = 100  # characters; a longer one is no number that a control reads
+
+
+@dataclass(frozen=True)
+class Word:
+    """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the number as it is written
+    (`raw`), its place in the text, and for X=IC(5) the mode "IC" or "AC"."""
+
+    letter: str
+    value: float | None
+    raw: str
+    start: int
+    stop: int
+    mode: str = ""
+
+
+@lru_cache
+def _patterns(grammar: Grammar) -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
+    """What a comment is, and what a word is."""
+    comments = [rb"\([^()\n]*\)"] if grammar.parentheses else []
+    if grammar.semicolon == "comment":
+        comments.append(rb";[^\n]*")
+    names = [re.escape(name.encode()) for name in sorted(grammar.keywords, key=len, reverse=True)]
+    keyword = rb"(?P<keyword>(?:" + b"|".join(names) + rb")(?![A-Za-z0-9_=]))|" if names else rb"(?P<keyword>(?!))|"
+    name = rb"(?P<name>[A-Za-z]+)[ \t]*=[ \t]*(?:" + _HELD + rb"|(?P<assigned>" + _NUMBER + rb"))|"
+    if not grammar.assigns:
+        name = rb"(?P<name>(?!))(?P<held>(?!))(?P<inner>(?!))(?P<assigned>(?!))|"
+    word = rb"(?P<letter>[A-Za-z])[ \t]*(?P<number>" + _NUMBER + rb")"
+    return re.compile(b"|".join(comments) or rb"(?!)"), re.compile(keyword + name + word, re.IGNORECASE)
+
+
+def blocks(text: bytes, grammar: Grammar) -> list[bytes]:
+    """The blocks of a line: one, or several where the semicolon ends them."""
+    if grammar.semicolon != "end of block" or b";" not in text:
+        return [text]
+    comment, _ = _patterns(grammar)
+    hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
+    cuts = [i for i, c in enumerate(hidden) if c == ord(";")]
+    parts = [text[a:b] for a, b in zip([0, *(c + 1 for c in cuts)], [*cuts, len(text)], strict=True)]
+    return [part for part in parts if part.strip()] or [b""]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block cut into words. `plain`: whether words, blanks and comments are all there is; `skip`: begins with "/"."""
+
+    text: bytes
+    words: tuple[Word, ...]
+    plain: bool
+    skip: bool
+
+    @staticmethod
+    def of(text: bytes, grammar: Grammar) -> Block:
+        """Cut a block into words. Never raises."""
+        comment, word = _patterns(grammar)
+        hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
+        words, at, plain = [], 0, True
+        skip = hidden.lstrip(_BLANK + _HIDDEN).startswith(b"/")
+        if skip:
+            at = hidden.index(b"/") + 1
+        while at < len(hidden):
+            if hidden[at] in _BLANK + _HIDDEN:
+                at += 1
+                continue
+            found = word.match(hidden, at)
+            if not found or len(found[0]) > LONGEST_WORD:
+                plain = False
+                break
+            words.append(_word(found))
+            at = found.end()
+        return Block(text, tuple(words), plain, skip)
+
+    def get(self, letter: str) -> float | None:
+        """The value of the first word with this letter."""
+        return next((w.value for w in self.words if w.letter == letter), None)
+
+    def word(self, letter: str) -> Word | None:
+        return next((w for w in self.words if w.letter == letter), None)
+
+    @property
+    def codes(self) -> list[int]:
+        """Ten times each G number, and the numbers of keywords, in the order of the block."""
+        return [number for w in self.words if (number := number_of(w)) is not None]
+
+    def m_codes(self) -> list[int]:
+        return [int(w.value) for w in self.words if w.letter == "M" and w.value is not None and w.value == int(w.value)]
+
+    @property
+    def spaced(self) -> bool:
+        """Whether words stand apart."""
+        return any(self.text[b.start - 1] in _BLANK for b in self.words[1:]) or len(self.words) < 2
+
+    def written(self, out: set[int], new: bytes = b"", at: int | None = None, changed: dict[int, bytes] | None = None) -> bytes:
+        """The text without the words numbered in `out`, words in `changed` written anew, and `new` put in before word
+        `at` (None: where the first word that goes out stood, else behind the last word)."""
+        changed = changed or {}
+        if at is None:
+            at = min(out) if out else len(self.words)
+        pieces, last, put = [], 0, not new
+        for i, w in enumerate(self.words):
+            gap = self.text[last : w.start]
+            last = w.stop
+            if i == at and not put:
+                pieces += [gap, self._apart(pieces, gap), new]
+                put, gap = True, b" " if self.spaced else b""
+                if i in out:
+                    continue
+            if i in out:
+                pieces.append(b"" if not gap.strip(_BLANK) and i else gap)
+                continue
+            pieces += [gap, changed.get(i, self.text[w.start : w.stop])]
+        if not put:
+            pieces += [self._apart(pieces, b""), new]
+        text = b"".join([*pieces, self.text[last:]])
+        lead = len(self.text) - len(self.text.lstrip(_BLANK))
+        return (self.text[:lead] + text.lstrip(_BLANK)).rstrip(_BLANK)
+
+    def _apart(self, pieces: list[bytes], gap: bytes) -> bytes:
+        """A blank, where words stand apart and none ends the text so far."""
+        before = b"".join(pieces) + gap
+        blank = not before.strip(_BLANK + b"/") or before[-1:] in (b" ", b"\t")
+        return b"" if blank or not self.spaced else b" "
+
+
+def number_of(word: Word) -> int | None:
+    """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for what no code can be."""
+    if word.letter == "G" and word.value is not None:
+        tenfold = round(word.value * 10)
+        return tenfold if abs(tenfold - word.value * 10) < 1e-9 and 0 <= tenfold < 10_000 else -1
+    return code_number(word.letter) if word.value is None else None
+
+
+def without(block: Block, letters: str) -> Block:
+    """The block as if words with these letters were not there."""
+    return replace(block, words=tuple(w for w in block.words if w.letter not in letters))
+
+
+def _word(found: re.Match[bytes]) -> Word:
+    part = found.groupdict()
+    if part["keyword"]:
+        return Word(part["keyword"].decode().upper(), None, "", *found.span())
+    raw = next(part[k] for k in ("inner", "assigned", "number") if part[k] is not None)
+    raw = raw.translate(None, _BLANK)
+    letter = (part["name"] or part["letter"]).decode().upper()
+    mode = part["held"].decode().upper() if part["held"] else ""
+    return Word(letter, float(raw), raw.decode(), *found.span(), mode)

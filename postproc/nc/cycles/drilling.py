@@ -1,0 +1,226 @@
+"""Holes, whatever the control: what each cycle does between R level and its return, and how a block becomes lines.
+
+NIST RS274/NGC 3.5.16. What a control makes of the words, and what it remembers from hole to hole, is in
+drilling_linuxcnc.py and drilling_fanuc.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.scene import Scene
+
+MOST_PECKS, MOST_HOLES = 10_000, 10_000
+INITIAL_LEVEL, R_LEVEL = 980, 990
+
+
+class Outcome(NamedTuple):
+    """What a block becomes, and what the tracker shall hear instead where the block itself stays (None: the same)."""
+
+    lines: list[bytes]
+    told: list[bytes] | None = None
+
+
+@dataclass(frozen=True)
+class Hole:
+    """One hole along `axis`, programmed coordinates: the level `r`, the `bottom`, where to go `back` to; the dwell `p` as
+    it is written, pecks of `first`, each `less` than the one before, none below `least`; `retract` of a chip."""
+
+    axis: str
+    r: float
+    bottom: float
+    back: float
+    p: str = ""
+    first: float = 0.0
+    less: float = 0.0
+    least: float = 0.0
+    retract: float = 0.0
+
+    @property
+    def down(self) -> int:
+        return -1 if self.bottom <= self.r else 1
+
+    def depths(self, scene: Scene) -> list[float]:
+        """Where each peck ends, but for the last one."""
+        depths: list[float] = []
+        peck, depth = self.first, self.r
+        while peck > 0:
+            depth = depth + self.down * peck
+            if (self.bottom - depth) * self.down <= 0:
+                break
+            depths.append(depth)
+            peck = max(peck - self.less, self.least) if self.less else peck
+            if len(depths) > MOST_PECKS:
+                raise scene.fault(
+                    f"this hole would take more than {MOST_PECKS:,} pecks of {self.first:g}", "check Q, R and Z"
+                )
+        return depths
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a block asks for: the cycle `code`, the `hole`, how many `times`, the words of its `place`; levels to go to
+    `first`, and the `level` at which the place is gone to (None: where it stands). `drops`: other letters and `codes`
+    that belong to the cycle."""
+
+    code: int
+    hole: Hole
+    times: int
+    place: list[Word]
+    first: tuple[float, ...] = ()
+    level: float | None = None
+    drops: str = ""
+    codes: tuple[int, ...] = ()
+
+
+# -- what each cycle does between R level and its return ----------------------------------------------------------------
+
+
+def drill(m: Moves, hole: Hole, scene: Scene) -> None:
+    """G81 G82: feed down, dwell where P says so, rapid back."""
+    m.move("G1", {hole.axis: hole.bottom})
+    _dwell(m, hole)
+    m.move("G0", {hole.axis: hole.back})
+
+
+def pecks(m: Moves, hole: Hole, scene: Scene) -> None:
+    """G83: out to R level behind every peck, and back down to `retract` above it."""
+    for depth in hole.depths(scene):
+        m.move("G1", {hole.axis: depth})
+        m.move("G0", {hole.axis: hole.r})
+        m.move("G0", {hole.axis: depth - hole.down * hole.retract})
+    drill(m, hole, scene)
+
+
+def chips(m: Moves, hole: Hole, scene: Scene) -> None:
+    """G73: back by `retract` behind every peck."""
+    for depth in hole.depths(scene):
+        m.move("G1", {hole.axis: depth})
+        m.move("G0", {hole.axis: depth - hole.down * hole.retract})
+    drill(m, hole, scene)
+
+
+def bore(m: Moves, hole: Hole, scene: Scene) -> None:
+    """G85 G89: feed down, dwell where P says so, feed back to R level."""
+    m.move("G1", {hole.axis: hole.bottom})
+    _dwell(m, hole)
+    m.move("G1", {hole.axis: hole.r})
+    m.move("G0", {hole.axis: hole.back})
+
+
+def bore_far(m: Moves, hole: Hole, scene: Scene) -> None:
+    """LinuxCNC's G89: as G85, but the feed goes all the way back."""
+    m.move("G1", {hole.axis: hole.bottom})
+    _dwell(m, hole)
+    m.move("G1", {hole.axis: hole.back})
+
+
+def bore_standing(m: Moves, hole: Hole, scene: Scene) -> None:
+    """G86: feed down, stop the spindle, rapid back, start it again as it turned before."""
+    if scene.spindle not in (3, 4):
+        raise scene.fault("G86 stops the spindle and starts it again, and it does not turn", "start it before: S and M3 or M4")
+    m.move("G1", {hole.axis: hole.bottom})
+    _dwell(m, hole)
+    m.line(b"M5")
+    m.move("G0", {hole.axis: hole.back})
+    m.line(f"M{scene.spindle}".encode())
+
+
+def _dwell(m: Moves, hole: Hole) -> None:
+    if hole.p:
+        m.line(b"G4", b"P" + hole.p.encode())
+
+
+# -- the cycles of a control ----------------------------------------------------------------------------------------------
+
+Action = Callable[[Moves, Hole, Scene], None]
+WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
+
+
+@dataclass
+class Drilling:
+    """The drilling cycles of one control, and their data that hold from hole to hole.
+
+    `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay; `refused`: those that
+    can not be written out, and why. `words`: letters that belong to a cycle beside the axes; `late`: M codes that the
+    control executes behind the motion. `synchronised`: tapping is written out as feeds too, which no machine may be
+    given (for tests)."""
+
+    actions: dict[int, Action]
+    tapping: tuple[int, ...]
+    refused: dict[int, str]
+    words: str
+    late: tuple[int, ...] = ()
+    synchronised: bool = False
+    p: str = ""  # the dwell as it is written
+    code: int = 0  # the cycle in force, 0: none
+    initial: float | None = None  # where the hole's axis stood when the cycles began
+    stays: bool = False  # the last block was passed on, so the control itself is in the cycle
+    held: dict[str, float] = field(default_factory=dict)
+
+    modal = True
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        """Whether a block without a motion code is another hole."""
+        return any(block.get(x) is not None for x in "XYZ")
+
+    def end(self) -> None:
+        """G80 or another motion: nothing is remembered."""
+        self.p, self.code, self.initial, self.stays, self.held = "", 0, None, False, {}
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        """The plain lines of a block. Raises ProgramError."""
+        if code in self.refused:
+            raise scene.fault(f"G{code / 10:g} can not be written out: {self.refused[code]}", WRITE_OUT)
+        if scene.code("cutter") in (410, 411, 420, 421):
+            raise scene.fault("a drilling cycle with cutter radius compensation on", "end it before: G40")
+        if scene.code("feed mode") == 930:
+            raise scene.fault("a drilling cycle with inverse time feed (G93)", "write G94 before")
+        job = self.job(scene, block, code)
+        stays = code in self.tapping and not self.synchronised
+        text = self.passed_on(scene, block, job) if stays else []
+        self.stays, self.code = stays, code
+        lines = self.lines(scene, block, job)
+        return Outcome(text, lines) if stays else Outcome(lines)
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        """What the block asks for. Raises ProgramError."""
+        raise NotImplementedError
+
+    def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
+        """A tapping block as the control shall read it, when all cycles around it are written out."""
+        return [block.text]
+
+    def lines(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
+        """G0 to the place and to R level, and the cycle's own motions, as often as L or K says."""
+        hole = job.hole
+        letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
+        m = Moves(scene, own_words(block, letters, {job.code, *job.codes}), self.late)
+        for level in job.first:
+            m.move("G0", {hole.axis: level})
+        for k in range(job.times):
+            words = [block.text[w.start : w.stop] for w in job.place] if k == 0 or scene.incremental else []
+            for w in job.place:
+                scene.lose(w.letter)
+            if k == 0 and job.level is not None and scene.differs(hole.axis, job.level):
+                words.append(m.word(hole.axis, job.level))
+            if words:
+                m.words("G0", *words)
+            m.move("G0", {hole.axis: hole.r})
+            self.actions[job.code](m, hole, scene)
+        return m.finish()
+
+    def times(self, scene: Scene, block: Block, letters: str, least: int) -> int:
+        """How often the hole is made."""
+        word = next((w for w in block.words if w.letter in letters), None)
+        if word is None or word.value is None:
+            return 1
+        if word.value != int(word.value) or not least <= word.value <= MOST_HOLES:
+            raise scene.fault(
+                f"{word.letter}{word.raw} is no number of holes ({least} to {MOST_HOLES:,})", "write a whole number", word
+            )
+        return int(word.value)

@@ -1,0 +1,212 @@
+"""Drilling cycles of Fanuc mills and lathes, and of Haas mills.
+
+Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill operator's manual. Data
+hold until G80, also from one cycle to the next. The place is gone to on the level where the axis stands, then R level; in
+G98 the way back ends where the axis stood when the first cycle began.
+
+Assumed: the hole lies across the plane (parameter 5101 bit 0); what G73 and G83 back off a chip is RETRACT in place of
+parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a lathe's G83 and G87 with Q go out to R level
+(5101 bit 2), and its G85 and G89 come out at the feed they went in with (5149).
+"""
+
+from __future__ import annotations
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.drilling import (
+    R_LEVEL,
+    Action,
+    Drilling,
+    Hole,
+    Job,
+    bore,
+    bore_standing,
+    chips,
+    drill,
+    pecks,
+)
+from postproc.nc.cycles.scene import Scene
+
+MILL: dict[int, Action] = {
+    730: chips, 740: bore, 810: drill, 820: drill, 830: pecks, 840: bore, 842: bore, 843: bore, 850: bore,
+    860: bore_standing, 890: bore,
+}  # fmt: skip
+MILL_TAPPING = (740, 840, 842, 843)
+SHIFT = "it leaves the wall in a direction that a parameter holds"
+MILL_REFUSED = {760: SHIFT, 870: SHIFT, 880: "the operator draws the tool out by hand"}
+DWELLS = (820, 880, 890, 740, 840)
+LATHE: dict[int, Action] = {830: pecks, 840: bore, 850: bore, 870: pecks, 880: bore, 890: bore}
+LATHE_TAPPING = (840, 880)
+ALONG_X = (870, 880, 890)
+RETRACT = {False: 0.5, True: 0.02}  # mm, inch
+AFTER_MOTION = (5, 9)
+
+
+class FanucDrilling(Drilling):
+    """`held`: "R" and "depth" as programmed coordinates, "Q" I J K as written."""
+
+    def __init__(self, repeats: str = "KL", words: str = "RPQKL", synchronised: bool = False):
+        super().__init__(MILL, MILL_TAPPING, MILL_REFUSED, words, AFTER_MOTION, synchronised)
+        self.repeats = repeats
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        axes = [*scene.tracker.setup.axes, *scene.dialect.increments, "R"]
+        return 40 not in block.codes and any(block.get(x) is not None for x in axes)
+
+    def axis_of(self, scene: Scene, code: int) -> str:
+        return scene.plane[2]
+
+    def r_level(self, scene: Scene, word: Word, axis: str) -> float:
+        """R in G90 is a place, in G91 a distance from the initial level."""
+        value = scene.length(word, axis)
+        return self.start(scene, axis) + value if scene.incremental else value
+
+    def start(self, scene: Scene, axis: str) -> float:
+        """The initial level."""
+        if self.initial is None:
+            self.initial = scene.at(axis)
+        return self.initial
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        axis = self.axis_of(scene, code)
+        if self.initial is None:
+            self.initial = scene.known(axis)
+        if not self.wants(scene, block):
+            return Job(code, Hole(axis, 0.0, 0.0, 0.0), 0, [])
+        self._hold(scene, block, axis)
+        for letter, name in (("R", "R level"), ("depth", "bottom")):
+            if letter not in self.held:
+                raise scene.fault(
+                    f"G{code / 10:g} without its {name} ({'R' if letter == 'R' else axis})",
+                    "write it in the first block of the cycle",
+                )
+        r, bottom = self.held["R"], self.held["depth"]
+        back = r if scene.code("return") == R_LEVEL else self.start(scene, axis)
+        half = 2 if scene.is_diameter(axis) else 1
+        q = self.held.get("Q", 0.0) * half
+        if code in (730, 830) and q <= 0 and "I" not in self.held:
+            raise scene.fault(f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q"))
+        hole = Hole(
+            axis, r, bottom, back, p=self.p if self.p and code in self.dwells else "",
+            first=self.held.get("I", q), less=self.held.get("J", 0.0), least=self.held.get("K", 0.0),
+            retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
+        )  # fmt: skip
+        place = [w for w in block.words if self.is_place(scene, w, axis)]
+        gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
+        return Job(code, hole, self.times(scene, block, self.repeats, 0), place, codes=gone, drops=self.drops(scene, axis))
+
+    dwells: tuple[int, ...] = DWELLS
+
+    def drops(self, scene: Scene, axis: str) -> str:
+        return ""
+
+    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
+        """Whether a word says where the hole is."""
+        return word.letter in scene.tracker.setup.axes and word.letter != axis
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        """Remember the words for the holes to come."""
+        r, depth = block.word("R"), block.word(axis)
+        if r:
+            if depth is None and "relative" in self.held:
+                raise scene.fault(
+                    f"a new R behind a {axis} that counts from R (G91)", f"controls differ on the bottom: write {axis} too", r
+                )
+            self.held["R"] = self.r_level(scene, r, axis)
+        if depth:
+            value = scene.length(depth, axis)
+            self.held.pop("relative", None)
+            if scene.incremental:
+                self.held["relative"] = value
+                if "R" not in self.held:
+                    raise scene.fault(f"{axis} counts from R level here (G91), and there is no R", "write R", depth)
+                value += self.held["R"]
+            self.held["depth"] = value
+        for word in block.words:
+            if word.letter == "P":
+                self.p = word.raw
+            elif word.letter == "Q" and word.value is not None:
+                self.held["Q"] = self.peck(scene, word, axis)
+
+    def peck(self, scene: Scene, word: Word, axis: str) -> float:
+        return abs(scene.length(word, axis))
+
+    def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
+        """With the words that the control would still hold, and from the initial level it would still know."""
+        if self.stays or not self.code:
+            return [block.text]
+        axis, lines, add = job.hole.axis, [], []
+        slash = b"/" if block.skip else b""
+        if self.initial is not None and scene.code("return") != R_LEVEL and scene.differs(axis, self.initial):
+            here = scene.at(axis) if scene.incremental else 0.0
+            lines.append(slash + b"G0 " + scene.text(axis, self.initial - here))
+        level = self.start(scene, axis) if scene.incremental else 0.0
+        if block.get("R") is None:
+            add.append(scene.text("R", self.held["R"] - level))
+        if block.get(axis) is None:
+            add.append(scene.text(axis, self.held["depth"] - (self.held["R"] if scene.incremental else 0.0)))
+        if block.get("P") is None and self.p:
+            add.append(b"P" + self.p.encode())
+        sep = b" " if block.spaced else b""
+        return [*lines, block.written(set(), sep.join(add), len(block.words)) if add else block.text]
+
+
+class HaasDrilling(FanucDrilling):
+    """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least one."""
+
+    def __init__(self, synchronised: bool = False):
+        super().__init__("L", "RPQLIJK", synchronised)
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        super()._hold(scene, block, axis)
+        for word in block.words:
+            if word.letter in "IJK" and word.value is not None:
+                self.held[word.letter] = abs(word.value)
+
+
+class LatheDrilling(FanucDrilling):
+    """A lathe: G83 G84 G85 along Z, G87 G88 G89 along X. R is a distance from the initial level, a radius; Q counts
+    least increments where it has no point; U V W H are distances."""
+
+    dwells = tuple(LATHE)
+
+    def __init__(self, synchronised: bool = False):
+        Drilling.__init__(self, LATHE, LATHE_TAPPING, {}, "RPQKL", AFTER_MOTION, synchronised)
+        self.repeats = "KL"
+
+    def axis_of(self, scene: Scene, code: int) -> str:
+        return "X" if code in ALONG_X else "Z"
+
+    def r_level(self, scene: Scene, word: Word, axis: str) -> float:
+        return self.start(scene, axis) + scene.length(word, axis) * (2 if scene.is_diameter(axis) else 1)
+
+    def peck(self, scene: Scene, word: Word, axis: str) -> float:
+        return scene.counted(word)
+
+    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
+        meant = scene.dialect.increments.get(word.letter, word.letter)
+        return meant in scene.tracker.setup.axes and meant != axis
+
+    def drops(self, scene: Scene, axis: str) -> str:
+        return "".join(u for u, x in scene.dialect.increments.items() if x == axis)
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        clamp = next((w for w in block.words if w.letter == "M" and w.value not in (3, 4, 5, 7, 8, 9)), None)
+        if clamp:
+            raise scene.fault(
+                f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before the hole and frees it behind",
+                "that is the machine's own way: write the hole out as G0 and G1", clamp,
+            )  # fmt: skip
+        return super().job(scene, block, code)
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        for u, x in scene.dialect.increments.items():
+            word = block.word(u)
+            if x == axis and word:
+                super()._hold(scene, Block(b"", tuple(w for w in block.words if w is not word), True, False), axis)
+                if "R" not in self.held:
+                    self.held["R"] = self.start(scene, axis)
+                self.held["depth"] = self.held["R"] + scene.length(word, axis)
+                return
+        super()._hold(scene, block, axis)
+        if "R" not in self.held:
+            self.held["R"] = self.start(scene, axis)

@@ -1,0 +1,100 @@
+"""LinuxCNC's drilling cycles, as measured on its interpreter 2.9 (tests/expand/test_cycles.py).
+
+R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level: that is where the
+axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place. From R level or below, the place is
+gone to in one rapid with the axis of the hole; before G98 or G99 is named, G99 holds. R and Q are radii where X is a diameter.
+"""
+
+from __future__ import annotations
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.drilling import (
+    INITIAL_LEVEL,
+    Action,
+    Drilling,
+    Hole,
+    Job,
+    bore,
+    bore_far,
+    bore_standing,
+    chips,
+    drill,
+    pecks,
+)
+from postproc.nc.cycles.scene import Scene
+
+ACTIONS: dict[int, Action] = {
+    730: chips, 740: bore_far, 810: drill, 820: drill, 830: pecks, 840: bore_far, 850: bore, 860: bore_standing,
+    890: bore_far,
+}  # fmt: skip
+TAPPING = (740, 840)
+UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefined"
+REFUSED = {870: UNDEFINED, 880: UNDEFINED}
+NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}  # where the cycle begins; later ones hold
+DWELLS = (820, 860, 890)
+RETRACT = {False: 0.254, True: 0.010}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
+
+
+class LinuxcncDrilling(Drilling):
+    def __init__(self, synchronised: bool = False):
+        super().__init__(ACTIONS, TAPPING, REFUSED, "RPQL", synchronised=synchronised)
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        axis = scene.plane[2]
+        strange = next((w for w in block.words if w.letter in "ABCUVW"), None)
+        if strange:
+            raise scene.fault(f"{strange.letter} in a drilling cycle", "LinuxCNC moves X, Y and Z alone here", strange)
+        if 40 in block.codes:
+            raise scene.fault("a dwell and a hole in one block", "write G4 in a block of its own")
+        if not self.wants(scene, block):
+            raise scene.fault("a drilling cycle without X, Y or Z", "LinuxCNC wants one of them in every such block")
+        if code != self.code:
+            missing = [x for x in "R" + axis + NEEDS.get(code, "") if block.get(x) is None]
+            if missing:
+                raise scene.fault(
+                    f"G{code / 10:g} begins without {' and '.join(missing)}",
+                    "LinuxCNC keeps these words only within one cycle: write them where it begins",
+                )
+        for word in block.words:
+            self._hold(scene, word, axis)
+        half = 2 if scene.is_diameter(axis) else 1
+        if self.initial is None:
+            self.initial = scene.at(axis)
+        r, bottom = self.held["R"] * half, self.held["depth"]
+        if scene.incremental:
+            r += self.initial
+            bottom += r
+        if r < bottom:
+            raise scene.fault(
+                f"R is at {r:g}, below the bottom of the hole at {bottom:g}", "R must lie above it", block.word("R")
+            )
+        up = scene.code("return") == INITIAL_LEVEL
+        here = scene.at(axis)
+        high = r if not up or self.initial < r else self.initial
+        first, level = ((r,), r) if self.initial < r else ((), here if here > r else high)
+        hole = Hole(
+            axis, r, bottom, back=max(r, self.initial) if up else r, p=self.p if code in DWELLS else "",
+            first=self.held.get("Q", 0.0) * half, retract=RETRACT[scene.inch] * half,
+        )  # fmt: skip
+        if code in (730, 830) and hole.first <= 0:
+            raise scene.fault(f"Q is {hole.first:g}, and no peck can be that deep", "write Q above 0", block.word("Q"))
+        place = [w for w in block.words if w.letter in "XYZ" and w.letter != axis]
+        return Job(code, hole, self.times(scene, block, "L", 1), place, first, level)
+
+    def _hold(self, scene: Scene, word: Word, axis: str) -> None:
+        """Remember a word for the holes to come."""
+        if word.letter == "P":
+            if word.value is not None and word.value < 0:
+                raise scene.fault(f"a dwell of {word.raw} s", "write P from 0 on", word)
+            self.p = word.raw
+        elif word.letter in ("R", "Q", axis) and word.value is not None:
+            self.held["depth" if word.letter == axis else word.letter] = word.value
+
+    def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
+        """The control itself counts from where the axis stands when its own first cycle begins."""
+        if self.stays or self.initial is None or not scene.differs(job.hole.axis, self.initial):
+            return [block.text]
+        word = scene.text(
+            job.hole.axis, self.initial - scene.at(job.hole.axis) if scene.incremental else self.initial
+        )
+        return [(b"/" if block.skip else b"") + b"G0 " + word, block.text]

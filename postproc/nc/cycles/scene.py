@@ -1,0 +1,154 @@
+"""Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where nobody knows better."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from postproc.errors import ProgramError
+from postproc.nc.codes import Code, code_number
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.expand.tracker import Tracker, number
+
+Fault = Callable[[str, str, int, int], ProgramError]  # message, advice, and the place in the line
+CLOCKWISE, COUNTER = 20, 30
+PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}  # first and second axis, and the one across
+CENTRES = {"X": "I", "Y": "J", "Z": "K"}
+
+
+class Scene:
+    """The program behind the last line taken, in the coordinates in which its words are written.
+
+    `frame` maps a coordinate as the output has it to one as the program writes it, while a frame is at work.
+    """
+
+    def __init__(self, tracker: Tracker):
+        self.tracker, self.dialect = tracker, tracker.dialect
+        self.table: dict[int, Code] = {code_number(code.word): code for code in self.dialect.codes}
+        self.spindle = 0  # M3 or M4, as last named; 5 or 0: it stands
+        self.extra_decimals = 0
+        self.frame: Callable[[str], float | None] | None = None
+        self.block = Block(b"", (), True, False)
+        self.fault_at: Callable[[str, str, int, int], ProgramError]
+        self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
+        self._codes: dict[str, int] = {}
+        self._places: dict[str, float] = {}
+        self._decimals: dict[str, int] = {}
+
+    # -- modes ---------------------------------------------------------------------------------------------------------
+
+    def group_of(self, code: int) -> str:
+        """The modal group of a code as it is written ("" for none and for unknown codes)."""
+        return self.table[code].group if code in self.table else ""
+
+    def code(self, group: str) -> int:
+        """Ten times the G number in force in a modal group, the block's own codes counted in; -1: none."""
+        if group not in self._codes:
+            self._codes[group] = self.tracker.code(group)
+            self.asked()
+        return self._codes[group]
+
+    def note(self, block: Block) -> None:
+        """Let the modal codes of a block hold."""
+        for code in block.codes:
+            if code in self.table and self.table[code].group:
+                self._codes[self.table[code].group] = self.table[code].number
+        if self.dialect.one_code_per_group is False and 800 in block.codes:
+            self._codes["cycle"] = 800
+
+    @property
+    def incremental(self) -> bool:
+        return self.code("distance") == 910
+
+    @property
+    def inch(self) -> bool:
+        return self.code("units") == 200
+
+    @property
+    def plane(self) -> tuple[str, str, str]:
+        """First and second axis of the plane, and the axis across it."""
+        return PLANES.get(self.code("plane"), PLANES[170])
+
+    def is_diameter(self, axis: str) -> bool:
+        mode = self.code("diameter") if axis == "X" else -1
+        return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
+
+    # -- places --------------------------------------------------------------------------------------------------------
+
+    def known(self, axis: str) -> float | None:
+        """The programmed coordinate at which an axis stands (program's unit, diameter where such), None: not known."""
+        if axis not in self.tracker.setup.axes:
+            return None
+        if axis not in self._places:
+            value = self.frame(axis) if self.frame else self.tracker.work(axis)
+            self.asked()
+            if value is None:
+                return None
+            self._places[axis] = value
+        return self._places[axis]
+
+    def at(self, axis: str) -> float:
+        """As `known`; raises ProgramError that asks for it."""
+        value = self.known(axis)
+        if value is None:
+            if axis not in self.tracker.setup.axes:
+                raise self.fault(f"the machine has no axis {axis}", "choose the right --machine")
+            reason = "where it stands is not known" if self.tracker.machine(axis) is None else "its zero is not known"
+            raise self.fault(
+                f"the motions depend on {axis}, and {reason} at this block",
+                f"move {axis} to an absolute position before, or say where {axis} stands: --start {axis}0",
+            )
+        return value
+
+    def moved(self, axis: str, value: float) -> None:
+        """An axis stands at this programmed coordinate now."""
+        self._places[axis] = value
+
+    def lose(self, axis: str) -> None:
+        """An axis was moved, and nobody counted how far."""
+        self._places.pop(axis, None)
+
+    def differs(self, axis: str, value: float) -> bool:
+        """Whether an axis stands elsewhere, as far as numbers are written, or at an unknown place."""
+        here = self.known(axis)
+        return here is None or self.rounded(axis, here) != self.rounded(axis, value)
+
+    def forget(self) -> None:
+        """Something went by that was not looked at: ask the tracker next time."""
+        self._codes, self._places, self._decimals = {}, {}, {}
+
+    # -- numbers -------------------------------------------------------------------------------------------------------
+
+    def decimals(self, letter: str) -> int:
+        """How many decimals a number behind this letter is written with."""
+        if letter not in self._decimals:
+            self._decimals[letter] = self.tracker.decimals(letter)
+            self.asked()
+        return self._decimals[letter] + self.extra_decimals
+
+    def rounded(self, letter: str, value: float) -> float:
+        return round(value, self.decimals(letter))
+
+    def text(self, letter: str, value: float) -> bytes:
+        """A word: letter and number."""
+        return f"{letter}{number(value, self.decimals(letter))}".encode()
+
+    def length(self, word: Word, axis: str) -> float:
+        """The length that a word of an axis (or of R, Q) says; without a point it may count least increments."""
+        if self.dialect.integers == "least increments" and "." not in word.raw:
+            return self.counted(word, axis)
+        return word.value or 0.0
+
+    def counted(self, word: Word, axis: str = "Z") -> float:
+        """A number that counts least increments where it has no point (P and Q of a lathe's cycles)."""
+        value = word.value or 0.0
+        if "." in word.raw:
+            return value
+        least = self.tracker.setup.least_increment.get(axis, 1e-3)
+        return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
+
+    # -- errors --------------------------------------------------------------------------------------------------------
+
+    def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
+        """An error at the block at hand, or at one of its words."""
+        start, stop = (word.start, word.stop) if word else (0, 0)
+        return self.fault_at(message, advice, start, stop)

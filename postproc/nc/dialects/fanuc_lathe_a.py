@@ -1,0 +1,62 @@
+"""Fanuc lathes in G-code system A: U W H V are increments and there is no G90 G91; G98 G99 are feed per minute and turn.
+
+Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column A; G90 G92 G94 are the cycles that
+systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import CUTTER, FANUC_LATHE, UNITS, rows
+
+DIALECT = Dialect(
+    name="fanuc-lathe-a",
+    title="Fanuc lathe, G-code system A",
+    codes=(
+        *FANUC_LATHE, *UNITS, *CUTTER,
+        *rows("feed mode", {"98": "feed per minute"}, like="G94"),
+        *rows("feed mode", {"99": "feed per turn"}, like="G95"),
+        *rows("shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"),
+        *rows("shift", {"50.3": "no position shift"}, takes=True, does="set zero", like="G92.1"),
+        *rows("motion", {"32": "thread"}, does="thread", like="G33"),
+        *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
+        *rows("motion", {"92": "threading cycle"}, refuses=codes.CYCLE, like="G78"),
+        *rows("motion", {"94": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
+        *rows(
+            "motion",
+            {
+                "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
+                "74": "end face pecking", "75": "grooving", "76": "threading in many passes",
+            },
+            refuses=codes.CYCLE,
+        ),
+    ),
+    m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
+             24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
+    m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
+    grammar=Grammar(semicolon="end of block"),
+    language="fanuc",
+    plane=180,
+    increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
+    dwell="PXU",
+    tool_offsets=True,
+    extended_by_p=True,
+    repeats="KL",
+    exact_stops=(90, 610),
+    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on a "
+    "control that reads them as least increments the program means something else",
+    one_code_per_group=False,
+    signs=(
+        r"^(N\d+\s*)?(G0?0\s*)?T(?!0000)\d{4}\b",
+        r"\bG50\s*S\d",
+        r"\bG7[1-3]\s*[UW]-?[\d.]+",
+        r"\bG7[0-3]\s*P\d+\s*Q\d+",
+        r"\bG76\s*P\d{6}",
+        r"\bG9[024]\s*X-?[\d.]+\s*Z",
+        r"\bG99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
+        r"^O\d{4,8}\b",
+        r"\bM98\s*P\d",
+        r"#\d+\s*=",
+    ),
+    remarks=(r"\bFANUC\b",),
+)  # fmt: skip

@@ -1,0 +1,57 @@
+"""Fanuc lathes in G-code system C: G70 G71 are inch and millimetre, G20 G21 G24 the turning cycles, G72-G78 the others.
+
+Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column C.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, RETURN, SET, THREAD, rows
+
+DIALECT = Dialect(
+    name="fanuc-lathe-c",
+    title="Fanuc lathe, G-code system C",
+    codes=(
+        *FANUC_LATHE, *CUTTER, *DISTANCE, *FEED_MODE, *RETURN, *SET, *THREAD,
+        *rows("units", {"70": "inch"}, like="G20"),
+        *rows("units", {"71": "millimetre"}, like="G21"),
+        *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
+        *rows("motion", {"20": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
+        *rows("motion", {"21": "threading cycle"}, refuses=codes.CYCLE, like="G78"),
+        *rows("motion", {"24": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
+        *rows("motion", {"72": "finishing cycle"}, refuses=codes.CYCLE, like="G70"),
+        *rows("motion", {"73": "roughing cycle"}, refuses=codes.CYCLE, like="G71"),
+        *rows("motion", {"74": "facing cycle"}, refuses=codes.CYCLE, like="G72"),
+        *rows("motion", {"75": "pattern repeating"}, refuses=codes.CYCLE, like="G73"),
+        *rows("motion", {"76": "end face pecking"}, refuses=codes.CYCLE, like="G74"),
+        *rows("motion", {"77": "grooving"}, refuses=codes.CYCLE, like="G75"),
+        *rows("motion", {"78": "threading in many passes"}, refuses=codes.CYCLE, like="G76"),
+    ),
+    m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
+             24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
+    m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
+    grammar=Grammar(semicolon="end of block"),
+    language="fanuc",
+    plane=180,
+    increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
+    dwell="PXU",
+    tool_offsets=True,
+    extended_by_p=True,
+    repeats="KL",
+    exact_stops=(90, 610),
+    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on a "
+    "control that reads them as least increments the program means something else",
+    one_code_per_group=False,
+    signs=(
+        r"^(N\d+\s*)?T(?!0000)\d{4}\b",
+        r"\bG92\s*S\d",
+        r"\bG7[2-5]\s*P\d+\s*Q\d+",
+        r"\bG24\s*X",
+        r"\bG2[01]\s*X-?[\d.]+\s*Z",
+        r"\bG7[01]\s*$",
+        r"^O\d{4,8}\b",
+        r"\bM98\s*P\d",
+        r"#\d+\s*=",
+    ),
+    remarks=(r"\bFANUC\b",),
+)  # fmt: skip

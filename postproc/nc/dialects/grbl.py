@@ -1,0 +1,45 @@
+"""GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no program.
+
+Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.rows import (
+    CENTRE_BY_START,
+    COMMON,
+    DATA,
+    LENGTH_WORDS,
+    NO_CUTTER,
+    NO_LENGTH,
+    NO_MOTION,
+    PER_TIME,
+    PROBE,
+    SET,
+    SET_ZERO,
+    STORE_REFERENCE,
+    UNITS,
+    rows,
+)
+
+DIALECT = Dialect(
+    name="grbl",
+    title="GRBL 1.1",
+    codes=(
+        *COMMON, *UNITS, *PER_TIME, *NO_CUTTER, *NO_LENGTH, *LENGTH_WORDS, *DATA, *SET, *SET_ZERO, *STORE_REFERENCE,
+        *CENTRE_BY_START, *PROBE, *NO_MOTION, *rows("path", {"61": "exact path"}),
+    ),
+    m_codes={
+        0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise or laser",
+        4: "spindle counter-clockwise or laser with the speed", 5: "spindle stop", 7: "mist coolant", 8: "coolant",
+        9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
+    },
+    m_refuses={},
+    plane=170,
+    dwell="P",
+    arc_tolerance_mm=0.005,
+    arc_tolerance_relative=0.001,
+    arc_tolerance_most_mm=0.5,
+    signs=(r"^\s*\$[HJXCIGNS#$]", r"^\s*\$\d+\s*="),
+    remarks=(r"(?<![A-Z])GRBL(?!HAL)\b",),
+)  # fmt: skip

@@ -1,0 +1,65 @@
+"""grblHAL: GRBL's words and much of LinuxCNC's: cycles, splines, scaling, tool table, lathe modes, P turns, variables.
+
+Codes: grblHAL/core, README.md (supported G-codes), gcode.c (gc_execute_block), wiki "Additional G- and M-codes".
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.rows import (
+    BORE,
+    CENTRE_BY_START,
+    COMMON,
+    DATA,
+    DIAMETER,
+    DRILL,
+    FEED_MODE,
+    LENGTH,
+    LENGTH_MORE,
+    LENGTH_WORDS,
+    MACRO,
+    MORE_WORK,
+    NO_CUTTER,
+    NO_MOTION,
+    PECKS,
+    PROBE,
+    RETURN,
+    SCALING,
+    SET,
+    SET_ZERO,
+    SPINDLE,
+    SPLINE,
+    STORE_REFERENCE,
+    THREAD,
+    UNITS,
+    rows,
+)
+
+DIALECT = Dialect(
+    name="grblhal",
+    title="grblHAL",
+    codes=(
+        *COMMON, *UNITS, *FEED_MODE, *SPINDLE, *NO_CUTTER, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE, *DATA, *SET, *SET_ZERO,
+        *STORE_REFERENCE, *CENTRE_BY_START, *DIAMETER, *MORE_WORK, *PROBE, *SPLINE, *NO_MOTION, *PECKS, *DRILL, *BORE,
+        *RETURN, *THREAD, *SCALING, *MACRO,
+        *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
+        *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
+        *rows("", {"187": "acceleration"}),
+    ),
+    m_codes={
+        **{n: m for n, m in codes.SPINDLE_AND_COOLANT.items() if n != 19},
+        50: "feed override", 51: "speed override", 53: "feed stop", 56: "parking motion", 61: "set tool number",
+        62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
+        68: "analog output", 70: "save modal state", 71: "forget modal state",
+    },
+    m_refuses={72: codes.STATE, 73: codes.CALL, 98: codes.CALL, 99: codes.CALL},
+    language="linuxcnc",
+    expand_decimals=4,
+    plane=170,
+    dwell="P",
+    turns=True,
+    arc_tolerance_mm=0.005,
+    arc_tolerance_relative=0.001,
+    arc_tolerance_most_mm=0.5,
+    signs=(r"^\s*\$[HJXCIGNS#$]", r"\bG65\s*P\d"),
+    remarks=(r"\bGRBLHAL\b",),
+)  # fmt: skip

@@ -1,0 +1,130 @@
+"""Haas lathes: Fanuc's system A with codes of their own; T words select the offset, U W are increments, no G90 G91 modes.
+
+Codes: Haas Lathe Operator's Manual (Next Generation Control, 96-8900), "G-codes" and "M-codes". `;` is the end of block
+as that manual prints it; comments are in ( ). A coordinate without a decimal point is a number of least increments,
+unless setting 162 (Default To Float) is on, says the same manual. The drilling cycles give R as a place, and have no
+return level.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import (
+    CUTTER,
+    DATA,
+    DWELL,
+    LOCAL,
+    MACHINE_FRAME,
+    MACRO,
+    MOTION,
+    PLANE,
+    REFERENCE,
+    SPINDLE,
+    UNITS,
+    WORK,
+    rows,
+)
+
+DIALECT = Dialect(
+    name="haas-lathe",
+    title="Haas lathe",
+    codes=(
+        *MOTION, *PLANE, *UNITS, *WORK, *SPINDLE, *CUTTER, *REFERENCE, *MACHINE_FRAME, *DWELL, *DATA, *LOCAL, *MACRO,
+        *rows("feed mode", {"98": "feed per minute"}, like="G94"),
+        *rows("feed mode", {"99": "feed per turn"}, like="G95"),
+        *rows("shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"),
+        *rows("shift", {"51": "no shift"}, does="set zero", like="G92.1"),
+        *rows("work offset", {"154": "additional work offset P"}, does="extended", like="G54.1"),
+        *rows("work offset", {str(n): f"work offset {n - 103}" for n in range(110, 130) if n not in (112, 113)}),
+        *rows("motion", {"32": "thread"}, does="thread", like="G33"),
+        *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
+        *rows("motion", {"92": "threading cycle"}, refuses=codes.CYCLE, like="G78"),
+        *rows("motion", {"94": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
+        *rows(
+            "motion",
+            {
+                "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
+                "74": "end face grooving", "75": "grooving", "76": "threading in many passes",
+            },
+            refuses=codes.CYCLE,
+        ),
+        *rows("motion", {"80": "end of drilling cycles"}),
+        *rows(
+            "motion",
+            {
+                "81": "drilling", "82": "spot drilling", "83": "peck drilling", "84": "tapping", "85": "boring",
+                "86": "boring, spindle stop", "87": "boring, out by hand", "88": "boring, out by hand",
+                "89": "boring with dwell",
+            },
+            refuses=codes.CYCLE,
+        ),
+        *rows(
+            "motion",
+            {
+                "95": "tapping with the live tool", "184": "left-hand tapping", "186": "left-hand tapping with the live tool",
+                "195": "radial tapping", "196": "radial left-hand tapping", "241": "radial drilling",
+                "242": "radial spot drilling", "243": "radial peck drilling", "245": "radial boring",
+                "246": "radial boring", "247": "radial boring", "248": "radial boring", "249": "radial boring",
+                "156": "broaching", "5": "live tool and spindle together", "105": "bar feeder",
+            },
+            refuses=codes.WRITE_OUT,
+        ),
+        *rows("motion", {"31": "skip", "211": "tool offset by hand", "212": "tool offset, measured"}, refuses=codes.PROBE),
+        *rows("mirror", {"100": "no mirror"}),
+        *rows("mirror", {"101": "mirror"}, refuses=codes.FRAME),
+        *rows("cylinder", {"107": "cylindrical mapping"}, refuses=codes.TRANSFORM),
+        *rows("polar", {"113": "no XY to XC"}),
+        *rows("polar", {"112": "XY to XC"}, refuses=codes.TRANSFORM),
+        *rows("spindle", {"15": "main spindle"}),
+        *rows("spindle", {"14": "second spindle, Z mirrored"}, refuses=codes.FRAME),
+        *rows("", {"200": "index while moving"}, takes=True, refuses=codes.WRITE_OUT),
+        *rows("path", {"61": "exact stop", "64": "no exact stop"}),
+        *rows("", {"9": "exact stop in this block", "103": "blocks looked ahead", "187": "smoothness", "198": "spindles apart", "199": "spindles together"}),
+        *rows("", {"29": "from the reference point"}, takes=True),
+        *rows("", {"266": "rapid of the axes at a rate"}),
+    ),
+    m_codes={
+        **codes.SPINDLE_AND_COOLANT,
+        **{n: "output, wait for it" for n in range(21, 29)},
+        **{n: "output on" for n in range(51, 59)},
+        **{n: "output off" for n in range(61, 69)},
+        10: "chuck clamps", 11: "chuck unclamps", 12: "air jet on", 13: "air jet off", 14: "spindle clamps",
+        15: "spindle unclamps", 17: "turret turns forward", 18: "turret turns back", 19: "orient the spindle",
+        20: "ask for the second spindle", 21: "tailstock advances", 22: "tailstock retracts", 23: "chamfering on",
+        24: "chamfering off", 30: "end of program, rewind", 31: "chips out", 33: "chips stop", 36: "parts catcher on",
+        37: "parts catcher off", 38: "speed variation on", 39: "speed variation off", 41: "gear", 42: "gear",
+        43: "turret unlocks", 44: "turret locks", 59: "output on", 69: "output off", 70: "bar feeder", 76: "program display off",
+        77: "program display on", 78: "alarm if skipped", 79: "alarm if not skipped", 85: "door opens", 86: "door closes",
+        88: "high pressure coolant", 89: "coolant off", 90: "fixture clamp", 91: "fixture clamp", 95: "sleep", 104: "probe arm",
+        105: "probe arm", 109: "ask the user", 110: "second chuck clamps", 111: "second chuck unclamps", 119: "orient the second spindle",
+        121: "output", 122: "output", 123: "output", 124: "output", 125: "output", 126: "output", 127: "output", 128: "output",
+        133: "live tool forward", 134: "live tool back", 135: "live tool stops", 143: "second spindle forward",
+        144: "second spindle back", 145: "second spindle stops", 154: "C axis engages", 155: "C axis disengages",
+    },
+    m_refuses={96: codes.CALL, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
+    grammar=Grammar(semicolon="end of block"),
+    language="fanuc",
+    plane=180,
+    increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
+    dwell="P",
+    tool_offsets=True,
+    integers="least increments",
+    integer_notice="coordinates without a decimal point are read as least increments (setting 162 off); with setting 162 "
+    "on the program means whole millimetres or inches",
+    one_code_per_group=False,
+    extended_by_p=True,
+    repeats="L",
+    exact_stops=(90, 610),
+    signs=(
+        r"^(N\d+\s*)?T(?!0000)\d{3,4}\b",
+        r"\bG154\s*P\d",
+        r"\bM15[45]\b",
+        r"\bM13[345]\b",
+        r"\bG24[1-9]\b",
+        r"\bM97\s*P\d",
+        r"\bG50\s*S\d",
+        r"\bG7[1-2]\s*P\d+\s*Q\d+.*\bD",
+        r"^O\d{5}\b",
+    ),
+    remarks=(r"\bHAAS\b", r"\bST-?\d{2}\b"),
+)  # fmt: skip

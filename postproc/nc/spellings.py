@@ -1,0 +1,116 @@
+"""Other spellings of a word, brought to the one that the lexer reads: a letter, then a number, at the same places.
+
+X=5 is X5, X=IC(5) a distance whatever G90 G91 say, X=AC(5) a place; CR=5 is R5; TRANS is a code that is a word by
+itself. Every byte keeps its place, so what is written back lands where it was read. Sources: Siemens 840D Programming
+Guide Fundamentals, "Extended address" and "AC, IC"; Marlin and RepRap G-code documentation.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache, partial
+
+from postproc.nc import checksums
+from postproc.nc.lexer import (
+    ABSOLUTE,
+    AXES,
+    KEYWORD_LETTER,
+    PARAMETER,
+    RELATIVE,
+    Grammar,
+)  # fmt: skip
+
+NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+ASSIGNED = re.compile(
+    rb"(?<![A-Za-z0-9_$\]])([A-Za-z])[ \t]*=(?:[ \t]*(IC|AC|DC|ACP|ACN)[ \t]*\(("
+    + NUMBER
+    + rb")[ \t]*(\))|("
+    + NUMBER
+    + rb"))"
+    rb"(?![ \t]*[A-Za-z_(\[*/+.=<>-][ \t]*[0-9A-Za-z(\[$]?[^ \t\n]*[=(\[*/])",
+    re.IGNORECASE,
+)
+HOMING = re.compile(rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?:28|29|30)(?![0-9.])|[Mm])[^\n]*")
+BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
+MARKS = bytes(range(0x80, 0x100))
+REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))
+
+
+def respelled(code: bytes, grammar: Grammar) -> bytes:
+    """The text with every other spelling brought to letter and number, byte for byte as long."""
+    code = code.translate(REPLACED)  # the letters that stand for spellings are none of the program's own
+    if grammar.checksums and b"*" in code:
+        code = checksums.cover(code)
+    for pattern in _ignored(grammar):
+        code = pattern.sub(_blank, code)
+    if grammar.bare_letters:
+        code = HOMING.sub(_without_bare, code)
+    if grammar.assigns and b"=" in code:
+        for pattern, letter in _spelled(grammar):
+            code = pattern.sub(partial(_stands, letter), code)
+        code = ASSIGNED.sub(_assigned, code)
+    words = _keywords(grammar)
+    if words is not None:
+        code = words[0].sub(lambda m: words[1][m[1].upper()].ljust(len(m[1])), code)
+    return code
+
+
+@lru_cache
+def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
+    return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores)
+
+
+@lru_cache
+def _spelled(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], bytes], ...]:
+    """Spellings such as CR= with the letter that they stand for, "" for a parameter that moves nothing."""
+    result = []
+    for spelling, letter in grammar.spellings:
+        name = re.escape(spelling.rstrip("=").encode())
+        stands = letter.encode() or bytes([PARAMETER])
+        result.append(
+            (re.compile(rb"(?<![A-Za-z0-9_$])" + name + rb"[ \t]*=(?=" + NUMBER + rb")", re.IGNORECASE), stands)
+        )
+    return tuple(result)
+
+
+@lru_cache
+def _keywords(grammar: Grammar) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] | None:
+    """A pattern for all keywords, and what each is read as: KEYWORD_LETTER and its number."""
+    if not grammar.keywords:
+        return None
+    from postproc.nc.codes import KEYWORD, code_number
+
+    read = {k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in grammar.keywords}
+    every = b"|".join(sorted(map(re.escape, read), key=lambda k: -len(k)))
+    return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")(?![A-Za-z0-9_(=])", re.IGNORECASE), read
+
+
+def _blank(match: re.Match[bytes]) -> bytes:
+    """As many blanks; what the pattern's group holds stays."""
+    if not match.re.groups:
+        return b" " * len(match[0])
+    kept = match.span(1)
+    return (
+        b" " * (kept[0] - match.start()) + match[1] + b" " * (match.end() - kept[1]) if match[1] is not None
+        else b" " * len(match[0])
+    )  # fmt: skip
+
+
+def _stands(letter: bytes, match: re.Match[bytes]) -> bytes:
+    return letter + b" " * (len(match[0]) - 1)
+
+
+def _without_bare(match: re.Match[bytes]) -> bytes:
+    """Homing and M codes name axes without a number."""
+    return BARE.sub(b" ", match[0])
+
+
+def _assigned(match: re.Match[bytes]) -> bytes:
+    letter = match[1].upper()
+    how = (match[2] or b"").upper()
+    if how and letter.decode() in AXES:
+        letter = bytes([(RELATIVE if how == b"IC" else ABSOLUTE) + AXES.index(letter.decode())])
+    elif how:
+        return match[0]
+    begin, stop = match.span(3) if how else match.span(5)
+    return letter + b" " * (begin - match.start() - 1) + match.string[begin:stop] + b" " * (match.end() - stop)
