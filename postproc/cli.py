@@ -18,7 +18,7 @@ from postproc.errors import GcompError
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
-HELPERS = ("values",)
+HELPERS = ("values", "expansion", "reading")
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
 

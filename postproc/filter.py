@@ -16,6 +16,7 @@ from postproc.compensate import Compensator, Options
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
 from postproc.motions import Motions
+from postproc.nc import checksums
 from postproc.nc.dialects import Dialect
 from postproc.nc.emitter import Emitter, Written
 from postproc.nc.interpreter import Interpreter, ModalState, Setup
@@ -47,7 +48,7 @@ def _portions(text: bytes) -> Iterator[bytes]:
         start = stop
 
 
-def _unwanted(text: bytes) -> tuple[int, str, str] | None:
+def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
     """Where the first line begins that is too long or gcomp's own mark, with what to say, or None."""
     found = []
     mark = MARK.search(text)
@@ -60,6 +61,12 @@ def _unwanted(text: bytes) -> tuple[int, str, str] | None:
             found.append((start, *TOO_LONG))
             break
         start = stop
+    wrong = checksums.check(text) if checked else None
+    if wrong:
+        start = 0
+        for _ in range(wrong[0]):
+            start = text.find(b"\n", start) + 1
+        found.append((start, wrong[1], "the line came damaged, or was edited by hand: take N and * out of all lines"))
     return min(found) if found else None
 
 
@@ -81,12 +88,14 @@ def setup_of(
     start: dict | None = None,
     block_delete: bool = False,
     arc_centre: str = "incremental",
+    integers: str = "",
 ) -> Setup:
     """What the text layer must know of a machine, and of how its control is set."""
     return Setup(
         axes=machine.letters, diameter=frozenset(machine.diameter),
         least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
         offsets={**machine.offsets, **(offsets or {})}, start=start or {}, block_delete=block_delete, arc_centre=arc_centre,
+        integers=integers,
     )  # fmt: skip
 
 
@@ -120,6 +129,7 @@ class Filter:
         self.carry = self.compensator.initial()
         self.written = Written()
         self._rest = b""
+        self._numbering = checksums.START
         self._begun = False
         self._told: set[str] = set()
 
@@ -183,7 +193,7 @@ class Filter:
     def _batch(self, words: Words) -> bytes:
         """Whole lines without "%". What no control must see is refused when all before it is handled."""
         text = words.text
-        bad = _unwanted(text)
+        bad = _unwanted(text, self.dialect.grammar.checksums)
         if bad is None:
             try:
                 return self._pass(words)
@@ -207,6 +217,8 @@ class Filter:
         except MotionFault as fault:
             raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
+        if self.dialect.grammar.checksums:
+            result, self._numbering = checksums.renumber(result, self._numbering)
         for watcher in self.watchers:
             watcher(words, motions, pieces, result, self.summary.lines)
         for notice in notices:

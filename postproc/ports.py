@@ -15,6 +15,7 @@ from postproc.errors import UsageError
 
 CHUNK = 1 << 19
 IN_MEMORY = 1 << 22
+HEAD = 1 << 16
 
 
 def chunks(source: BinaryIO, live: bool) -> Iterator[bytes]:
@@ -39,13 +40,33 @@ def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
         return
     assert path is not None
     try:
-        source = open(path, "rb")  # noqa: SIM115
+        source = open(path, "rb", buffering=HEAD)  # noqa: SIM115
     except IsADirectoryError:
         raise UsageError(f"{path} is a folder, not a program") from None
     except OSError as error:
         raise UsageError(f"{path} can not be read: {error.strerror}") from None
     with source:
         yield source, path, os.fstat(source.fileno()).st_size
+
+
+def head(source: BinaryIO) -> bytes:
+    """How the program begins, without taking it from the stream."""
+    peek = getattr(source, "peek", None)
+    return peek(HEAD)[:HEAD] if peek else b""
+
+
+def read_whole(path: Path, largest: int) -> bytes:
+    """All of a file. Raises UsageError where it can not be read or is larger than `largest` bytes."""
+    try:
+        with open(path, "rb") as source:
+            data = source.read(largest + 1)
+    except IsADirectoryError:
+        raise UsageError(f"{path} is a folder, not a file") from None
+    except OSError as error:
+        raise UsageError(f"{path} can not be read: {error.strerror}") from None
+    if len(data) > largest:
+        raise UsageError(f"{path} has more than {largest:,} bytes", "is it the right file?")
+    return data
 
 
 def spool() -> BinaryIO:

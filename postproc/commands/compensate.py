@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.commands import values
-from postproc.errors import GcompError, Notice, UsageError
+from postproc.commands import expansion, reading
+from postproc.errors import GcompError, Notice, ProgramError, UsageError
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
@@ -21,7 +21,7 @@ EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    reading(parser)
+    reading.arguments(parser)
     out = parser.add_argument_group("where it goes")
     out.add_argument(
         "-o",
@@ -53,83 +53,32 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
 
 
-def reading(parser: argparse.ArgumentParser) -> None:
-    """The options that say for which machine, how, and in which language: shared by all that read programs."""
-    parser.add_argument(
-        "--machine",
-        metavar="NAME",
-        required=True,
-        help="a machine by name (gcomp machines) or by the path of its folder",
-    )
-    how = parser.add_argument_group("how it is corrected")
-    how.add_argument(
-        "--tolerance",
-        metavar="LENGTH",
-        type=values.length,
-        help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)",
-    )
-    how.add_argument(
-        "--reversal",
-        choices=("mean", "step", "ramp", "off"),
-        help="what to do where an axis turns back (default: the machine's, or step)",
-    )
-    how.add_argument(
-        "--ramp", metavar="LENGTH", type=values.length, help="travel over which --reversal ramp takes up the difference"
-    )
-    how.add_argument(
-        "--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value"
-    )
-    how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
-    program = parser.add_argument_group("how the program is read")
-    program.add_argument("--dialect", metavar="NAME", help="the control's language, if not the machine's own")
-    program.add_argument(
-        "--offset",
-        metavar="G54=X1,Z2",
-        action="append",
-        default=[],
-        type=values.offset,
-        help="where a work or tool offset's zero lies, mm, radius, machine coordinates; repeatable",
-    )
-    program.add_argument(
-        "--start",
-        metavar="X0,Z0",
-        type=values.place,
-        default={},
-        help="where the machine stands before the program, mm, radius, machine coordinates",
-    )
-    program.add_argument(
-        "--block-delete",
-        choices=("on", "off"),
-        default="off",
-        help="whether blocks that begin with / are skipped at the machine",
-    )
-    program.add_argument(
-        "--arc-centre",
-        choices=("incremental", "absolute"),
-        default="incremental",
-        help="what I J K mean when no G90.1 or G91.1 says so",
-    )
-
-
 def run(options: argparse.Namespace) -> int:
-    filter_ = filter_of(options)
     if options.in_place and (options.output or options.file in (None, "-")):
         raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
-    if options.unbuffered and (options.output or options.in_place or options.dry_run):
+    if options.output == "":
+        raise UsageError("--output names no file", "-o FILE, or leave it out for standard output")
+    if options.unbuffered and (options.output or options.in_place or options.dry_run or options.expand):
         raise UsageError(
-            "--unbuffered writes to standard output as it goes: not with --output, --in-place or --dry-run"
+            "--unbuffered writes to standard output as it goes: not with --output, --in-place, --dry-run or --expand"
         )
+    machine = reading.machine_of(options)
     with ports.opened(options.file) as (source, name, size):
+        head = b"" if options.unbuffered else ports.head(source)
+        filter_ = reading.filter_of(options, machine, head)
         filter_.name = name
         verifier = None
         if options.verify:
             from postproc.verify import Verifier
 
             verifier = Verifier(filter_)
-        if options.unbuffered:
-            _live(filter_, source)
-        else:
-            _whole(filter_, source, size, options, verifier)
+        try:
+            if options.unbuffered:
+                _live(filter_, source)
+            else:
+                _whole(filter_, source, size, options, verifier)
+        except ProgramError as error:
+            raise reading.with_hint(error, filter_.dialect, head) from None
     if verifier:
         print(f"gcomp: verified: {verifier.report()}", file=sys.stderr)
     if not options.quiet:
@@ -137,27 +86,6 @@ def run(options: argparse.Namespace) -> int:
         if not options.dry_run:
             print(f"gcomp: {summary(filter_)}", file=sys.stderr)
     return 0
-
-
-def filter_of(options: argparse.Namespace) -> Filter:
-    """A filter as the options want it."""
-    from postproc.compensate import Options
-    from postproc.filter import Filter, setup_of
-    from postproc.machine import places
-    from postproc.nc import dialects
-
-    machine = places.load(options.machine)
-    dialect = dialects.load(options.dialect or machine.control)
-    for name, place in [*options.offset, ("--start", options.start)]:
-        for axis in place:
-            if axis not in machine.axes:
-                raise UsageError(
-                    f"{name} names {axis}, which is no axis of {machine.name}",
-                    f"its axes are {' '.join(machine.letters)}",
-                )
-    setup = setup_of(machine, dict(options.offset), options.start, options.block_delete == "on", options.arc_centre)
-    how = Options(options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids)
-    return Filter(machine, dialect, setup, how)
 
 
 def _live(filter_: Filter, source) -> None:
@@ -174,10 +102,14 @@ def _live(filter_: Filter, source) -> None:
 def _whole(filter_: Filter, source, size: int, options: argparse.Namespace, verifier) -> None:
     """Everything accepted first, then everything written."""
     with ports.spool() as spool, _progress(size, options) as step:
-        for data in ports.chunks(source, live=False):
-            spool.write(filter_.feed(data))
-            step(len(data))
-        spool.write(filter_.finish())
+        if options.expand:
+            for data in expansion.through(filter_, expansion.written_out(filter_, source, options), step):
+                spool.write(data)
+        else:
+            for data in ports.chunks(source, live=False):
+                spool.write(filter_.feed(data))
+                step(len(data))
+            spool.write(filter_.finish())
         if verifier and not verifier.passed:
             raise GcompError(
                 f"verification failed: {verifier.report()}",

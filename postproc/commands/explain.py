@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
 from postproc import ports
-from postproc.commands import compensate
+from postproc.commands import expansion, reading
 from postproc.motions import FOREIGN, Motions
 from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
@@ -23,17 +24,23 @@ SMALLEST_UM = 0.05
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    compensate.reading(parser)
+    reading.arguments(parser)
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
 
 
 def run(options: argparse.Namespace) -> int:
-    filter_ = compensate.filter_of(options)
+    machine = reading.machine_of(options)
     seen: list[tuple[Words, Motions, Pieces]] = []
-    filter_.watchers.append(lambda words, motions, pieces, output, line: seen.append((words, motions, pieces)))
     with ports.opened(options.file) as (source, name, _):
+        head = ports.head(source)
+        filter_ = reading.filter_of(options, machine, head)
         filter_.name = name
-        for number, line in enumerate(source, 1):
+        filter_.watchers.append(lambda words, motions, pieces, output, line: seen.append((words, motions, pieces)))
+        lines: Iterable[bytes] = source
+        if options.expand:
+            written = expansion.written_out(filter_, source, options)
+            lines = (line for portion in written for line in portion.splitlines(keepends=True))
+        for number, line in enumerate(lines, 1):
             told = len(filter_.notices)
             output = filter_.feed(line) if line.endswith(b"\n") else filter_.feed(line) + filter_.finish()
             print(f"{number:>5}  {line.decode('latin-1').rstrip()}")

@@ -65,7 +65,7 @@ def offset(text: str) -> tuple[str, dict[str, float]]:
         raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: after the name comes =, then axes")
     if known is None:
         raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: there is no {name.strip()!r}, but {KNOWN_NAMES}")
-    letters = {"D": "R", "T": "XYZABCUVWR"}.get(known[0], "XYZABCUVW")
+    letters = {"D": "XYZABCUVWR", "T": "XYZABCUVWR"}.get(known[0], "XYZABCUVW")
     return known, _words(text, rest, letters, OFFSET)
 
 

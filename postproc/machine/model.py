@@ -93,6 +93,11 @@ class Machine:
         """Whether any axis has a rotation, so that the tool's length matters."""
         return any(max(t.rows, default=0) >= 3 for t in self.tables.values())
 
+    def carrying(self, letters: tuple[str, ...]) -> Machine:
+        """The same machine with axes that are no slides, carried along: a printer's E."""
+        more = {x: Axis(x, (-np.inf, np.inf), 1e-5, np.zeros(3)) for x in letters if x not in self.axes}
+        return replace(self, axes={**self.axes, **more}) if more else self
+
     def with_tool(self, length: tuple[float, float, float]) -> Machine:
         """The same machine with a tool of this length, mm along X Y Z: the tip lies as much before the point that the
         slides carry."""

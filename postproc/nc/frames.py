@@ -89,6 +89,15 @@ def stated(b: Batch, name: str) -> dict[str, float] | None:
     return b.setup.offsets.get(name) if found is None else found
 
 
+def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
+    """mm by axis: the length that H, D or T names; a tool table knows tools by T."""
+    for name in (f"{letter}{number}", f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}"):
+        place = stated(b, name)
+        if place is not None:
+            return place
+    return None
+
+
 def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     """The reason that asks for an offset by its name."""
     known = ", ".join(sorted({*b.setup.offsets, *b.offsets})) or "none"
@@ -104,6 +113,8 @@ def _offset(b: Batch, name: str, where) -> np.ndarray:
     if not name or not np.any(where):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
+    if place is None and name == "G500":
+        place = {}  # no work offset, unless one is stated for it
     if place is None:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
@@ -239,7 +250,7 @@ def _data(b: Batch, axis_words, word: str) -> None:
         return
     by_place = line == 20 and not b.dialect.extended_by_p
     if line == 20 and not by_place:
-        name = f"G54.1P{p}"
+        name = f"G54.1 P{p}"
     elif p == 0 and b.dialect.extended_by_p:
         name = EXTERNAL
     elif p == 0:
@@ -286,7 +297,7 @@ def _tool_data(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[
     if not values and b.dialect.extended_by_p and radius is not None and line in (10, 11):
         unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
         values = {"Z": (round(radius * int(unit)), False)} if "Z" in b.rows else {}
-    place = dict(stated(b, name) or {})
+    place = dict(stated_tool(b, "H", p) or {})
     if line in (10, 11) and not b.dialect.extended_by_p:
         _presets(b, axis_words, values)
     for letter, (value, _) in values.items():
@@ -304,12 +315,14 @@ def _tool_data(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[
 def _length(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
     """G43 H: the tool's length shifts the coordinates. Without H: the tool in use, or no tool at all."""
     number = _number(b, "H")
-    if number is None:
-        number = float(b.state.tool_number)
+    if number is None or (number == 0 and b.dialect.local_is_preset and not add):
+        number = float(_tool_in_spindle(b))
+    if _units_changed(b):
+        return
     if number == 0:
         length: np.ndarray | None = np.zeros_like(b.frame.length)
     else:
-        place = stated(b, f"H{int(number)}") if number > 0 else None
+        place = stated_tool(b, "H", int(number)) if number > 0 else None
         length = None if place is None else sign * ticks_of(b, place)
     if length is None:
         name = f"H{int(number)}" if number > 0 else "H"
@@ -317,14 +330,39 @@ def _length(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -
                   "or --offsets FILE with the control's tool table")  # fmt: skip
         b.frame = _known(b.frame, "length", reason)
         return
-    b.frame = _known(replace(b.frame, length=b.frame.length + length if add else length), "length")
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    length = b.frame.length + length if add else length
+    b.frame = _known(replace(b.frame, length=length, length_units=units), "length")
+
+
+def _tool_in_spindle(b: Batch) -> int:
+    """The tool that the first block's M6 brings, or that is there already."""
+    change = b.places.get("M", np.zeros(0, np.int64))
+    called = _number(b, "T")
+    if (b.words.block[change[b.words.mantissa[change] == 6]] == 0).any():
+        return int(called) if called is not None else b.state.next_tool
+    return b.state.tool_number
+
+
+def _units_changed(b: Batch) -> bool:
+    """LinuxCNC keeps the number of a length when G20 or G21 changes its unit, and so thinks that it stands elsewhere when
+    the length changes next: the next motion goes astray, as measured."""
+    if not b.dialect.local_is_preset or not b.frame.length.any():
+        return False
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    if units == b.frame.length_units:
+        return False
+    reason = ("the tool length changes in other units than it was set in", "this control then takes every axis to a wrong "
+              "place: write G49 before G20 or G21")  # fmt: skip
+    b.frame = _known(b.frame, "units", reason)
+    return True
 
 
 def _length_by(b: Batch, letter: str) -> None:
     """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none."""
     number = int(_number(b, letter) or 0)
     name = f"{letter}{number}"
-    place = stated(b, name) if number else {}
+    place = stated_tool(b, letter, number) if number else {}
     reason = None
     if place is None:
         reason = (f"the tool length {name} is not stated", f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table")
@@ -334,11 +372,25 @@ def _length_by(b: Batch, letter: str) -> None:
 def _length_words(b: Batch, axis_words, word: str) -> None:
     """G43.1: the words are the offset; axes without a word keep theirs."""
     values = {b.rows[x]: value for x, (value, _) in _values(b, axis_words).items()}
-    b.frame = _known(replace(b.frame, length=_changed(b.frame.length, values)), "length")
+    if _units_changed(b):
+        return
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    b.frame = _known(replace(b.frame, length=_changed(b.frame.length, values), length_units=units), "length")
 
 
 def _no_length(b: Batch, axis_words, word: str) -> None:
-    b.frame = _known(replace(b.frame, length=np.zeros_like(b.frame.length)), "length")
+    if not _units_changed(b):
+        b.frame = _known(replace(b.frame, length=np.zeros_like(b.frame.length)), "length")
+
+
+def _store(b: Batch, axis_words, word: str) -> None:
+    """G28.1: the place where the machine stands becomes the reference point."""
+    name = word.split(".")[0]
+    if b.state.known.all():
+        place = {x: int(b.state.position[row]) / TICKS_PER_MM for x, row in b.rows.items()}
+        b.offsets = {**b.offsets, name: place}
+    else:
+        b.offsets = {k: v for k, v in b.offsets.items() if k != name}
 
 
 def _extended(b: Batch, axis_words, word: str) -> None:
@@ -347,7 +399,7 @@ def _extended(b: Batch, axis_words, word: str) -> None:
     if number is None or number != int(number) or number < 1:
         b.frame = _known(b.frame, "extended", ("G54.1 without a whole P", "P1 to P300 choose the offset"))
         return
-    b.frame = _known(replace(b.frame, extended=f"G54.1P{int(number)}"), "extended")
+    b.frame = _known(replace(b.frame, extended=f"G54.1 P{int(number)}"), "extended")
 
 
 def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
@@ -362,4 +414,5 @@ ACTIONS = {
     "length": _length, "length words": _length_words, "length more": lambda b, a, w: _length(b, a, w, add=True),
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
+    "store": _store,
 }  # fmt: skip

@@ -34,7 +34,7 @@ from postproc.nc.refusals import (
     stray_words,
     unnamed_motions,
 )
-from postproc.nc.state import NONE, ModalState, Setup, no_frame
+from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
 from postproc.units import TICKS_PER_MM
 
 PARAMETERS = "NOGMFSTDHLPQ"
@@ -51,7 +51,7 @@ class Interpreter:
             u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows and u not in self.rows
         }
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
-        self.letters = set(PARAMETERS) | set(self.rows) | set(self.increment_rows) | {"I", "J", "K", "R"} | centres
+        self.letters = set(PARAMETERS) | set(self.rows) | set(self.increment_rows) | {"I", "J", "K", "R"} | centres | set(dialect.letters)
 
     def initial(self) -> ModalState:
         """The state before the first block."""
@@ -66,8 +66,15 @@ class Interpreter:
             modal,
             np.array(start, np.int64),
             np.array([x in setup.start or x in self.dialect.carried for x in setup.axes]),
-            frame=no_frame(len(start)),
+            frame=self._first_frame(),
         )
+
+    def _first_frame(self) -> Frame:
+        """No shift, but a G92 that was in force before the program."""
+        frame = no_frame(len(self.setup.axes))
+        place = self.setup.offsets.get("G92") or self.setup.offsets.get("G52") or {}
+        preset = [round(place.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
+        return replace(frame, preset=np.array(preset, np.int64))
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""

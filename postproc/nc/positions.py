@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.nc import frames
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.lexer import ABSOLUTE
+from postproc.units import TICKS_PER_MM
 
 
 @dataclass
@@ -97,7 +99,16 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         drop = forget.copy()
         for number in (280, 300):
             if number in b.single:
-                _reference(b, number, letter, drop)
+                gone = drop.copy()
+                _reference(b, number, letter, gone)
+                reference = frames.stated(b, f"G{number // 10}")
+                if reference is None or letter not in reference:
+                    drop = gone
+                    continue
+                block_of = b.single[number]
+                drop[block_of] = False
+                there = block_of[gone[block_of]]
+                position, named = _sent(position, named, there, round(reference[letter] * TICKS_PER_MM))
         if named.any() or drop.any():
             event = np.where(drop, 0, np.where(named, 1, -1))
             if cycle and not cycle.known:
@@ -121,6 +132,20 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         if n:
             p.end_position[row], p.end_known[row] = position[-1], known[-1]
     return p
+
+
+def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int):
+    """(B,) positions and events where blocks `there` send the axis to a place: what follows counts from it."""
+    position, named = position.copy(), named.copy()
+    for block in there:
+        later = np.flatnonzero(named[block + 1 :])
+        stop = len(position)
+        absolute = later[:1]
+        if len(absolute):
+            stop = block + 1 + int(absolute[0])
+        position[block:stop] += place - position[block]
+        named[block] = True
+    return position, named
 
 
 def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:

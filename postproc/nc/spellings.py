@@ -81,7 +81,7 @@ def _keywords(grammar: Grammar) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] 
     from postproc.nc.codes import KEYWORD, code_number
 
     read = {k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in grammar.keywords}
-    every = b"|".join(sorted(map(re.escape, read), key=lambda k: -len(k)))
+    every = b"|".join(re.escape(k) for k in sorted(read, key=len, reverse=True))
     return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")(?![A-Za-z0-9_(=])", re.IGNORECASE), read
 
 

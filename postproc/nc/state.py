@@ -30,7 +30,7 @@ class Frame:
     """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each, radius.
 
     local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens. extended: the
-    name of the work offset that G54.1 P has chosen. unknown: message and advice, by part, for a shift that is in force
+    name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units in which the length was set. unknown: message and advice, by part, for a shift that is in force
     and not known."""
 
     local: np.ndarray
@@ -39,6 +39,7 @@ class Frame:
     trans: np.ndarray
     preset_on: bool = True
     extended: str = ""
+    length_units: int = 210
     unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     @property

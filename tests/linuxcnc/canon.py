@@ -179,7 +179,7 @@ def attach_tool_table(home, tools, rs274):
 
 
 def uses_tools(text):
-    return re.search(r"(?i)[th]\s*\d|m\s*0*6\b|g\s*(43|10)", text) is not None
+    return re.search(r"(?i)[th]\s*\d|m\s*0*61?\b|g\s*(4[123]|10)|[tmgh]\s*[#[]|#\s*54[01]", text) is not None
 
 
 def first_line_too_long(text):

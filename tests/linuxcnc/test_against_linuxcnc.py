@@ -7,7 +7,9 @@ length are left out on both sides.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from postproc.errors import ProgramError
@@ -32,6 +34,13 @@ def setup_for(kwargs) -> Setup:
         for base, name in WORK.items():
             if base <= int(number) < base + 6:
                 offsets[name][AXES[int(number) - base]] = float(value)
+    parameters = kwargs.get("parameters") or {}
+    if parameters.get(5210):
+        offsets["G92"] = {axis: float(parameters.get(5211 + i, 0.0)) for i, axis in enumerate(AXES)}
+    for name, base in (("G28", 5161), ("G30", 5181)):
+        offsets[name] = {axis: float(parameters.get(base + i, 0.0)) for i, axis in enumerate(AXES)}
+    for number, tool in (kwargs.get("tools") or {}).items():
+        offsets[f"T{number}"] = {axis: float(tool.get(axis, 0.0)) for axis in AXES}
     return Setup(
         axes=AXES, least_increment=dict.fromkeys(AXES, 1e-4), offsets=offsets, start=dict.fromkeys(AXES, 0.0),
         block_delete=kwargs.get("block_delete", False),
@@ -57,7 +66,10 @@ def ours(text: str, kwargs) -> list[dict]:
     watched = Watched(machine, dialects.load("linuxcnc"), setup)
     assert setup_of(machine).axes == AXES
     active = int((kwargs.get("parameters") or {}).get(5220, 1))  # the work offset that holds at the start
-    watched.modal.codes["work offset"] = 530 + 10 * active
+    watched.modal.codes["work offset"] = 530 + 10 * active if active < 7 else 584 + active
+    stored = [round(float((kwargs.get("parameters") or {}).get(5211 + i, 0.0)) * TICKS_PER_MM) for i in range(6)]
+    frame = replace(watched.modal.frame, preset=np.array(stored), preset_on=bool((kwargs.get("parameters") or {}).get(5210)))
+    watched.modal = replace(watched.modal, frame=frame, tool_number=0, next_tool=0)
     watched.feed(text.encode())
     watched.finish()
     return seen

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from .oracle import PROGRAMS, REFUSED, Motion, ProgramError, available, load, motions, motions_of_many
+from .oracle import HERE, Motion, ProgramError, available, load, motions, motions_of_many
 
 pytestmark = pytest.mark.skipif(available() is not None, reason=str(available()))
 
@@ -130,7 +130,7 @@ def test_programs_of_a_batch_do_not_touch_each_other():
 
 
 def test_every_program_is_accepted_and_its_motions_join():
-    paths = sorted(PROGRAMS.glob("*.ngc"))
+    paths = sorted(HERE.glob("programs*/*.ngc"))
     results = motions_of_many([load(path) for path in paths])
     assert {path.stem: str(result) for path, result in zip(paths, results) if isinstance(result, ProgramError)} == {}
     for path, made in zip(paths, results):
@@ -139,7 +139,7 @@ def test_every_program_is_accepted_and_its_motions_join():
 
 
 def test_every_refused_program_is_refused_at_the_line_it_names():
-    paths = sorted(REFUSED.glob("*.ngc"))
+    paths = sorted(HERE.glob("refused*/*.ngc"))
     for path, result in zip(paths, motions_of_many([load(path) for path in paths])):
         assert isinstance(result, ProgramError), f"{path.stem} is accepted"
         assert result.line == int(re.search(r"line (\d+)", path.read_text())[1]), f"{path.stem}: {result}"

@@ -1,8 +1,9 @@
 """LinuxCNC's drilling cycles, as measured on its interpreter 2.9 (tests/expand/test_cycles.py).
 
 R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level: that is where the
-axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place. From R level or below, the place is
-gone to in one rapid with the axis of the hole; before G98 or G99 is named, G99 holds. R and Q are radii where X is a diameter.
+axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place; from R level or
+below, the place is gone to in one rapid with the axis of the hole. Before G98 or G99 is named, G99 holds. R and Q are
+radii where X is a diameter.
 """
 
 from __future__ import annotations
@@ -55,46 +56,54 @@ class LinuxcncDrilling(Drilling):
                     f"G{code / 10:g} begins without {' and '.join(missing)}",
                     "LinuxCNC keeps these words only within one cycle: write them where it begins",
                 )
+        half = 2 if scene.is_diameter(axis) else 1  # all that holds is a radius
         for word in block.words:
-            self._hold(scene, word, axis)
-        half = 2 if scene.is_diameter(axis) else 1
+            self._hold(scene, word, axis, half)
         if self.initial is None:
-            self.initial = scene.at(axis)
-        r, bottom = self.held["R"] * half, self.held["depth"]
+            self.initial = scene.at(axis) / half
+        r, bottom = self.held["R"], self.held["depth"]
         if scene.incremental:
             r += self.initial
             bottom += r
         if r < bottom:
             raise scene.fault(
-                f"R is at {r:g}, below the bottom of the hole at {bottom:g}", "R must lie above it", block.word("R")
+                f"R is at {r * half:g}, below the bottom of the hole at {bottom * half:g}", "R must lie above it", block.word("R")
             )
         up = scene.code("return") == INITIAL_LEVEL
-        here = scene.at(axis)
+        here = scene.at(axis) / half
         high = r if not up or self.initial < r else self.initial
-        first, level = ((r,), r) if self.initial < r else ((), here if here > r else high)
+        first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else high)
         hole = Hole(
-            axis, r, bottom, back=max(r, self.initial) if up else r, p=self.p if code in DWELLS else "",
-            first=self.held.get("Q", 0.0) * half, retract=RETRACT[scene.inch] * half,
+            axis, r * half, bottom * half, back=(max(r, self.initial) if up else r) * half,
+            p=self.p if code in DWELLS else "", first=self.held.get("Q", 0.0) * half, retract=RETRACT[scene.inch] * half,
         )  # fmt: skip
         if code in (730, 830) and hole.first <= 0:
             raise scene.fault(f"Q is {hole.first:g}, and no peck can be that deep", "write Q above 0", block.word("Q"))
         place = [w for w in block.words if w.letter in "XYZ" and w.letter != axis]
-        return Job(code, hole, self.times(scene, block, "L", 1), place, first, level)
+        return Job(code, hole, self.times(scene, block, "L", 1), place, first, level * half)
 
-    def _hold(self, scene: Scene, word: Word, axis: str) -> None:
+    def _hold(self, scene: Scene, word: Word, axis: str, half: int) -> None:
         """Remember a word for the holes to come."""
         if word.letter == "P":
             if word.value is not None and word.value < 0:
                 raise scene.fault(f"a dwell of {word.raw} s", "write P from 0 on", word)
             self.p = word.raw
         elif word.letter in ("R", "Q", axis) and word.value is not None:
-            self.held["depth" if word.letter == axis else word.letter] = word.value
+            if word.letter == axis:
+                self.held["depth"] = word.value / half
+            else:
+                self.held[word.letter] = word.value
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """The control itself counts from where the axis stands when its own first cycle begins."""
-        if self.stays or self.initial is None or not scene.differs(job.hole.axis, self.initial):
+        axis, initial = job.hole.axis, (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1)
+        counts = scene.incremental or scene.code("return") == INITIAL_LEVEL
+        if self.stays or self.initial is None or not counts or not scene.differs(axis, initial):
             return [block.text]
-        word = scene.text(
-            job.hole.axis, self.initial - scene.at(job.hole.axis) if scene.incremental else self.initial
-        )
+        if scene.at(axis) > initial:
+            raise scene.fault(
+                f"tapping begins at {axis}{scene.at(axis):g}, above the initial level {initial:g} of the holes before",
+                f"end them first: G80 and G0 {axis}{initial:g}",
+            )
+        word = scene.text(axis, initial - scene.at(axis) if scene.incremental else initial)
         return [(b"/" if block.skip else b"") + b"G0 " + word, block.text]

@@ -3,7 +3,6 @@
 Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
-from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.rows import (
     CENTRE_BY_START,

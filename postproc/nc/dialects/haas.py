@@ -64,9 +64,9 @@ DIALECT = Dialect(
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
-        **{n: "output, wait for it" for n in range(21, 29)},
-        **{n: "output on" for n in range(51, 59)},
-        **{n: "output off" for n in range(61, 69)},
+        **dict.fromkeys(range(21, 29), "output, wait for it"),
+        **dict.fromkeys(range(51, 59), "output on"),
+        **dict.fromkeys(range(61, 69), "output off"),
         10: "fourth axis brake on", 11: "fourth axis brake off", 12: "fifth axis brake on", 13: "fifth axis brake off",
         16: "tool change", 17: "unclamp and open", 18: "clamp and close", 31: "chips out", 33: "chips stop",
         34: "coolant nozzle", 35: "coolant nozzle", 36: "pallet ready", 39: "turn the turret", 41: "gear", 42: "gear",

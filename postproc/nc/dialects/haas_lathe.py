@@ -85,9 +85,9 @@ DIALECT = Dialect(
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
-        **{n: "output, wait for it" for n in range(21, 29)},
-        **{n: "output on" for n in range(51, 59)},
-        **{n: "output off" for n in range(61, 69)},
+        **dict.fromkeys(range(21, 29), "output, wait for it"),
+        **dict.fromkeys(range(51, 59), "output on"),
+        **dict.fromkeys(range(61, 69), "output off"),
         10: "chuck clamps", 11: "chuck unclamps", 12: "air jet on", 13: "air jet off", 14: "spindle clamps",
         15: "spindle unclamps", 17: "turret turns forward", 18: "turret turns back", 19: "orient the spindle",
         20: "ask for the second spindle", 21: "tailstock advances", 22: "tailstock retracts", 23: "chamfering on",

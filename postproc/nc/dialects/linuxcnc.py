@@ -50,7 +50,7 @@ DIALECT = Dialect(
         *rows("motion", {"33.1": "rigid tapping"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {n: "roughing cycle" for n in ("71", "71.1", "71.2", "72", "72.1", "72.2")}, refuses=codes.WRITE_OUT),
+        *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"), refuses=codes.WRITE_OUT),
         *rows("plane", {"17.1": "UV plane", "18.1": "WU plane", "19.1": "VW plane"}, refuses=codes.TRANSFORM),
         *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
     ),

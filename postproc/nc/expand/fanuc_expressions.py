@@ -195,14 +195,12 @@ class Reader:
         self._expect("]", "a [ is not closed")
         if name in ("ATAN", "ATAN2") and self.code[self.at : self.at + 2] == "/[":
             if name == "ATAN" and self.haas:
-                raise self.fault(
-                    "ATAN[ ]/[ ]: Haas divides the angle, Fanuc takes two sides", "write ATAN2[ ]/[ ]", start
-                )
+                what = "ATAN[ ]/[ ] may be a quotient on a Haas; on a Fanuc the two are sides"
+                raise self.fault(what, "write ATAN2[ ]/[ ] for sides, [ATAN[ ]]/[ ] for a quotient", start)
             self.at += 1
             arguments.append(self.bracketed())
-        if len(arguments) != (
-            wanted := 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
-        ):
+        wanted = 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
+        if len(arguments) != wanted:
             raise self.fault(f"{name} takes {wanted} values, not {len(arguments)}", "", start)
         function = turn if wanted == 2 and name == "ATAN" else FUNCTIONS[name]
         if name == "ASIN" and self.haas:

@@ -27,6 +27,7 @@ PLAIN_VALUE = re.compile(r'[+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|"[^"]*"', re.ASCII)
 DESTINATION = re.compile(r"[ \t]*:?([A-Z0-9_]+)(?![A-Z0-9_]|[ \t]*(?:<<|\[))", re.IGNORECASE | re.ASCII)
 PASSES = re.compile(r"[ \t]*P[ \t]*(?:=|(?=[0-9]))", re.IGNORECASE)
 LIST = re.compile(r"[ \t]*\((?:[^(),]|\([^()]*\))*,")  # a comma that no inner parentheses hold
+BLANK = re.compile(r"[ \t]*")
 EMPTY_CODE = re.compile(r"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?", re.IGNORECASE | re.ASCII)
 END_OF_PROGRAM = (2, 17, 30)
 JUMPS = ("GOTOF", "GOTOB", "GOTO", "GOTOC", "GOTOS")
@@ -182,7 +183,8 @@ class Words(Parser):
 
     def done(self) -> bool:
         """Whether nothing but blanks is left."""
-        return not self.text[self.at :].strip(" \t")
+        blank = BLANK.match(self.text, self.at)
+        return blank is not None and blank.end() == len(self.text)
 
     def end(self, after: str) -> None:
         """Nothing may follow."""
@@ -355,7 +357,7 @@ class Words(Parser):
         if others:
             message = f"{name} is no word that gcomp knows, and a subprogram call stands alone in its line"
             raise Refusal(message, "correct the word, or put the call into a line of its own", start, stop)
-        values = self.listed() if self.taken("(") else []
+        values = self.arguments()
         count = None
         if passes := PASSES.match(self.text, self.at):
             self.at = passes.end()

@@ -27,6 +27,7 @@ from postproc.nc.expand.siemens_values import (
     position,
     rounded,
 )
+from postproc.nc.expand.siemens_words import ADDRESSES
 
 DEEPEST = 30  # parentheses and signs within each other
 TOKEN = re.compile(
@@ -138,6 +139,9 @@ class Parser:
         stop = self.at
 
         def read(scope: Scope) -> Value:
+            if name not in scope.variables and name in ADDRESSES:
+                message = f"{name} is an instruction: the value that it has can not be read"
+                raise Refusal(message, "keep the value in a variable too", start, stop)
             if not indices and name not in scope.variables and scope.is_axis(name):
                 return Axis(name)
             try:

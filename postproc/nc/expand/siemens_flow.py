@@ -111,14 +111,14 @@ def _for(words: Words) -> None:
 
 
 def _repeat(words: Words) -> None:
-    if words.done():
+    if words.done() and words.into.control == "REPEAT":
         return
-    labels = []
+    labels: list[str] = []
     while (found := LABEL.match(words.text, words.at)) and len(labels) < 2:
         words.at = found.end()
         labels.append(found[1].upper())
     if not labels:
-        raise words.wrong("REPEAT stands alone, or before a label")
+        raise words.wrong(f"a label is missing behind {words.into.control}")
     count = None
     if passes := PASSES.match(words.text, words.at):
         words.at = passes.end()
@@ -187,7 +187,8 @@ def _procedure(words: Words) -> None:
             own, _ = _name(words)
             array = bool(words.taken("["))
             while array and not words.taken("]"):
-                words.at = words.at if words.taken(",") else words.entry().stop
+                if not words.taken(","):
+                    words.expression()
             default = words.expression() if words.taken("=") else None
             found.append(Parameter(kind, own, reference or array, default))
             if words.need(",", ")") == ")":

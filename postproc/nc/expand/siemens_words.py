@@ -5,6 +5,8 @@ Source: Siemens "SINUMERIK 840D sl / 828D", lists of instructions, of addresses 
 
 from __future__ import annotations
 
+import re
+
 from postproc.nc.expand.siemens_values import Axis, Refusal, Scope, Value, numeric
 from postproc.nc.expand.tracker import number
 
@@ -29,6 +31,7 @@ _COMMANDS = """
 """
 ADDRESSES = frozenset(_ADDRESSES.split())  # of several letters, written with "="
 COMMANDS = frozenset(_COMMANDS.split())  # they call no program; which can be followed is for the dialect to say
+CODE = re.compile(r'(?:[^;"]++|"[^"]*+(?:"|$))*+')
 WRAPPERS = ("IC", "AC", "DC", "ACP", "ACN", "CAC", "CIC", "CDC", "CACP", "CACN", "QU")  # X=IC(5), M=QU(7)
 WHOLE = ("G", "M", "T", "D", "L", "N", "P", "TURN", "SD", "DL")  # addresses whose values are whole numbers
 LENGTHS = ("CR", "RP", "RND", "RNDM", "CHR", "CHF", "POS", "POSA", "PL")  # written with as many decimals as radii
@@ -64,7 +67,5 @@ def argument(value: Value) -> str:
 
 def end_of_code(text: str) -> int:
     """The offset of the comment, or of the end; a semicolon within a string is none."""
-    at = text.find(";")
-    while at >= 0 and text.count('"', 0, at) % 2:
-        at = text.find(";", at + 1)
-    return len(text) if at < 0 else at
+    code = CODE.match(text)
+    return code.end() if code else 0

@@ -1,0 +1,197 @@
+"""What every command that reads programs must be told: which machine, in which language, and where the zeros lie."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from postproc import ports
+from postproc.commands import values
+from postproc.errors import Notice, ProgramError, UsageError
+
+if TYPE_CHECKING:
+    from postproc.filter import Filter
+    from postproc.machine.model import Machine
+    from postproc.nc.dialects import Dialect
+
+AUTO = "auto"
+LARGEST_OFFSETS = 10_000_000  # bytes
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options that say for which machine, how, and in which language: shared by all that read programs."""
+    parser.add_argument(
+        "--machine",
+        metavar="NAME",
+        help="a machine by name (gcomp machines) or by the path of its folder",
+    )
+    how = parser.add_argument_group("how it is corrected")
+    how.add_argument(
+        "--tolerance",
+        metavar="LENGTH",
+        type=values.tolerance,
+        help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)",
+    )
+    how.add_argument(
+        "--reversal",
+        choices=("mean", "step", "ramp", "off"),
+        help="what to do where an axis turns back (default: the machine's, or step)",
+    )
+    how.add_argument(
+        "--ramp", metavar="LENGTH", type=values.length, help="travel over which --reversal ramp takes up the difference"
+    )
+    how.add_argument(
+        "--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value"
+    )
+    how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
+    program = parser.add_argument_group("how the program is read")
+    program.add_argument("--dialect", metavar="NAME", help="the control's language, if not the machine's own; auto: by what the program looks like")
+    program.add_argument(
+        "--offset",
+        metavar="G54=X1,Z2",
+        action="append",
+        default=[],
+        type=values.offset,
+        help="where a work or tool offset's zero lies, mm, radius, machine coordinates; repeatable",
+    )
+    program.add_argument(
+        "--offsets", metavar="FILE", action="append", default=[],
+        help="work and tool offsets from a file of the control: LinuxCNC var file or tool table, Fanuc G10 dump, Siemens, "
+        "GRBL $#, or a CSV table; repeatable",
+    )  # fmt: skip
+    program.add_argument("--offsets-unit", choices=("mm", "inch"), help="the unit of --offsets, where the file does not say")
+    program.add_argument(
+        "--offsets-x", choices=("radius", "diameter"), help="what X of --offsets is, where the file does not say"
+    )
+    program.add_argument(
+        "--integers", choices=("units", "least-increments"),
+        help="what a coordinate without a decimal point counts, if not as usual on the control",
+    )  # fmt: skip
+    program.add_argument(
+        "--expand", action="store_true",
+        help="write loops, subprograms, variables, cycles and turned coordinates out as plain blocks, and correct those",
+    )  # fmt: skip
+    program.add_argument("--library", metavar="DIR", action="append", default=[], help="a folder with subprograms for --expand")
+    program.add_argument("--max-steps", type=int, default=10_000_000, help="lines that --expand executes at most")
+    program.add_argument("--max-depth", type=int, default=50, help="calls that --expand nests at most")
+    program.add_argument(
+        "--start",
+        metavar="X0,Z0",
+        type=values.place,
+        default={},
+        help="where the machine stands before the program, mm, radius, machine coordinates",
+    )
+    program.add_argument(
+        "--block-delete",
+        choices=("on", "off"),
+        default="off",
+        help="whether blocks that begin with / are skipped at the machine",
+    )
+    program.add_argument(
+        "--arc-centre",
+        choices=("incremental", "absolute"),
+        default="incremental",
+        help="what I J K mean when no G90.1 or G91.1 says so",
+    )
+
+
+def machine_of(options: argparse.Namespace) -> Machine:
+    """The machine that --machine names. Raises UsageError with the names that there are."""
+    from postproc.machine import places
+
+    if not options.machine:
+        names = ", ".join(places.every()) or "none found"
+        raise UsageError("--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder")
+    return places.load(options.machine)
+
+
+def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") -> Filter:
+    """A filter as the options want it; `head`: how the program begins, for --dialect auto."""
+    from postproc.compensate import Options
+    from postproc.filter import Filter, setup_of
+
+    notices: list[Notice] = []
+    dialect = _dialect(options, machine, head, notices)
+    machine = machine.carrying(dialect.carried)
+    offsets = _from_files(options, machine, notices)
+    offsets.update(dict(options.offset))
+    for name, place in [*((f"--offset {n}", p) for n, p in options.offset), ("--start", options.start)]:
+        for axis in place:
+            if axis not in machine.axes and not (axis == "R" and name != "--start"):
+                raise UsageError(
+                    f"{name} names {axis}, which is no axis of {machine.name}",
+                    f"its axes are {' '.join(machine.letters)}",
+                )
+    setup = setup_of(
+        machine, offsets, options.start, options.block_delete == "on", options.arc_centre,
+        (options.integers or "").replace("-", " "),
+    )  # fmt: skip
+    how = Options(options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids)
+    filter_ = Filter(machine, dialect, setup, how)
+    filter_.notices += notices
+    return filter_
+
+
+def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices: list[Notice]) -> Dialect:
+    from postproc.nc import dialects
+
+    if options.dialect != AUTO:
+        name = options.dialect or machine.control
+        if not options.dialect and name not in dialects.names():
+            raise UsageError(
+                f"the control of {machine.name} is {name!r}, and there is no dialect of that name",
+                f"say --dialect; dialects: {', '.join(dialects.names())}",
+            )
+        return dialects.load(name)
+    if options.unbuffered if hasattr(options, "unbuffered") else False:
+        raise UsageError("--dialect auto looks at the program before it is read: not with --unbuffered")
+    from postproc.nc.recognise import recognise
+
+    found = recognise(head)
+    if not found:
+        raise UsageError("the program does not show which control it is for", f"say --dialect {' or '.join(dialects.names())}")
+    name, evidence = found[0]
+    others = [n for n, e in found[1:] if len(e) == len(evidence)]
+    if machine.control in (name, *others):
+        name = machine.control
+    why = "; ".join(evidence[:3]) or "nothing speaks against it"
+    also = f" (it could be {', '.join(others[:3])} too)" if others else ""
+    notices.append(Notice("dialect", f"read as {name}: {why}{also}"))
+    return dialects.load(name)
+
+
+def _from_files(options: argparse.Namespace, machine: Machine, notices: list[Notice]) -> dict[str, dict[str, float]]:
+    """Offsets of all --offsets files, the last one wins."""
+    from postproc import offsets
+
+    result: dict[str, dict[str, float]] = {}
+    for path in options.offsets:
+        inch = None if options.offsets_unit is None else options.offsets_unit == "inch"
+        diameter = None if options.offsets_x is None else options.offsets_x == "diameter"
+        text = ports.read_whole(Path(path), LARGEST_OFFSETS)
+        found = offsets.read(text, path, inch=inch, diameter=diameter).of(machine.letters)
+        for name, degrees in found.rotation.items():
+            if degrees:
+                raise UsageError(
+                    f"{path}: {name} is turned by {degrees:g} degrees, and the error map is not",
+                    "take the rotation out of the work offset, and turn the program in CAM",
+                )
+        result.update(found.work)
+        result.update(found.tools)
+        notices += [Notice(f"offsets {path} {i}", f"{path}: {text}") for i, text in enumerate(found.notices)]
+    return result
+
+
+def with_hint(error: ProgramError, dialect: Dialect, head: bytes) -> ProgramError:
+    """The error, with the control that the program looks written for, where that is another one."""
+    if not head:
+        return error
+    from postproc.nc.recognise import recognise
+
+    found = recognise(head)
+    if found and found[0][1] and all(name != dialect.name for name, e in found if len(e) >= len(found[0][1])):
+        name, evidence = found[0]
+        hint = f"this looks like a {name} program ({evidence[0]}): --dialect {name}"
+        error.advice = f"{error.advice}\n    {hint}" if error.advice else hint
+    return error

@@ -1,0 +1,114 @@
+"""Turned, scaled and mirrored coordinates as one map: q = M p + t over X Y Z."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+AXES = ("X", "Y", "Z")
+Point = tuple[float, float, float]
+Matrix = tuple[Point, Point, Point]
+NO_TURN: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+TINY = 1e-12
+
+
+@dataclass(frozen=True)
+class Affine:
+    """Programmed coordinates p to those of the output, q = matrix p + shift, in the program's unit."""
+
+    matrix: Matrix = NO_TURN
+    shift: Point = (0.0, 0.0, 0.0)
+
+    def __call__(self, p: Point) -> Point:
+        return tuple(sum(m * x for m, x in zip(row, p, strict=True)) + t for row, t in zip(self.matrix, self.shift, strict=True))  # type: ignore[return-value]
+
+    def turned(self, v: Point) -> Point:
+        """A distance."""
+        return tuple(sum(m * x for m, x in zip(row, v, strict=True)) for row in self.matrix)  # type: ignore[return-value]
+
+    def after(self, first: Affine) -> Affine:
+        """This map behind another one."""
+        columns = list(zip(*first.matrix, strict=True))
+        matrix = tuple(tuple(sum(a * b for a, b in zip(row, col, strict=True)) for col in columns) for row in self.matrix)
+        return Affine(matrix, self(first.shift))  # type: ignore[arg-type]
+
+    @property
+    def identity(self) -> bool:
+        return self == Affine()
+
+    def partners(self, axis: str) -> list[str]:
+        """The axes that a word of this axis moves, and those that its coordinate depends on: itself at least."""
+        i = AXES.index(axis)
+        mixed = {i} | {j for j in range(3) if abs(self.matrix[i][j]) > TINY or abs(self.matrix[j][i]) > TINY}
+        for j in list(mixed):
+            mixed |= {k for k in range(3) if abs(self.matrix[j][k]) > TINY or abs(self.matrix[k][j]) > TINY}
+        return [AXES[j] for j in sorted(mixed)]
+
+    def leaves(self, axis: str) -> bool:
+        """Whether an axis keeps its coordinates."""
+        i = AXES.index(axis)
+        return self.matrix[i] == NO_TURN[i] and self.shift[i] == 0.0 and self.partners(axis) == [axis]
+
+    def inverse(self, q: Point) -> Point:
+        """The programmed coordinates of a place. The map must be one that can be undone."""
+        m, d = self.matrix, [a - b for a, b in zip(q, self.shift, strict=True)]
+        det = _det(m[0], m[1], m[2])
+        columns = list(zip(*m, strict=True))
+        result = []
+        for k in range(3):
+            replaced = [tuple(d) if j == k else columns[j] for j in range(3)]
+            result.append(_det(*replaced) / det)
+        return tuple(result)  # type: ignore[return-value]
+
+    def similarity(self, first: str, second: str) -> float | None:
+        """What circles of a plane become: their factor, negative where their sense turns round; None: no circles, or none
+        in this plane."""
+        i, j = AXES.index(first), AXES.index(second)
+        k = 3 - i - j
+        m = self.matrix
+        if any(abs(m[a][k]) > TINY or abs(m[k][a]) > TINY for a in (i, j)):
+            return None
+        a, b, c, d = m[i][i], m[i][j], m[j][i], m[j][j]
+        scale = max(abs(x) for x in (a, b, c, d))
+        det = a * d - b * c
+        if abs(a * b + c * d) > 1e-9 * scale**2 or abs(a * a + c * c - b * b - d * d) > 1e-9 * scale**2 or not det:
+            return None
+        return math.copysign(math.sqrt(abs(det)), det)
+
+
+def _det(a, b, c) -> float:
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+
+
+def exact_turn(degrees: float) -> tuple[float, float]:
+    """Cosine and sine; whole quarter turns without rounding."""
+    quarters, rest = divmod(degrees, 90.0)
+    if rest == 0.0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters) % 4]
+    return math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+
+
+def rotation(first: str, second: str, degrees: float, centre: Point = (0.0, 0.0, 0.0)) -> Affine:
+    """A turn in a plane, counter-clockwise from its first to its second axis, about a point."""
+    i, j = AXES.index(first), AXES.index(second)
+    cosine, sine = exact_turn(degrees)
+    rows = [list(row) for row in NO_TURN]
+    rows[i][i] = rows[j][j] = cosine
+    rows[i][j], rows[j][i] = -sine, sine
+    return _about(tuple(map(tuple, rows)), centre)  # type: ignore[arg-type]
+
+
+def scaling(factors: dict[str, float], centre: Point = (0.0, 0.0, 0.0)) -> Affine:
+    """A factor per axis (1 where none is given) about a point; a negative one mirrors."""
+    rows = [list(row) for row in NO_TURN]
+    for axis, factor in factors.items():
+        i = AXES.index(axis)
+        rows[i][i] = factor
+    return _about(tuple(map(tuple, rows)), centre)  # type: ignore[arg-type]
+
+
+def _about(matrix: Matrix, centre: Point) -> Affine:
+    turned = Affine(matrix).turned(centre)
+    return Affine(matrix, tuple(c - t for c, t in zip(centre, turned, strict=True)))  # type: ignore[arg-type]

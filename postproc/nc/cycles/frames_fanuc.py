@@ -1,0 +1,248 @@
+"""G68 G69, G51 G50, G51.1 G50.1 and G16 G15 of Fanuc and Haas mills.
+
+Fanuc B-64304EN-2 and B-63944EN-2, "Coordinate system rotation", "Scaling", "Programmable mirror image", "Polar coordinate
+command"; Haas mill operator's manual, G51 and G68. A motion is scaled first, then turned; the centre of the turn is scaled
+too, its angle is not. G51 stands outside: G51, G68, G69, G50.
+
+Assumed: G51 scales X, Y and Z (parameter 5401 bit 0); its P, I, J, K without a point count 0.001 (5400 bit 7). Refused: a
+mirror together with scaling or a turn, a turn in space, what rests on parameters (R, P left out), and axes whose place the
+manual leaves open behind G68 and G69.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from postproc.nc.codes import FRAME_KEYS
+from postproc.nc.cycles.affine import AXES, Affine, Point, rotation, scaling
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.moves import own_words
+from postproc.nc.cycles.polar import Polar
+from postproc.nc.cycles.scene import Scene
+
+MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = 501, 511, 500, 510, 680, 690, 150, 160
+CODES = (MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON)
+LENGTHS = ("length", "length words", "length more", "length minus", "no length")
+ONE = 0.001  # what 1 without a point means as a factor
+CANCEL = "end it before (G69, G50, G50.1)"
+
+
+@dataclass
+class FanucFrames:
+    """The frames in force. `counts`: whether factors without a point count ONE (Haas: they are refused)."""
+
+    scene: Scene
+    counts: bool = True
+    codes = CODES
+
+    def __post_init__(self) -> None:
+        self.frames = Frames(self.scene)
+        self.polar = Polar(self.scene, self.frames)
+        self.scale: Affine | None = None
+        self.turn: Affine | None = None
+        self.mirror: dict[str, float] = {}
+        self.plane = 170
+
+    @property
+    def active(self) -> bool:
+        return self.polar.on or self.frames.active
+
+    def known(self, axis: str) -> float | None:
+        return self.frames.known(axis)
+
+    def snapshot(self):
+        """What restore needs."""
+        kept = {name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")}
+        return kept, dict(self.polar.residue), dict(self.frames.at), dict(self.frames.residue), set(self.frames.loose), (
+            self.frames.motion, self.frames.written,
+        )  # fmt: skip
+
+    def restore(self, kept) -> None:
+        """As it was when the snapshot was taken; the maps are the same."""
+        polar, self.polar.residue, self.frames.at, self.frames.residue, self.frames.loose, codes = kept
+        for name, value in polar.items():
+            setattr(self.polar, name, value)
+        self.frames.motion, self.frames.written = codes
+
+    def take(self, block: Block) -> list[bytes]:
+        """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
+        own = [c for c in block.codes if c in CODES]
+        for code in own:
+            block = self._set(block, code)
+            self.scene.block = replace(block, text=self.scene.block.text)
+        if own and not block.words and not block.text.strip(b" \t\r/"):
+            return []
+        if not self.active:
+            return [block.text]
+        self._check(block)
+        if self._taken(block):
+            self.frames.forget()
+            self.polar.forget()
+            return [block.text]
+        if self.polar.on:
+            self.scene.extra_decimals = 0 if self.frames.map.identity else 4
+            block = self.polar.take(block)
+            self.scene.extra_decimals = 0
+        return self.frames.take(block)
+
+    def _taken(self, block: Block) -> bool:
+        """Whether another code takes the axis words, or they are machine coordinates."""
+        table = self.scene.table
+        return any(c in (40, 530) or (c in table and table[c].takes) for c in block.codes)
+
+    def _check(self, block: Block) -> None:
+        """Codes that the manual forbids while the coordinates are turned or scaled."""
+        scene, identity = self.scene, self.frames.map.identity
+        named = [w for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)]
+        for code in block.codes:
+            row = scene.table.get(code)
+            if row is None or identity:
+                continue
+            moves = row.does in FRAME_KEYS and row.does not in LENGTHS and row.does != "data"
+            if row.group in ("work offset", "units") or (moves and (named or not row.takes)):
+                raise scene.fault(f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL)
+            if row.group == "plane" and row.number != self.plane and self.frames.map != Affine():
+                raise scene.fault(f"another plane within {self.frames.why}", CANCEL)
+            if (code == 530 or row.takes) and (named or (code in (280, 300) and not _axes(block))):
+                raise scene.fault(
+                    f"{row.word} names {named[0].letter if named else 'no axis'} within {self.frames.why}", CANCEL
+                )
+
+    # -- what the codes set ----------------------------------------------------------------------------------------------
+
+    def _set(self, block: Block, code: int) -> Block:
+        """Let a code hold; the block without what belongs to it."""
+        letters = {TURN_ON: "XYZRIJK", SCALE_ON: "XYZPIJK", MIRROR_ON: "XYZ", MIRROR_OFF: "XYZ"}.get(code, "")
+        rest = Block.of(block.written(own_words(block, letters, {code})), self.scene.dialect.grammar)
+        {
+            TURN_ON: self._turn, TURN_OFF: self._no_turn, SCALE_ON: self._scale, SCALE_OFF: self._no_scale,
+            MIRROR_ON: self._mirror, MIRROR_OFF: self._no_mirror,
+            POLAR_ON: lambda b: self.polar.begin(), POLAR_OFF: lambda b: setattr(self.polar, "on", False),
+        }[code](block)  # fmt: skip
+        return rest
+
+    def _hold(self) -> None:
+        total = scaling(dict.fromkeys(self.mirror, -1.0), _point(self.mirror))
+        for part in (self.scale, self.turn):
+            total = part.after(total) if part else total
+        self.plane = self.scene.code("plane")
+        self.frames.why = " and ".join(
+            name
+            for name, on in (("mirrored coordinates (G51.1)", self.mirror), ("scaling (G51)", self.scale),
+                             ("the rotation (G68)", self.turn)) if on
+        ) or self.frames.why  # fmt: skip
+        self.frames.set_map(total)
+        self.polar.forget()
+
+    def _alone(self, others: bool, what: str) -> None:
+        if others:
+            raise self.scene.fault(
+                f"{what} together with a mirror (G51.1)", "the manual leaves the centre open: write one of them out"
+            )
+
+    def _turn(self, block: Block) -> None:
+        scene = self.scene
+        self._alone(bool(self.mirror), "a rotation (G68)")
+        first, second, across = scene.plane
+        space = next((w for w in block.words if w.letter in "IJK"), None)
+        if space:
+            raise scene.fault("G68 with I J K turns in space", "only turns within the plane are written out", space)
+        angle = block.word("R")
+        if angle is None or angle.value is None:
+            raise scene.fault("G68 without its angle R", "the control takes it from a parameter or a setting: write R")
+        if self.turn and scene.incremental:
+            raise scene.fault("G68 in G91 within a rotation", "whether R adds up is a parameter: write G69 or G90 before")
+        given = [w for w in block.words if w.letter in (first, second)]
+        if len(given) == 1:
+            raise scene.fault(f"G68 with {given[0].letter} alone", "name both coordinates of the centre, or none", given[0])
+        centre = {w.letter: scene.length(w, w.letter) for w in given}
+        if given:
+            point = _point(centre)
+            if self.scale:
+                point = self.scale(point)
+        else:
+            point = _point({x: self._stands(x) for x in (first, second)})
+        self.turn = rotation(first, second, angle.value, point)
+        self._hold()
+        self.frames.loose |= {first, second} if angle.value % 360 else set()
+
+    def _no_turn(self, block: Block) -> None:
+        if self.turn is None:
+            return
+        first, second, _ = self.scene.plane
+        loose = self.frames.loose | ({first, second} if not self.turn.identity else set())
+        self.turn = None
+        self._hold()
+        self.frames.loose = loose
+        self.frames.why = "the rotation (G68)"
+
+    def _scale(self, block: Block) -> None:
+        scene = self.scene
+        self._alone(bool(self.mirror), "scaling (G51)")
+        if self.turn:
+            raise scene.fault("G51 within a rotation", "the manual wants G51 before G68")
+        whole = block.word("P")
+        if whole:
+            factors = dict.fromkeys(AXES, self._factor(whole))
+        else:
+            factors = {x: self._factor(w) for x, c in zip(AXES, "IJK", strict=True) if (w := block.word(c))}
+            if len(factors) < 3:
+                raise scene.fault("G51 without P, and without all of I J K", "the rest are parameters: write them")
+        centre = {w.letter: scene.length(w, w.letter) for w in block.words if w.letter in AXES}
+        self.scale = None
+        self._hold()
+        for x in AXES:
+            if x not in centre and factors[x] != 1.0:
+                centre[x] = self._stands(x)
+        self.scale = scaling(factors, _point(centre))
+        self._hold()
+
+    def _factor(self, word: Word) -> float:
+        value = word.value or 0.0
+        if "." not in word.raw:
+            if not self.counts:
+                raise self.scene.fault(
+                    f"the factor {word.letter}{word.raw} has no decimal point", f"write {word.letter}{word.raw}.", word
+                )
+            value *= ONE
+        if value == 0.0:
+            raise self.scene.fault("a factor of 0", "nothing would be left of the axis", word)
+        return value
+
+    def _no_scale(self, block: Block) -> None:
+        if self.turn:
+            raise self.scene.fault("G50 within a rotation", "the manual wants G69 before G50")
+        self.scale = None
+        self._hold()
+
+    def _mirror(self, block: Block) -> None:
+        self._alone(bool(self.scale or self.turn), "scaling or a rotation")
+        named = {w.letter: self.scene.length(w, w.letter) for w in block.words if w.letter in AXES}
+        if not named:
+            raise self.scene.fault("G51.1 without an axis", "name the axis and where the mirror stands: G51.1 X0")
+        self.mirror = {**self.mirror, **named}
+        self._hold()
+
+    def _no_mirror(self, block: Block) -> None:
+        named = _axes(block)
+        self.mirror = {x: v for x, v in self.mirror.items() if named and x not in named}
+        self._hold()
+
+    def _stands(self, axis: str) -> float:
+        value = self.scene.tracker.work(axis)
+        if value is None:
+            raise self.scene.fault(
+                f"the centre is where the tool stands, and {axis} is not known",
+                f"name the centre, or say where {axis} stands: --start {axis}0",
+            )
+        return value
+
+
+def _axes(block: Block) -> list[str]:
+    return [w.letter for w in block.words if w.letter in AXES]
+
+
+def _point(values: dict[str, float]) -> Point:
+    x, y, z = (values.get(axis, 0.0) for axis in AXES)
+    return x, y, z

@@ -1,0 +1,94 @@
+"""G10 L2 R: a work offset of LinuxCNC that is turned about its zero in XY, as measured on its interpreter 2.9."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from postproc.nc.cycles.affine import Affine, rotation
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.moves import own_words
+from postproc.nc.cycles.scene import Scene
+
+DATA, REFERENCES = 100, (280, 300)
+WORK = (540, 550, 560, 570, 580, 590, 591, 592, 593)
+
+
+class LinuxcncRotation:
+    """`turns`: degrees by the number of the work offset (1: G54)."""
+
+    codes = (DATA,)
+
+    def __init__(self, scene: Scene):
+        self.scene, self.frames = scene, Frames(scene)
+        self.frames.why = "a turned work offset (G10 L2 R)"
+        self.turns: dict[int, float] = {}
+
+    @property
+    def active(self) -> bool:
+        return bool(self.turns)
+
+    def known(self, axis: str) -> float | None:
+        return self.frames.known(axis)
+
+    def snapshot(self):
+        return dict(self.frames.at), dict(self.frames.residue), self.frames.motion, self.frames.written
+
+    def restore(self, kept) -> None:
+        self.frames.at, self.frames.residue, self.frames.motion, self.frames.written = kept
+
+    def take(self, block: Block) -> list[bytes]:
+        """A plain block in turned coordinates, in those beneath. Raises ProgramError."""
+        scene = self.scene
+        if DATA in block.codes:
+            return self._data(block)
+        if not self.active:
+            return [block.text]
+        self._hold()
+        turned = not self.frames.map.identity
+        shifts = [c for c in block.codes if c in scene.table and scene.table[c].takes and c not in REFERENCES]
+        plane = [w for w in block.words if w.letter in "XY"]
+        if turned and (shifts or 922 in block.codes or 923 in block.codes) and (plane or not block.words[1:]):
+            raise scene.fault(f"G92 or G52 within {self.frames.why}", "shift the coordinates with G10 L2 X Y instead")
+        references = [c for c in block.codes if c in REFERENCES]
+        if turned and references and plane:
+            raise scene.fault(f"G{references[0] // 10} over a place within {self.frames.why}", "name no X and Y in it")
+        if references or shifts or 530 in block.codes:
+            self.frames.forget()
+            return [block.text]
+        return self.frames.take(block)
+
+    def system(self) -> int:
+        """The work offset in force."""
+        held = self.scene.code("work offset")
+        return WORK.index(held) + 1 if held in WORK else 1
+
+    def _hold(self) -> None:
+        """The turn of the work offset in force."""
+        degrees = self.turns.get(self.system(), 0.0)
+        new = rotation("X", "Y", degrees) if degrees % 360 else Affine()
+        if new != self.frames.map:
+            frame = self.scene.tracker.state.frame
+            if frame is not None and any(frame.preset[:2]) and not new.identity:
+                raise self.scene.fault(f"G92 or G52 is in force within {self.frames.why}", "end it before: G92.1")
+            self.frames.set_map(new)
+
+    def _data(self, block: Block) -> list[bytes]:
+        """G10 L2 P R: remember the turn and take it out of the text."""
+        scene, line, angle = self.scene, block.get("L"), block.get("R")
+        if line == 20 and self.turns:
+            raise scene.fault(f"G10 L20 within {self.frames.why}", "set the offset with G10 L2")
+        if line != 2:
+            return [block.text]
+        number = block.get("P") or 0.0
+        system = int(number) if number else self.system()
+        self.frames.forget()
+        if angle is None or (not angle and not self.turns.get(system)):
+            return [block.text]
+        self.turns[system] = angle
+        letters = "R" if any(w.letter in "XYZABCUVW" for w in block.words) else "RLP"
+        out = own_words(block, letters, {DATA} if letters != "R" else set())
+        self.turns = {n: degrees for n, degrees in self.turns.items() if degrees or self.frames.active}
+        text = block.written(out)
+        scene.block = replace(block, text=scene.block.text)
+        return [text] if text.strip(b" \t\r/") else []

@@ -1,0 +1,350 @@
+"""Fanuc and Haas programs, written out: custom macro B, subprograms, macro calls.
+
+Runs M98, M97 (Haas), M198, M99, G65, G66, G67, GOTO, IF, WHILE DO END and assignments; what is left are plain blocks with
+numbers in the place of expressions. Programs are found by their O number in the same text, then through the library.
+
+Left out of what is given: lines for a printer (POPEN DPRNT BPRNT PCLOS) and SETVN, which move nothing. #3006 leaves its
+comment; #3000 ends with its text as the reason. Not run: G66.1, codes that parameters turn into macro calls, names of
+variables. Floats are compared as Series 30i does it; a control with shorter numbers may run a loop once more or less that
+counts in fractions. Calls are nested as deep as the limits say; the control itself allows 4 macros and 10 subprograms.
+
+Sources: B-64304EN (0i) and B-64484EN (30i), "Custom macro", "Subprogram (M98, M99)"; order of nested modal calls:
+"Modal call (G66)", sample program; Haas 96-8000 and 96-8210, "Macros", "M97".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from postproc.errors import BlockFault, ProgramError
+from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand.fanuc_blocks import Block, Kind, bare
+from postproc.nc.expand.fanuc_calls import Frame, Library, Modal, arguments, called, subprogram, times, word_of
+from postproc.nc.expand.fanuc_functions import Misread, Value, index
+from postproc.nc.expand.fanuc_programs import Section, Source
+from postproc.nc.expand.fanuc_variables import Variables
+from postproc.nc.expand.fanuc_words import Word, rendered
+from postproc.nc.expand.tracker import Tracker
+
+DELETED = re.compile(rb"[ \t]*(?:[Nn][ \t0-9]*)?/")
+RETURNS = (280, 300)  # G28 and G30 take their words away from the path, but move
+
+
+def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
+    """The plain lines of a program in the order of execution. Raises ProgramError where it can not be run, or runs beyond
+    the limits."""
+    return Runner(program, tracker, limits).run()
+
+
+class Runner:
+    """One program while it is executed."""
+
+    def __init__(self, program: Program, tracker: Tracker, limits: Limits):
+        self.program, self.tracker, self.limits = program, tracker, limits
+        self.variables = Variables(tracker)
+        self.semicolon = tracker.dialect.grammar.semicolon
+        self.source = Source(program.lines(), self.semicolon, self.variables.haas)
+        self.library = Library(program, self.semicolon, self.variables.haas)
+        self.frames: list[Frame] = []
+        self.modal: list[Modal] = []
+        self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
+        self.ended = False
+
+    def run(self) -> Iterator[Line]:
+        """Execute it."""
+        first = self.source.sections[0]
+        self._enter(Frame(self.source, first, first.start, first.start, 0, {}))
+        while not self.ended:
+            frame = self.frames[-1]
+            source, at, stop = frame.source, frame.at, frame.section.stop
+            if at < stop and not self.modal:
+                texts, numbers, special, file = source.texts, source.numbers, source.special, source.file
+                while at < stop and not special[at]:
+                    if self.steps >= self.most:
+                        raise self._fault(frame, at, self._too_long())
+                    self.steps += 1
+                    yield Line(texts[at], numbers[at], file)
+                    at += 1
+            frame.at = at
+            if at >= stop:
+                self._runs_out(frame)
+                break
+            text = self._step(frame, at)
+            if text is not None:
+                yield Line(text, source.numbers[at], source.file)
+        yield from self._tail()
+
+    # -- one block -----------------------------------------------------------------------------------------------------
+
+    def _step(self, frame: Frame, at: int) -> bytes | None:
+        """Execute an entry; the plain text that it leaves, if any."""
+        frame.at = at + 1
+        raw = frame.source.texts[at]
+        place = (0, 0)
+        try:
+            if self.steps >= self.most:
+                raise self._too_long()
+            self.steps += 1
+            if self.tracker.setup.block_delete and DELETED.match(raw):
+                return raw
+            block = frame.source.block(at)
+            place = block.place
+            return self._execute(frame, at, block)
+        except BlockFault as before:
+            what = f"where the program stands can not be told: {before.message}"
+            raise self._fault(frame, at, Misread(what, before.advice)) from None
+        except Misread as wrong:
+            if not wrong.stop:
+                wrong.start, wrong.stop = place
+            raise self._fault(frame, at, wrong) from None
+
+    def _execute(self, frame: Frame, at: int, block: Block) -> bytes | None:
+        variables, kind = self.variables, block.kind
+        if kind in (Kind.PLAIN, Kind.WORDS):
+            return self._plain(block)
+        if kind is Kind.SET:
+            return self._set(block)
+        if kind is Kind.IF:
+            assert block.formula and block.then
+            return self._execute(frame, at, block.then) if block.formula(variables) else None
+        if kind is Kind.GOTO:
+            assert block.target
+            self._jump(frame, at, _label(block.target(variables)), block.place)
+        elif kind in (Kind.DO, Kind.END):
+            self._loop(frame, at, block)
+        elif kind is Kind.CALL:
+            return self._macro(block) if block.code == 65 else self._subprogram(frame, at, block)
+        elif kind is Kind.MODAL:
+            return self._macro(block)
+        elif kind is Kind.CANCEL:
+            self._set_modal(self.modal[:-1])
+            return self._rest(block, [w for w in block.words if w.place == block.place])
+        elif kind is Kind.RETURN:
+            return self._return(frame, at, block)
+        elif kind in (Kind.TAPE, Kind.HEAD) and len(self.frames) == 1:
+            return block.raw
+        return None
+
+    def _plain(self, block: Block) -> bytes | None:
+        first = block.behind if block.program >= 0 and len(self.frames) > 1 else block.first
+        text, words = block.raw[first:], block.words
+        if block.kind is Kind.WORDS:
+            self.variables.spare = int(block.units == 2)  # an inch needs one decimal more
+            text, words = rendered(block.raw, words, self.variables, first)
+            if not words:
+                return None
+        if block.units:
+            self.variables.forget_units()
+        self.ended |= block.ends
+        if self.modal and not block.ends and self._moves(words):
+            modal, force = self.modal[-1], self.modal
+            start = modal.section.start
+            self._set_modal(force[:-1])
+            self._enter(
+                Frame(modal.source, modal.section, start, start, modal.times - 1, modal.local, force), block.place
+            )
+        return text
+
+    def _rest(self, block: Block, leave: Sequence[Word]) -> bytes | None:
+        """The text of a call's block without the words of the call; None where nothing is left."""
+        text, words = rendered(block.raw, block.words, self.variables, block.first, leave)
+        if self.modal and self._moves(words):
+            raise Misread("a call, or M99, and a motion in one block under G66", "give them a block each", *block.place)
+        if block.units:
+            self.variables.forget_units()
+        self.ended |= block.ends
+        return text if words else None
+
+    def _moves(self, words: list[Word]) -> bool:
+        """Whether a block moves an axis."""
+        dialect, axes = self.tracker.dialect, self.tracker.setup.axes
+        codes = [round((w.worth(self.variables) or 0.0) * 10) for w in words if w.letter == "G"]
+        known = [dialect.by_number.get(code) for code in codes]
+        if 40 in codes or any(c and c.takes and c.number not in RETURNS for c in known):
+            return False
+        if any(w.letter in axes or w.letter in dialect.increments for w in words):
+            return True
+        arc = {20, 30} & {*codes, self.tracker.code("motion")}
+        return bool(arc) and any(w.letter in "IJK" for w in words)
+
+    def _set(self, block: Block) -> bytes | None:
+        assert block.target and block.formula
+        number, value = index(block.target(self.variables)), block.formula(self.variables)
+        if number == 3000:
+            text = block.comment.strip(b"()").decode("latin-1")
+            raise Misread(
+                f"the program stops itself with the alarm #3000={value or 0:g}: {text or 'without a text'}",
+                "it found something that is not as it expects: look at the condition before this block",
+            )
+        if number == 3006:
+            return block.comment or None
+        self.variables.write(number, value)
+        return None
+
+    # -- where control goes --------------------------------------------------------------------------------------------
+
+    def _jump(self, frame: Frame, at: int, label: int, place: tuple[int, int]) -> None:
+        """Go on at an N number of the frame's program."""
+        target = frame.source.find(frame.section, label, at)
+        if target < 0:
+            raise Misread(f"there is no N{label} in this program", f"write N{label} before the block to go to", *place)
+        loop = frame.source.enters_loop(frame.section, at, target)
+        if loop >= 0:
+            line = frame.source.numbers[loop]
+            raise Misread(
+                f"N{label} lies inside the loop of line {line}", "a jump may leave a loop but not enter it", *place
+            )
+        frame.at = target
+
+    def _loop(self, frame: Frame, at: int, block: Block) -> None:
+        partner = frame.source.loops(frame.section).get(at)
+        if partner is None:
+            raise Misread(*frame.section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *block.place)
+        if block.kind is Kind.END:
+            frame.at = partner
+        elif block.formula and not block.formula(self.variables):
+            frame.at = partner + 1
+
+    def _subprogram(self, frame: Frame, at: int, block: Block) -> bytes | None:
+        """M98, M198 and M97."""
+        words, variables, place = block.words, self.variables, block.place
+        what = f"M{block.code:g}"
+        if block.code == 97:
+            source, section, count = frame.source, frame.section, times(words, variables)
+            label = called(words, "P", variables, what, place)
+        else:
+            number, count = subprogram(words, variables, what, place, lambda n: self._find(n, block.code) is not None)
+            source, section = self._program(number, block)
+            label = called(words, "Q", variables, what, place) if word_of(words, "Q") else -1
+        start = source.find(section, label, at if source is frame.source else -1) if label >= 0 else section.start
+        if start < 0:
+            raise Misread(f"there is no N{label} in that program", "write it before the block to begin with", *place)
+        leave = [w for w in words if w.place == place or w.letter in "PQL"]
+        text = self._rest(block, leave)
+        self._enter(Frame(source, section, start, start, count - 1, frame.local), place)
+        return text
+
+    def _macro(self, block: Block) -> bytes | None:
+        """G65 and G66."""
+        words, variables, place = block.words, self.variables, block.place
+        code = next(i for i, word in enumerate(words) if word.place == place)
+        stray = next((word for word in words[:code] if word.letter != "G"), None)
+        if stray:
+            raise Misread(
+                f"{stray.letter} before G{block.code:g}", "what is handed over stands behind it", *stray.place
+            )
+        behind = words[code + 1 :]
+        source, section = self._program(called(behind, "P", variables, f"G{block.code:g}", place), block)
+        count = times(behind, variables)
+        local = arguments([word for word in behind if word.letter not in "PL"], variables)
+        text = self._rest(block, words[code:])
+        if block.kind is Kind.MODAL:
+            self._set_modal([*self.modal, Modal(source, section, count, local)])
+        else:
+            self._enter(Frame(source, section, section.start, section.start, count - 1, local), place)
+        return text
+
+    def _return(self, frame: Frame, at: int, block: Block) -> bytes | None:
+        """M99: again from the start, back to the caller, or with P to a block of the caller."""
+        label = called(block.words, "P", self.variables, "M99", block.place) if word_of(block.words, "P") else -1
+        text = self._rest(block, [w for w in block.words if w.place == block.place or w.letter in "PL"])
+        if len(self.frames) == 1:
+            if label < 0:
+                advice = "M30 ends it after one piece; / before M99 and block delete leave it out"
+                raise Misread("M99 in the main program: it would run from its top without end", advice, *block.place)
+            self._jump(frame, at, label, block.place)
+        elif label < 0 and frame.left:
+            frame.left, frame.at = frame.left - 1, frame.start
+        else:
+            self._leave()
+            if label >= 0:
+                caller = self.frames[-1]
+                self._jump(caller, caller.at - 1, label, block.place)
+        return text
+
+    # -- programs ------------------------------------------------------------------------------------------------------
+
+    def _enter(self, frame: Frame, place: tuple[int, int] = (0, 0)) -> None:
+        if len(self.frames) > self.limits.depth:
+            raise Misread(f"calls nested {len(self.frames)} deep (limit {self.limits.depth})",
+                          "does a program call itself? a control allows 4 macros and 10 subprograms", *place)  # fmt: skip
+        self.frames.append(frame)
+        self._in_force()
+
+    def _leave(self) -> None:
+        frame = self.frames.pop()
+        if frame.modal is not None:
+            self._set_modal(frame.modal)
+        self._in_force()
+
+    def _in_force(self) -> None:
+        frame = self.frames[-1]
+        self.variables.local, self.variables.program = frame.local, max(frame.section.number, 0)
+
+    def _set_modal(self, modal: list[Modal]) -> None:
+        self.modal = modal
+        self.variables.modal = bool(modal)
+
+    def _find(self, number: int, code: float) -> tuple[Source, Section] | None:
+        """A program by its O number; M198 looks in the library alone."""
+        return self.library.find(number, *((self.frames[-1].source, self.source) if code != 198 else ()))
+
+    def _program(self, number: int, block: Block) -> tuple[Source, Section]:
+        found = self._find(number, block.code)
+        if found is None:
+            where = "in the library" if block.code == 198 else "in this text nor in the library"
+            raise Misread(
+                f"there is no program O{number} {where}", f"add it: O{number} before its first block", *block.place
+            )
+        return found
+
+    # -- the end -------------------------------------------------------------------------------------------------------
+
+    def _runs_out(self, frame: Frame) -> None:
+        """Behind the last block: the main program may end here, others may not."""
+        source, stop = frame.source, frame.section.stop
+        last = max(stop - 1, 0)
+        if len(self.frames) > 1:
+            name = f"O{frame.section.number}" if frame.section.number >= 0 else "the subprogram"
+            raise self._fault(
+                frame, last, Misread(f"{name} ends without M99", "M99 goes back to the program that called it")
+            )
+        if stop < len(source.texts) and stop != source.closing:
+            what = f"the program runs into O{source.block(stop).program} without M02, M30 or M99"
+            raise self._fault(frame, stop, Misread(what, "M30 ends the main program"))
+
+    def _tail(self) -> Iterator[Line]:
+        """Blank lines and comments behind the end, and the "%"."""
+        source, main = self.source, self.frames[0]
+        at = main.at
+        while at < len(source.texts) and at != source.closing and len(self.frames) == 1 and not source.code(at):
+            yield Line(source.texts[at], source.numbers[at])
+            at += 1
+        if source.closing >= 0:
+            yield Line(source.texts[source.closing], source.numbers[source.closing])
+
+    def _too_long(self) -> Misread:
+        return Misread(
+            f"{self.steps} blocks have been executed (limit {self.most})", "does a loop not end? or raise the limit"
+        )
+
+    def _fault(self, frame: Frame, at: int, wrong: Misread) -> ProgramError:
+        source = frame.source
+        if at >= len(source.texts):
+            return fault(source.file or self.program.name, 1, b"", wrong.message, wrong.advice)
+        raw, place = source.texts[at], bare(source.texts[at], self.semicolon)[1]
+        start, stop = 0, 0
+        if wrong.stop and place:
+            start = place[min(wrong.start, len(place) - 1)]
+            stop = place[min(max(wrong.stop, wrong.start + 1), len(place)) - 1] + 1
+        return fault(
+            source.file or self.program.name, source.numbers[at], raw, wrong.message, wrong.advice, start, stop
+        )
+
+
+def _label(value: Value) -> int:
+    number = round(value or 0.0)
+    if value is None or abs(value - number) > 1e-6 or not 0 <= number < 10**9:
+        raise Misread(f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole")
+    return number

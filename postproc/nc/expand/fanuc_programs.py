@@ -1,0 +1,182 @@
+"""The programs that a Fanuc text holds, and where control goes within each.
+
+A text holds one program or several, each begun by its O number; GOTO finds N numbers within a program, DO and END are paired
+by it. Sources: B-64304EN and B-64484EN, "Custom macro", "Branch and repetition"; "Subprogram (M98, M99)".
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, bare
+from postproc.nc.lexer import COMMENTS
+
+MACRO = re.compile(  # what makes a text one that must be executed: not O numbers, and not the end of the program
+    rb"[#\[]|[Mm][ \t0]*(?:9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9])|[Gg][ \t0]*6[ \t]*[567]|[GgDd][ \t]*[Oo]|"
+    rb"[Oo](?![ \t]*[0-9])|[Ee][ \t]*[Nn]"
+)
+MODAL = re.compile(rb"[Gg][ \t0]*6[ \t]*6")
+PROGRAM_HEAD = re.compile(rb"[ \t]*(?:/[1-9]?[ \t]*)?[Oo:][ \t]*([0-9][0-9 \t]*)")
+LABEL_HEAD = re.compile(rb"(?:[ \t]|\([^()]*\)|/[1-9]?)*[Nn][ \t]*([0-9][0-9 \t]*)")
+SECOND_LABEL = re.compile(rb";(?:[ \t]|/[1-9]?)*[Nn][ \t]*[0-9]")
+
+
+@dataclass
+class Section:
+    """One program of a text: entries start to stop - 1. number: its O number, -1: none. labels: N number to entries;
+    partner: entry of a DO to that of its END and back; broken: entries of DO and END that are not paired, and why."""
+
+    start: int
+    stop: int
+    number: int = -1
+    labels: dict[int, list[int]] | None = None
+    partner: dict[int, int] | None = None
+    broken: dict[int, tuple[str, str]] = field(default_factory=dict)
+
+
+class Source:
+    """A text cut into entries: lines, or blocks where several stand in a line and one must be met alone.
+
+    file: "" for the main program. special: whether an entry may be more than a plain block; closing: the entry of the "%"
+    that ends it, -1: none."""
+
+    def __init__(self, lines: list[bytes], semicolon: str, haas: bool, file: str = ""):
+        self.semicolon, self.haas, self.file = semicolon, haas, file
+        if lines and not lines[-1]:
+            lines.pop()
+        self.texts: list[bytes] = lines
+        self.numbers: Sequence[int] = range(1, len(lines) + 1)
+        comments = COMMENTS[semicolon]
+        self.special = [bool(SPECIAL.search(t)) and bool(SPECIAL.search(comments.sub(b" ", t))) for t in lines]
+        flagged = [i for i, special in enumerate(self.special) if special]
+        self.expands = bool(file) or any(MACRO.search(comments.sub(b" ", lines[i])) for i in flagged)
+        if semicolon != "comment" and self.expands:
+            self._cut(any(MODAL.search(lines[i]) for i in flagged))
+        self.closing = self._tapes()
+        self.blocks: dict[int, Block] = {}
+        self.sections = self._sections()
+
+    def _cut(self, all_of_them: bool) -> None:
+        """Take lines of several blocks apart, where a block of them is special or may be jumped to."""
+        texts, numbers, flags = [], [], []
+        for text, line, special in zip(self.texts, self.numbers, self.special, strict=True):
+            apart = b";" in text and (special or all_of_them or SECOND_LABEL.search(text))
+            for piece in _pieces(text) if apart else [text]:
+                texts.append(piece)
+                numbers.append(line)
+                flags.append(special)
+        self.texts, self.numbers, self.special = texts, numbers, flags
+
+    def _tapes(self) -> int:
+        """The first "%" opens the program if no code stands before it; the next one ends it, and all behind is cut off."""
+        for i, special in enumerate(self.special):
+            if not special or not self.texts[i].lstrip().startswith(b"%"):
+                continue
+            if any(bare(text, self.semicolon)[0] for text in self.texts[:i]):
+                self._cut_off(i + 1)
+                return i
+            break
+        else:
+            return -1
+        for k in range(i + 1, len(self.texts)):
+            if self.special[k] and self.texts[k].lstrip().startswith(b"%"):
+                self._cut_off(k + 1)
+                return k
+        return -1
+
+    def _cut_off(self, stop: int) -> None:
+        self.texts, self.numbers, self.special = self.texts[:stop], self.numbers[:stop], self.special[:stop]
+
+    def _sections(self) -> list[Section]:
+        stop = self.closing if self.closing >= 0 else len(self.texts)
+        heads = []
+        for i in range(stop) if self.expands else ():
+            found = PROGRAM_HEAD.match(self.texts[i]) if self.special[i] else None
+            if found:
+                digits = re.sub(rb"[ \t]", b"", found[1])
+                heads.append((i, int(digits) if len(digits) < 10 else -1))
+        if not heads or any(self.code(i) not in ("", "%") for i in range(heads[0][0])):
+            heads.insert(0, (0, -1))
+        starts = [0, *(i for i, _ in heads[1:]), stop]
+        return [Section(starts[k], starts[k + 1], number) for k, (_, number) in enumerate(heads)]
+
+    def code(self, entry: int) -> str:
+        """The code of an entry without blanks and comments."""
+        return bare(self.texts[entry], self.semicolon)[0]
+
+    def block(self, entry: int) -> Block:
+        """An entry, read once."""
+        block = self.blocks.get(entry)
+        if block is None:
+            block = self.blocks[entry] = BlockReader(self.texts[entry], self.semicolon, self.haas).block()
+        return block
+
+    def section(self, number: int) -> Section | None:
+        """The program with this O number."""
+        return next((section for section in self.sections if section.number == number), None)
+
+    # -- where control goes --------------------------------------------------------------------------------------------
+
+    def find(self, section: Section, label: int, behind: int) -> int:
+        """The entry of an N number: searched from the entry behind `behind` to the end, then from the top; -1: none."""
+        if section.labels is None:
+            section.labels = {}
+            for i in range(section.start, section.stop):
+                found = LABEL_HEAD.match(self.texts[i])
+                if found and len(digits := re.sub(rb"[ \t]", b"", found[1])) < 10:
+                    section.labels.setdefault(int(digits), []).append(i)
+        places = section.labels.get(label)
+        if not places:
+            return -1
+        return places[bisect_right(places, behind) % len(places)]
+
+    def loops(self, section: Section) -> dict[int, int]:
+        """Entry of each DO to that of its END, and back."""
+        if section.partner is None:
+            section.partner = {}
+            open_: list[tuple[int, int]] = []
+            for i in range(section.start, section.stop):
+                found = LOOP.search(self.code(i)) if self.special[i] else None
+                if found:
+                    _pair(section, open_, i, found[1] == "DO", int(found[2]))
+            for i, loop in open_:
+                section.broken[i] = f"DO{loop} without END{loop}", f"END{loop} closes it, in the same program"
+        return section.partner
+
+    def enters_loop(self, section: Section, source: int, target: int) -> int:
+        """The entry of a DO into whose loop a jump from `source` to `target` would lead, -1: none."""
+        for start, end in self.loops(section).items():
+            if start < target <= end and not start <= source <= end:
+                return start
+        return -1
+
+
+def _pieces(text: bytes) -> list[bytes]:
+    """The blocks of a line, each with its end of block; what holds no code stays with the one before."""
+    masked = COMMENTS["end of block"].sub(lambda found: b" " * len(found[0]), text)
+    pieces, at = [], 0
+    while (stop := masked.find(b";", at) + 1) and masked[stop:].strip(b" \t\r;"):
+        pieces.append(text[at:stop])
+        at = stop
+    return [*pieces, text[at:]]
+
+
+def _pair(section: Section, open_: list[tuple[int, int]], i: int, opens: bool, loop: int) -> None:
+    assert section.partner is not None
+    if not 1 <= loop <= 3:
+        section.broken[i] = f"{'DO' if opens else 'END'}{loop}: loops are numbered 1 to 3", "three loops may be nested"
+    elif opens and any(loop == other for _, other in open_):
+        section.broken[i] = f"DO{loop} inside DO{loop}", "nested loops need different numbers, 1 to 3"
+    elif opens:
+        open_.append((i, loop))
+    elif not any(loop == other for _, other in open_):
+        section.broken[i] = f"END{loop} without DO{loop}", f"WHILE[..]DO{loop} opens the loop, in the same program"
+    else:
+        while open_[-1][1] != loop:
+            start, other = open_.pop()
+            section.broken[start] = f"DO{other} is cut by END{loop}", "loops may be nested but not overlap"
+        start, _ = open_.pop()
+        section.partner[start], section.partner[i] = i, start

@@ -1,0 +1,209 @@
+"""The variables of Fanuc's custom macro B: local, common, and of the system variables those that the program itself decides.
+
+What only the machine knows (timers, signals, tool offsets, what #500 and up kept from an earlier day) is refused and never
+guessed. Lengths are in the unit that the program is in, X of a lathe in diameter. Sources: B-64304EN and B-64484EN, "Custom
+macro", "System variables"; groups of G codes: the G code lists of B-64304EN-1 (lathe) and -2 (mill); Haas 96-8000, "Macros".
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NoReturn
+
+from postproc.nc.expand.fanuc_functions import Misread, Value
+from postproc.nc.expand.tracker import Tracker
+
+LETTERS = "XYZABCUVW"  # axes in the order in which controls number them
+MILL = {
+    1: "motion", 2: "plane", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter", 8: "tool length", 10: "return",
+    11: "scaling", 13: "spindle mode", 14: "work offset", 16: "rotation",
+}  # fmt: skip
+LATHE = {
+    1: "motion", 2: "spindle mode", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter", 11: "return",
+    14: "work offset", 16: "plane",
+}  # fmt: skip
+HAAS = {**{n: group for n, group in MILL.items() if n < 12}, 12: "work offset", 16: "rotation"}
+ADDRESSES = {
+    4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4119: "S", 4130: "P",
+}  # fmt: skip
+KEPT = "the control keeps it from before, and this program has not set it"
+SIGNAL = "an interface signal: only the machine knows it"
+MACHINE = "only the machine knows it"
+SAY = "write the number itself, or set a common variable (#100) to it at the top of the program"
+FOREIGN = (  # first, last, what it is
+    (1000, 1999, SIGNAL), (2000, 2999, "a tool offset: " + MACHINE), (3001, 3002, "a timer: " + MACHINE),
+    (3003, 3099, "a state of the control: " + MACHINE), (3901, 3902, "a count of parts: " + MACHINE),
+    (5061, 5080, "a place found by a probe: " + MACHINE), (5081, 5120, "a tool offset: " + MACHINE),
+    (10001, 13999, "a tool offset: " + MACHINE),
+)  # fmt: skip
+
+
+class Variables:
+    """Memory of a program while it runs. local: #1 to #33 of the level in force; program: number of the one that runs;
+    modal: whether a modal macro call is in force; spare: decimals more than the unit so far needs."""
+
+    def __init__(self, tracker: Tracker):
+        self.tracker = tracker
+        self.haas = tracker.dialect.name.startswith("haas")
+        self.local: dict[int, Value] = {}
+        self.common: dict[int, Value] = {}
+        self.program, self.modal, self.spare = 0, False, 0
+        self._decimals: dict[str, int] = {}
+        self._places: dict[str, int] = {}
+        axes = tracker.setup.axes
+        self.axes = list("XYZABC") if self.haas else sorted(axes, key=lambda x: (LETTERS + x).index(x))
+        lathe = bool(tracker.dialect.increments) or tracker.dialect.tool_offsets
+        self.groups = HAAS if self.haas else LATHE if lathe else MILL
+
+    # -- what the letters of words resolve -----------------------------------------------------------------------------
+
+    def forget_units(self) -> None:
+        """The program may have changed its unit."""
+        self._decimals, self._places = {}, {}
+
+    def decimals(self, letter: str) -> int:
+        """Decimals that a number behind this letter is written with; asked for once, because the tracker must catch up."""
+        if letter not in self._decimals:
+            self._decimals[letter] = self.tracker.decimals(letter)
+        return self._decimals[letter] + self.spare
+
+    def places(self, letter: str) -> int:
+        """Decimals of the least increment of an address; 0 for one that counts (M, T, D)."""
+        if letter not in self._places:
+            setup, dialect = self.tracker.setup, self.tracker.dialect
+            axis = dialect.increments.get(letter, letter) if letter not in setup.axes else letter
+            least = setup.least_increment.get(axis) or min(setup.least_increment.values(), default=1e-4)
+            found = round(-math.log10(least)) + (self.tracker.inch and axis not in "ABC")
+            self._places[letter] = found if axis in setup.axes or letter in "XYZABCUVWIJKRQEF" else 0
+        return self._places[letter]
+
+    # -- reading and writing -------------------------------------------------------------------------------------------
+
+    def read(self, number: int) -> Value:
+        """The value of a variable, None: vacant. Raises Misread where only the machine knows it."""
+        if number == 0:
+            return None
+        if number <= 33:
+            return self.local.get(number)
+        if number in self.common:
+            return self.common[number]
+        if 100 <= number <= 199:
+            return None
+        if self._is_common(number):
+            raise Misread(f"#{number} is read, and {KEPT}", SAY)
+        return self._known(number)
+
+    def write(self, number: int, value: Value) -> None:
+        """Set a variable. Raises Misread for one that a program can not set, or whose setting would be lost."""
+        if number and number <= 33:
+            self.local[number] = value
+        elif self._is_common(number):
+            self.common[number] = value
+        elif number in (3001, 3002):
+            return  # a timer that is set moves nothing, and reading it is refused
+        elif number == 0:
+            raise Misread("#0 is always vacant and can not be set", "use another variable")
+        elif self._offset_of(number):
+            raise Misread(
+                f"#{number} is a work offset, set in the middle of a program", "G10 L2 P1 X.. says the same in a block"
+            )
+        else:
+            what = next((what for first, last, what in FOREIGN if first <= number <= last), "no variable of a program")
+            raise Misread(
+                f"#{number} is set: {what}", "this has no plain block: take it out, or do it before the program"
+            )
+
+    def _is_common(self, number: int) -> bool:
+        return 100 <= number <= 199 or 500 <= number <= 999 or (self.haas and 10000 <= number <= 10999)
+
+    def _unknown(self, number: int, why: str, advice: str = SAY) -> NoReturn:
+        raise Misread(f"#{number} is read: {why}", advice)
+
+    def _known(self, number: int) -> float:
+        """The value of a system variable."""
+        if 4001 <= number <= 4021:
+            return self._code(number)
+        if 5001 <= number <= 5060:
+            return self._place(number)
+        if self._offset_of(number):
+            return self._offset(number)
+        if number == 4109:
+            feed = self.tracker.state.feed
+            return feed if math.isfinite(feed) else self._unknown(number, "no F has been given yet")
+        if number == 4115:
+            return float(self.program) if self.program else self._unknown(number, "the program has no O number")
+        if number == 4120:
+            tool = self.tracker.state.next_tool
+            return float(tool) if tool >= 0 else self._unknown(number, "no T has been given yet")
+        if number in ADDRESSES:
+            self._unknown(number, f"the last {ADDRESSES[number]} is not followed here")
+        why = next((what for first, last, what in FOREIGN if first <= number <= last), "it is not known here")
+        self._unknown(number, why)
+
+    def _code(self, number: int) -> float:
+        """#4001 to #4021: the G code in force in a group."""
+        if number == 4012 and not self.haas:
+            return 66.0 if self.modal else 67.0
+        group = self.groups.get(number - 4000, "")
+        if not group or (group not in self.tracker.dialect.groups):
+            self._unknown(number, "that group of G codes is not followed here")
+        code = self.tracker.code(group)
+        if code < 0:
+            self._unknown(number, f"no G code for {group!r} has been given yet", "give it at the top of the program")
+        if group == "motion" and code > 330:
+            self._unknown(number, "a cycle is in force", "write G80 and a motion code before")
+        known = self.tracker.dialect.by_number.get(code)
+        return float(known.word[1:]) if known else code / 10
+
+    def _axis(self, number: int, index: int) -> str:
+        if index >= len(self.axes) or self.axes[index] not in self.tracker.setup.axes:
+            self._unknown(number, f"this machine has no axis number {index + 1}")
+        return self.axes[index]
+
+    def _place(self, number: int) -> float:
+        """#5001 the end of the last block, #5021 the machine's coordinates, #5041 the place now; one per axis."""
+        row, index = divmod(number - 5001, 20)
+        axis, tracker = self._axis(number, index), self.tracker
+        machine = tracker.machine(axis) if row == 1 else None
+        place = self._length(machine, axis) if machine is not None else tracker.work(axis) if row != 1 else None
+        if place is None:
+            self._unknown(
+                number, f"where {axis} stands is not known", f"move {axis} before, or say --start {axis}0 (mm)"
+            )
+        if row == 2 and self._tool_shifts(axis):
+            self._unknown(number, "a tool's length is in force, and controls differ on whether it counts here",
+                          f"read #{number - 40}, which leaves it out")  # fmt: skip
+        return place
+
+    def _tool_shifts(self, axis: str) -> bool:
+        state = self.tracker.state
+        length = state.frame is not None and state.frame.length[self.tracker.setup.axes.index(axis)] != 0
+        return bool(length or (state.tool and self.tracker.offset(state.tool, axis) != 0))
+
+    def _length(self, value: float, axis: str) -> float:
+        """mm and radius in the unit of the program, in diameter where it is."""
+        if self.tracker.inch and axis in "XYZUVW":
+            value /= 25.4
+        return value * 2 if self.tracker.is_diameter(axis) else value
+
+    def _offset_of(self, number: int) -> tuple[str, ...]:
+        """The names of the work offset that a variable belongs to, () if it is none."""
+        if 5201 <= number <= 5339 and (number - 5201) % 20 < 9:
+            n = (number - 5201) // 20
+            return (f"G{53 + n}",) if n else ("G52" if self.haas else "EXT",)
+        for first, last in ((7001, 7959), (14001, 19999)):
+            if first <= number <= last and (number - first) % 20 < 9:
+                n = (number - first) // 20 + 1
+                return f"G54.1P{n}", f"G{109 + n}"
+        return ()
+
+    def _offset(self, number: int) -> float:
+        axis = self._axis(number, (number - 1) % 20)
+        names = self._offset_of(number)
+        for name in names:
+            offset = self.tracker.offset(name, axis)
+            if offset is not None:
+                return self._length(offset, axis)
+        self._unknown(
+            number, f"the offset {names[0]} is not stated", f"say it: --offset {names[0]}={axis}0 (mm, radius)"
+        )

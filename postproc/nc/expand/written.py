@@ -1,0 +1,58 @@
+"""The whole of an expansion: a program in, plain text out in portions, and for every plain line where it came from."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator
+
+from postproc.nc.expand import Limits, Line, Program, lines_of
+from postproc.nc.expand.resolve import Resolver
+from postproc.nc.expand.tracker import Tracker
+from postproc.nc.interpreter import Interpreter
+
+LINES_AT_ONCE = 4000
+
+
+class Written:
+    """A program written out for one dialect and set-up. Iterate over it once; `source(n)` then tells of plain line n
+    (from 1) the line and file that it came from."""
+
+    def __init__(self, program: Program, interpreter: Interpreter, limits: Limits):
+        self.program, self.limits = program, limits
+        self.tracker = Tracker(interpreter)
+        self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
+        self._sources, self._files = array("L"), array("H")
+        self._names: list[str] = [""]
+
+    def __iter__(self) -> Iterator[bytes]:
+        resolver = Resolver(self.program, self.tracker)
+        language = self.tracker.dialect.language
+        source = lines_of(language, self.program, self.tracker, self.limits) if language else self._plain()
+        waiting: list[bytes] = []
+        for line in source:
+            for plain in resolver.take(line):
+                self._note(plain)
+                waiting.append(plain.text)
+            if len(waiting) >= LINES_AT_ONCE:
+                yield self.newline.join(waiting) + self.newline
+                waiting.clear()
+        if waiting:
+            yield self.newline.join(waiting) + (self.newline if self.program.text.endswith(b"\n") else b"")
+
+    def _plain(self) -> Iterator[Line]:
+        """The lines of a program whose control has no language."""
+        lines = self.program.lines()
+        for number, text in enumerate(lines[:-1] if not lines[-1] else lines, 1):
+            yield Line(text, number)
+
+    def _note(self, line: Line) -> None:
+        if line.file not in self._names:
+            self._names.append(line.file)
+        self._sources.append(line.source)
+        self._files.append(self._names.index(line.file))
+
+    def source(self, line: int) -> tuple[int, str]:
+        """Line and file ("": the main program) of the plain line with this number."""
+        if not 0 < line <= len(self._sources):
+            return line, ""
+        return self._sources[line - 1], self._names[self._files[line - 1]]
