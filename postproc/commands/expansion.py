@@ -17,7 +17,23 @@ if TYPE_CHECKING:
     from postproc.nc.expand.written import Written
 
 LARGEST = 100_000_000  # bytes of a program that is read whole
-ENDINGS = ("", ".ngc", ".nc", ".NC", ".NGC", ".tap", ".TAP", ".spf", ".SPF", ".mpf", ".MPF", ".cnc", ".CNC", ".txt", ".TXT")
+ENDINGS = (
+    "",
+    ".ngc",
+    ".nc",
+    ".NC",
+    ".NGC",
+    ".tap",
+    ".TAP",
+    ".spf",
+    ".SPF",
+    ".mpf",
+    ".MPF",
+    ".cnc",
+    ".CNC",
+    ".txt",
+    ".TXT",
+)
 
 
 def written_out(filter_: Filter, source, options: argparse.Namespace) -> Written:
@@ -28,7 +44,9 @@ def written_out(filter_: Filter, source, options: argparse.Namespace) -> Written
 
     text = source.read(LARGEST + 1)
     if len(text) > LARGEST:
-        raise UsageError(f"a program of more than {LARGEST:,} bytes is not read whole", "without --expand any length passes")
+        raise UsageError(
+            f"a program of more than {LARGEST:,} bytes is not read whole", "without --expand any length passes"
+        )
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
     folders = [here, *map(Path, options.library)]
     program = Program(filter_.name, text, Library(folders, filter_.notices).text)
@@ -82,7 +100,11 @@ class Library:
         """The text of a subprogram by its name or number, None if there is none. A name with a path in it is none."""
         if not re.fullmatch(r"[A-Za-z0-9_.-]{1,200}", name) or name.startswith("."):
             return None
-        stems = [name, f"O{name.zfill(4)}", f"o{name.zfill(4)}", name.zfill(4)] if name.isdigit() else [name, name.lower(), name.upper()]
+        stems = (
+            [name, f"O{name.zfill(4)}", f"o{name.zfill(4)}", name.zfill(4)]
+            if name.isdigit()
+            else [name, name.lower(), name.upper()]
+        )
         for folder in self.folders:
             for stem in dict.fromkeys(stems):
                 for ending in ENDINGS:

@@ -46,7 +46,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
     program = parser.add_argument_group("how the program is read")
-    program.add_argument("--dialect", metavar="NAME", help="the control's language, if not the machine's own; auto: by what the program looks like")
+    program.add_argument(
+        "--dialect",
+        metavar="NAME",
+        help="the control's language, if not the machine's own; auto: by what the program looks like",
+    )
     program.add_argument(
         "--offset",
         metavar="G54=X1,Z2",
@@ -60,7 +64,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="work and tool offsets from a file of the control: LinuxCNC var file or tool table, Fanuc G10 dump, Siemens, "
         "GRBL $#, or a CSV table; repeatable",
     )  # fmt: skip
-    program.add_argument("--offsets-unit", choices=("mm", "inch"), help="the unit of --offsets, where the file does not say")
+    program.add_argument(
+        "--offsets-unit", choices=("mm", "inch"), help="the unit of --offsets, where the file does not say"
+    )
     program.add_argument(
         "--offsets-x", choices=("radius", "diameter"), help="what X of --offsets is, where the file does not say"
     )
@@ -72,7 +78,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--expand", action="store_true",
         help="write loops, subprograms, variables, cycles and turned coordinates out as plain blocks, and correct those",
     )  # fmt: skip
-    program.add_argument("--library", metavar="DIR", action="append", default=[], help="a folder with subprograms for --expand")
+    program.add_argument(
+        "--library", metavar="DIR", action="append", default=[], help="a folder with subprograms for --expand"
+    )
     program.add_argument("--max-steps", type=int, default=10_000_000, help="lines that --expand executes at most")
     program.add_argument("--max-depth", type=int, default=50, help="calls that --expand nests at most")
     program.add_argument(
@@ -102,7 +110,9 @@ def machine_of(options: argparse.Namespace) -> Machine:
 
     if not options.machine:
         names = ", ".join(places.every()) or "none found"
-        raise UsageError("--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder")
+        raise UsageError(
+            "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
+        )
     return places.load(options.machine)
 
 
@@ -150,7 +160,9 @@ def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices
 
     found = recognise(head)
     if not found:
-        raise UsageError("the program does not show which control it is for", f"say --dialect {' or '.join(dialects.names())}")
+        raise UsageError(
+            "the program does not show which control it is for", f"say --dialect {' or '.join(dialects.names())}"
+        )
     name, evidence = found[0]
     others = [n for n, e in found[1:] if len(e) == len(evidence)]
     if machine.control in (name, *others):
@@ -185,7 +197,7 @@ def _from_files(options: argparse.Namespace, machine: Machine, notices: list[Not
 
 def with_hint(error: ProgramError, dialect: Dialect, head: bytes) -> ProgramError:
     """The error, with the control that the program looks written for, where that is another one."""
-    if not head:
+    if not head or not head.isascii():
         return error
     from postproc.nc.recognise import recognise
 

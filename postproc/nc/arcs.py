@@ -98,7 +98,8 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     by_radius = centre_word[2] >= 0
     written = words.letter[np.maximum(centre_word[:2], 0)] if len(words.letter) else np.zeros((2, n), np.uint8)
     by_letter = (centre_word[:2] >= 0) & (written >= RELATIVE)
-    absolute = np.where(by_letter, written >= ABSOLUTE, circle.absolute[arc]) & ~by_radius
+    stated = np.where(by_letter, written >= ABSOLUTE, circle.absolute[arc])
+    absolute = stated & ~by_radius
     origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
     one = np.where(circle.absolute[arc], centre_word[:2].min(axis=0), centre_word[:2].max(axis=0))
     missing = ~by_radius & (one < 0)
@@ -124,7 +125,7 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     _check(batch, blocks, good & known & ~missing, radius, radius_end)
     return Arcs(
         motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
-        radius_end=radius_end, grid=grid, words=centre_word, absolute=absolute, origin=origin,
+        radius_end=radius_end, grid=grid, words=centre_word, absolute=stated, origin=origin,
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from postproc.errors import BlockFault
+from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
@@ -53,7 +54,9 @@ class Grammar(NamedTuple):
     @property
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
-        return bool(self.keywords or self.spellings or self.ignores or self.bare_letters) or self.assigns or self.checksums
+        return (
+            bool(self.keywords or self.spellings or self.ignores or self.bare_letters) or self.assigns or self.checksums
+        )
 
 
 PLAIN = Grammar()
@@ -151,6 +154,8 @@ def lex(text: bytes, grammar: Grammar) -> Words:
         from postproc.nc.spellings import respelled
 
         code = respelled(code, grammar)
+    if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
+        code = LONE_RETURN.sub(bytes([LONE]), code)
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
@@ -196,7 +201,7 @@ def lex(text: bytes, grammar: Grammar) -> Words:
     fault = None
     if not used.all() or (digits < 1).any() or (digits > LONGEST_NUMBER).any() or (kind[block_first] == DIGIT).any():
         fault, tape = _first_fault(
-            code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
+            text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
         )
     else:
         tape = -1
@@ -260,7 +265,7 @@ def _digits(eight, begin, count):
     return np.where(count > 0, value.astype(np.int64), 0)
 
 
-def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first):
+def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first):
     """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1: none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
     tape = -1
@@ -270,12 +275,11 @@ def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, bl
             if tape < 0:
                 tape = offset
             continue
-        faults.append((offset, number, *_what(code, offset, int(mark_kind[i]))))
+        faults.append((offset, number, *what(text, code, offset, mark_kind[i] == SLASH, mark_kind[i] in (SIGN, POINT))))
         break
     for i in np.flatnonzero(digits < 1)[:1]:
         offset = int(at[mark[first[i]]])
-        letter = chr(code[offset])
-        faults.append((offset, int(block[i]), f"the letter {letter} has no number", ADVICE_EXPRESSION))
+        faults.append((offset, int(block[i]), *bare(code, offset)))
     for i in np.flatnonzero(digits > LONGEST_NUMBER)[:1]:
         offset = int(at[mark[first[i]]])
         faults.append(
@@ -283,32 +287,8 @@ def _first_fault(code, at, kind, mark, mark_kind, used, block_of_mark, first, bl
         )
     for i in np.flatnonzero(kind[block_first] == DIGIT)[:1]:
         offset = int(at[block_first[i]])
-        faults.append((offset, int(i), "a number without a letter", ADVICE_EXPRESSION))
+        faults.append((offset, int(i), "a number without a letter", advice_at(code, offset)))
     if not faults:
         return None, tape
     offset, number, message, advice = min(faults)
     return BlockFault(number, message, advice, offset, offset + 1), tape
-
-
-ADVICE_NUMBER = "no control resolves that: write fewer digits"
-ADVICE_EXPRESSION = "expressions, variables, O-word subs and macro statements must be written out before compensation"
-
-
-def _what(code: bytes, offset: int, kind: int) -> tuple[str, str]:
-    character = chr(code[offset])
-    if kind == SLASH:
-        return "'/' is block delete only as the first character of a block, without a number", ADVICE_EXPRESSION
-    if kind in (SIGN, POINT):
-        return f"{character!r} does not belong to a number here", ADVICE_EXPRESSION
-    if character == "(":
-        return (
-            "a comment is opened and not closed in its line, opened twice, or breaks a number in two",
-            "close it with ')' and put it between words",
-        )
-    if character == ")":
-        return "')' closes a comment that was not opened", "open it with '(' or take it out"
-    if code[offset] == 0 or (code[offset] < 32):
-        return f"byte {code[offset]} is not text: this looks like a binary file", "give the NC program itself"
-    if code[offset] > 126:
-        return f"byte {code[offset]} is not ASCII", "outside comments a program is plain ASCII; save it as such"
-    return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION

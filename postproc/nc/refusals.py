@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.errors import Notice
+from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, PARAMETER, RELATIVE
@@ -97,7 +98,7 @@ def m_codes(b: Batch) -> None:
         block = b.words.block[of]
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
-            b.reason[block] = b.because(f"M{number}", b.dialect.m_refuses[int(number)])
+            b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
         elif number not in b.dialect.m_codes:
             b.notices.append(
                 Notice(
@@ -106,6 +107,11 @@ def m_codes(b: Batch) -> None:
                     int(b.words.line[block[0]]),
                 )
             )
+
+
+def _called(b: Batch, number: int) -> str:
+    meaning = codes.CALLS.get(number, b.dialect.m_codes.get(number, ""))
+    return f"M{number} ({meaning})" if meaning else f"M{number}"
 
 
 def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
@@ -129,7 +135,11 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
 def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
     """Controls on which every block names its motion code do not know a block without."""
     bare = moving & (b.code_word < 0) & ~b.foreign
-    b.blame(np.flatnonzero(bare), "axis words without a motion code in the block", "this control wants G0 or G1 in every line")
+    b.blame(
+        np.flatnonzero(bare),
+        "axis words without a motion code in the block",
+        "this control wants G0 or G1 in every line",
+    )
 
 
 def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndarray) -> None:

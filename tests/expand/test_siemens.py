@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from postproc.errors import ProgramError
+from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.siemens import lines
 
@@ -248,7 +248,7 @@ def test_variables_that_are_refused(text, message):
         "I=AC(3) J=IC( 4 )", 'T="BALL_MILL" M6', "TRANS X10 Y=5", "TRANS", "G2 X0 Y0 I5 J0 TURN=3", 'MSG("a;b=R1")', "MSG()",
         "SETAL(12345)", "G64 SOFT FFWON", "FGROUP(X,Y)", "SPOS=90 SPOS[2]=DC(45)", "BSPLINE X1 PW=2", "POS[U]=10 FA[U]=100",
         "TRAORI(1)", "S1=500 M1=3 H5", "G4 F1", "ACC[X]=50", "X1\t Y2 ;\tz", "LIMS=3000", "N5 SUPA G0 Z0 D0", "MCALL", ":5 X1",
-        "%_N_MAIN_MPF", "PO[X]=(1,2.5)", "M30", "G1 X5 M17",
+        "%_N_MAIN_MPF", 'WORKPIECE(,,,"BOX",112,0,-20)', "CYCLE832(0.01,_ROUGH,1)", "PO[X]=(1,2.5)", "M30", "G1 X5 M17",
     ],
 )  # fmt: skip
 def test_plain_lines_stay_as_they_are(line):
@@ -441,6 +441,18 @@ def test_calls_that_are_refused(call, message):
 def test_positions_come_from_the_tracker():
     text = "X10 Y5\nTRANS X100\nX1\nR1=$AA_IW[X] R2=$AA_IM[x] R3=$P_EP[Y]\nZ=R1 A=R2 B=R3"
     assert texts(text)[-1] == "Z=1. A=101. B=5."
+
+
+def test_a_line_that_the_tracker_can_not_follow_is_said_where_it_is_asked():
+    tracker = Follower()
+
+    def work(axis):
+        raise BlockFault(0, "two X words", "write one")
+
+    tracker.work = work
+    refused(
+        "X1 X2\nR1=$AA_IW[X]", "a line before this one can not be followed: two X words", "write one", tracker=tracker
+    )
 
 
 def test_decimals_are_asked_for_again_when_the_unit_may_have_changed():

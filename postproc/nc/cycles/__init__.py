@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
+from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frames_fanuc import FanucFrames
+from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.dialects import Dialect
 
@@ -30,28 +33,49 @@ class Cycle(Protocol):
     def end(self) -> None: ...
 
 
+class Control(Protocol):
+    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of them whose axis words
+    are no motion."""
+
+    codes: tuple[int, ...]
+    takers: tuple[int, ...]
+    frames: Frames
+
+    @property
+    def active(self) -> bool: ...
+
+    def known(self, axis: str) -> float | None: ...
+
+    def take(self, block: Block) -> list[bytes]: ...
+
+    def snapshot(self) -> Any: ...
+
+    def restore(self, kept: Any) -> None: ...
+
+
 @dataclass(frozen=True)
 class Family:
-    """The cycles of a dialect by ten times their G number. `restores`: G80 brings back the motion code (G0 G1 G2 G3) that
+    """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion code (G0 G1 G2 G3) that
     was in force before the cycle."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
+    control: Callable[[Scene], Control] | None = None
     restores: bool = False
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
     holes = LinuxcncDrilling(synchronised)
-    return Family(dict.fromkeys([*ACTIONS, *REFUSED], holes))
+    return Family(dict.fromkeys([*ACTIONS, *REFUSED], holes), LinuxcncRotation)
 
 
 def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
     holes = FanucDrilling(synchronised=synchronised)
-    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), restores=True)
+    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), FanucFrames, restores=True)
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
     holes = HaasDrilling(synchronised)
-    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), restores=True)
+    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), lambda scene: FanucFrames(scene, False), restores=True)
 
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:

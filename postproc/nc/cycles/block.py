@@ -112,7 +112,8 @@ class Block:
         changed = changed or {}
         if at is None:
             at = min(out) if out else len(self.words)
-        pieces, last, put = [], 0, not new
+        pieces: list[bytes] = []
+        last, put = 0, not new
         for i, w in enumerate(self.words):
             gap = self.text[last : w.start]
             last = w.stop

@@ -15,6 +15,7 @@ from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
 SWAPPED = {20: b"G3", 30: b"G2", 410: b"G42", 420: b"G41"}
 SIDES = (410, 420)
+FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)  # motion codes whose axis words are places
 
 
 @dataclass
@@ -70,7 +71,6 @@ class Frames:
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
         scene, changed = self.scene, {}
-        codes = block.codes
         factor = self._factor()
         for i, w in enumerate(block.words):
             number = number_of(w)
@@ -83,6 +83,8 @@ class Frames:
         centres = [(i, w) for i, w in enumerate(block.words) if w.letter in "IJK"] if arc else []
         if not words and not centres:
             return [self._named(block, changed, [], False)]
+        if self.motion not in FOLLOWED and not self.map.identity:
+            raise scene.fault(f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before")
         if scene.is_diameter("X") and not self.map.leaves("X"):
             raise scene.fault(f"X is a diameter within {self.why}", "write the program out with X as a radius")
         new: list[bytes] = []

@@ -11,7 +11,7 @@ manual leaves open behind G68 and G69.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from postproc.nc.codes import FRAME_KEYS
 from postproc.nc.cycles.affine import AXES, Affine, Point, rotation, scaling
@@ -34,7 +34,8 @@ class FanucFrames:
 
     scene: Scene
     counts: bool = True
-    codes = CODES
+    codes: tuple[int, ...] = CODES
+    takers: tuple[int, ...] = (TURN_ON, SCALE_ON, MIRROR_ON, MIRROR_OFF)
 
     def __post_init__(self) -> None:
         self.frames = Frames(self.scene)
@@ -70,7 +71,6 @@ class FanucFrames:
         own = [c for c in block.codes if c in CODES]
         for code in own:
             block = self._set(block, code)
-            self.scene.block = replace(block, text=self.scene.block.text)
         if own and not block.words and not block.text.strip(b" \t\r/"):
             return []
         if not self.active:
@@ -144,7 +144,7 @@ class FanucFrames:
     def _turn(self, block: Block) -> None:
         scene = self.scene
         self._alone(bool(self.mirror), "a rotation (G68)")
-        first, second, across = scene.plane
+        first, second, _ = scene.plane
         space = next((w for w in block.words if w.letter in "IJK"), None)
         if space:
             raise scene.fault("G68 with I J K turns in space", "only turns within the plane are written out", space)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from postproc.nc.cycles.affine import Affine, rotation
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.frames import Frames
@@ -17,7 +15,8 @@ WORK = (540, 550, 560, 570, 580, 590, 591, 592, 593)
 class LinuxcncRotation:
     """`turns`: degrees by the number of the work offset (1: G54)."""
 
-    codes = (DATA,)
+    codes: tuple[int, ...] = (DATA,)
+    takers: tuple[int, ...] = (DATA,)
 
     def __init__(self, scene: Scene):
         self.scene, self.frames = scene, Frames(scene)
@@ -90,5 +89,4 @@ class LinuxcncRotation:
         out = own_words(block, letters, {DATA} if letters != "R" else set())
         self.turns = {n: degrees for n, degrees in self.turns.items() if degrees or self.frames.active}
         text = block.written(out)
-        scene.block = replace(block, text=scene.block.text)
         return [text] if text.strip(b" \t\r/") else []

@@ -9,7 +9,7 @@ from postproc.nc.codes import Code, code_number
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.expand.tracker import Tracker, number
 
-Fault = Callable[[str, str, int, int], ProgramError]  # message, advice, and the place in the line
+Fault = Callable[[str, str, bytes], ProgramError]  # message, advice, and what to point at in the line
 CLOCKWISE, COUNTER = 20, 30
 PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}  # first and second axis, and the one across
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
@@ -28,7 +28,7 @@ class Scene:
         self.extra_decimals = 0
         self.frame: Callable[[str], float | None] | None = None
         self.block = Block(b"", (), True, False)
-        self.fault_at: Callable[[str, str, int, int], ProgramError]
+        self.fault_at: Fault
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self._codes: dict[str, int] = {}
         self._places: dict[str, float] = {}
@@ -112,6 +112,10 @@ class Scene:
         here = self.known(axis)
         return here is None or self.rounded(axis, here) != self.rounded(axis, value)
 
+    def settle(self) -> None:
+        """A block went by whose codes have been noted: its modes hold on, and the axes may stand elsewhere."""
+        self._places = {}
+
     def forget(self) -> None:
         """Something went by that was not looked at: ask the tracker next time."""
         self._codes, self._places, self._decimals = {}, {}, {}
@@ -150,5 +154,4 @@ class Scene:
 
     def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
         """An error at the block at hand, or at one of its words."""
-        start, stop = (word.start, word.stop) if word else (0, 0)
-        return self.fault_at(message, advice, start, stop)
+        return self.fault_at(message, advice, self.block.text[word.start : word.stop] if word else b"")

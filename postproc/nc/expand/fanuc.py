@@ -44,7 +44,7 @@ class Runner:
         self.program, self.tracker, self.limits = program, tracker, limits
         self.variables = Variables(tracker)
         self.semicolon = tracker.dialect.grammar.semicolon
-        self.source = Source(program.lines(), self.semicolon, self.variables.haas)
+        self.source = Source(program, self.semicolon, self.variables.haas)
         self.library = Library(program, self.semicolon, self.variables.haas)
         self.frames: list[Frame] = []
         self.modal: list[Modal] = []
@@ -58,21 +58,20 @@ class Runner:
         while not self.ended:
             frame = self.frames[-1]
             source, at, stop = frame.source, frame.at, frame.section.stop
-            if at < stop and not self.modal:
-                texts, numbers, special, file = source.texts, source.numbers, source.special, source.file
-                while at < stop and not special[at]:
-                    if self.steps >= self.most:
-                        raise self._fault(frame, at, self._too_long())
-                    self.steps += 1
-                    yield Line(texts[at], numbers[at], file)
-                    at += 1
-            frame.at = at
+            if not self.modal:
+                special = source.special.find(1, at, stop)
+                until = min(stop if special < 0 else special, at + self.most - self.steps)
+                self.steps += until - at
+                file = source.file
+                for text, number in zip(source.texts[at:until], source.numbers[at:until], strict=True):
+                    yield Line(text, number, file)
+                frame.at = at = until
             if at >= stop:
                 self._runs_out(frame)
                 break
-            text = self._step(frame, at)
-            if text is not None:
-                yield Line(text, source.numbers[at], source.file)
+            plain = self._step(frame, at)
+            if plain is not None:
+                yield Line(plain, source.numbers[at], source.file)
         yield from self._tail()
 
     # -- one block -----------------------------------------------------------------------------------------------------
@@ -154,7 +153,7 @@ class Runner:
         if block.units:
             self.variables.forget_units()
         self.ended |= block.ends
-        return text if words else None
+        return text.lstrip() if words else None
 
     def _moves(self, words: list[Word]) -> bool:
         """Whether a block moves an axis."""

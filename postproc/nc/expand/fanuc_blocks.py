@@ -57,8 +57,8 @@ class Kind(Enum):
 class Block:
     """A block. at: offsets into `raw` of each character of its code; first: where its text begins, behind: where what
     stands behind N and O numbers begins; code: the G or M number of a call; label, program: its N and O number, -1: none;
-    ends: whether the program ends here; units: 2 if it names
-    G20 or G21, 1 if it may; place: what to show of it where it is wrong, offsets into the code."""
+    ends: whether the program ends here; units: whether it
+    changes them or may: 2 for G20; place: what to show of it where it is wrong, offsets into the code."""
 
     kind: Kind
     raw: bytes
@@ -210,7 +210,7 @@ class BlockReader:
         if word.letter == "M" and value in END_OF_PROGRAM:
             block.ends = True
         elif word.letter == "G" and (value in (20, 21) or not word.digits):
-            block.units = 2 if word.digits else 1
+            block.units = 2 if value == 20 else 1
         elif word.letter == "M" and (value in (98, 198) or (value == 97 and self.haas)):
             kind = Kind.CALL
         elif word.letter == "M" and value == 99:

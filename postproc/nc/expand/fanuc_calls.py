@@ -69,7 +69,7 @@ class Library:
         if text is None:
             return None
         file = Program(f"O{number}", text)
-        source = Source(file.lines(), self.semicolon, self.haas, file.name)
+        source = Source(file, self.semicolon, self.haas, file.name)
         section = source.section(number)
         if section is None and source.sections[0].number < 0:
             section = source.sections[0]

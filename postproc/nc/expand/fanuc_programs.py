@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from postproc.nc.expand import Program
 from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, bare
 from postproc.nc.lexer import COMMENTS
 
@@ -43,58 +44,66 @@ class Source:
     file: "" for the main program. special: whether an entry may be more than a plain block; closing: the entry of the "%"
     that ends it, -1: none."""
 
-    def __init__(self, lines: list[bytes], semicolon: str, haas: bool, file: str = ""):
+    def __init__(self, program: Program, semicolon: str, haas: bool, file: str = ""):
         self.semicolon, self.haas, self.file = semicolon, haas, file
-        if lines and not lines[-1]:
-            lines.pop()
-        self.texts: list[bytes] = lines
-        self.numbers: Sequence[int] = range(1, len(lines) + 1)
-        comments = COMMENTS[semicolon]
-        self.special = [bool(SPECIAL.search(t)) and bool(SPECIAL.search(comments.sub(b" ", t))) for t in lines]
-        flagged = [i for i, special in enumerate(self.special) if special]
-        self.expands = bool(file) or any(MACRO.search(comments.sub(b" ", lines[i])) for i in flagged)
+        self.texts: Sequence[bytes] = program.lines()
+        if not self.texts[-1]:
+            self.texts = self.texts[:-1]
+        self.numbers: Sequence[int] = range(1, len(self.texts) + 1)
+        code = (
+            COMMENTS[semicolon].sub(b" ", program.text)
+            if b"(" in program.text or b";" in program.text
+            else program.text
+        )
+        self.special = _special(code, len(self.texts))
+        self.expands = bool(file) or MACRO.search(code) is not None
         if semicolon != "comment" and self.expands:
-            self._cut(any(MODAL.search(lines[i]) for i in flagged))
+            self._cut(MODAL.search(code) is not None, SECOND_LABEL.search(program.text) is not None)
         self.closing = self._tapes()
         self.blocks: dict[int, Block] = {}
         self.sections = self._sections()
 
-    def _cut(self, all_of_them: bool) -> None:
+    def _flagged(self, start: int = 0) -> Iterator[int]:
+        """The special entries from `start` on."""
+        at = self.special.find(1, start)
+        while at >= 0:
+            yield at
+            at = self.special.find(1, at + 1)
+
+    def _cut(self, all_of_them: bool, labels: bool) -> None:
         """Take lines of several blocks apart, where a block of them is special or may be jumped to."""
-        texts, numbers, flags = [], [], []
-        for text, line, special in zip(self.texts, self.numbers, self.special, strict=True):
-            apart = b";" in text and (special or all_of_them or SECOND_LABEL.search(text))
-            for piece in _pieces(text) if apart else [text]:
-                texts.append(piece)
-                numbers.append(line)
-                flags.append(special)
-        self.texts, self.numbers, self.special = texts, numbers, flags
+        apart = set(self._flagged())
+        if all_of_them or labels:
+            apart |= {i for i, text in enumerate(self.texts) if all_of_them or SECOND_LABEL.search(text)}
+        texts: list[bytes] = []
+        numbers: list[int] = []
+        special, at = bytearray(), 0
+        for i in sorted(i for i in apart if b";" in self.texts[i]):
+            pieces = _pieces(self.texts[i])
+            texts += [*self.texts[at:i], *pieces]
+            numbers += [*self.numbers[at:i], *[self.numbers[i]] * len(pieces)]
+            special += self.special[at:i] + bytes([self.special[i]]) * len(pieces)
+            at = i + 1
+        if at:
+            self.texts, self.numbers = [*texts, *self.texts[at:]], [*numbers, *self.numbers[at:]]
+            self.special = special + self.special[at:]
 
     def _tapes(self) -> int:
         """The first "%" opens the program if no code stands before it; the next one ends it, and all behind is cut off."""
-        for i, special in enumerate(self.special):
-            if not special or not self.texts[i].lstrip().startswith(b"%"):
-                continue
-            if any(bare(text, self.semicolon)[0] for text in self.texts[:i]):
-                self._cut_off(i + 1)
-                return i
-            break
-        else:
+        tapes = [i for i in self._flagged() if self.texts[i].lstrip().startswith(b"%")][:2]
+        if tapes and not any(self.code(i) for i in range(tapes[0])):
+            tapes.pop(0)
+        if not tapes:
             return -1
-        for k in range(i + 1, len(self.texts)):
-            if self.special[k] and self.texts[k].lstrip().startswith(b"%"):
-                self._cut_off(k + 1)
-                return k
-        return -1
-
-    def _cut_off(self, stop: int) -> None:
+        stop = tapes[0] + 1
         self.texts, self.numbers, self.special = self.texts[:stop], self.numbers[:stop], self.special[:stop]
+        return tapes[0]
 
     def _sections(self) -> list[Section]:
         stop = self.closing if self.closing >= 0 else len(self.texts)
         heads = []
-        for i in range(stop) if self.expands else ():
-            found = PROGRAM_HEAD.match(self.texts[i]) if self.special[i] else None
+        for i in self._flagged() if self.expands else ():
+            found = PROGRAM_HEAD.match(self.texts[i])
             if found:
                 digits = re.sub(rb"[ \t]", b"", found[1])
                 heads.append((i, int(digits) if len(digits) < 10 else -1))
@@ -152,6 +161,18 @@ class Source:
             if start < target <= end and not start <= source <= end:
                 return start
         return -1
+
+
+def _special(code: bytes, lines: int) -> bytearray:
+    """1 for each line of a text without comments that may be more than a plain block."""
+    flags, line, at = bytearray(lines), 0, 0
+    while found := SPECIAL.search(code, at):
+        line += code.count(b"\n", at, found.start())
+        flags[line] = 1
+        at = code.find(b"\n", found.end())
+        if at < 0:
+            break
+    return flags
 
 
 def _pieces(text: bytes) -> list[bytes]:

@@ -1,7 +1,8 @@
 """The last stage of expansion: canned cycles and turned, scaled or mirrored coordinates become plain blocks.
 
 Lines come in the order in which the control executes them, with plain numbers. One that has nothing of all this passes by
-a single search; the positions that cycles need are asked of the tracker, which hears every line that leaves.
+a single search; the positions that cycles need are asked of the tracker, which hears every line that leaves. A cycle is
+written out first, in the coordinates of the program; then the frame turns its lines.
 """
 
 from __future__ import annotations
@@ -18,52 +19,63 @@ from postproc.nc.expand.tracker import Tracker
 
 PLAIN_MOTIONS = (0, 10, 20, 30)
 # Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked anew.
-QUIET = ("motion", "cycle", "distance", "feed mode", "return", "plane", "spindle mode", "path", "arc centre", "")
+QUIET = ("motion", "cycle", "distance", "feed mode", "return", "plane", "spindle mode", "path", "arc centre", "cutter")
+READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")  # no motion: a tape mark, a program number
 
 
 class Resolver:
     """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone."""
 
     def __init__(self, program: Program, tracker: Tracker, synchronised: bool = False):
-        self.program, self.tracker = program, tracker
+        self.program, self.tracker, self.grammar = program, tracker, tracker.dialect.grammar
         self.scene = Scene(tracker)
         self.family = family(tracker.dialect, synchronised)
+        self.control = self.family.control(self.scene) if self.family.control else None
+        if self.control:
+            self.scene.frame = self.control.known
         self.active: Cycle | None = None
         self.code = 0  # of the active cycle
         self.before = 0  # the motion code in force before it
-        self.restore: int | None = None  # a motion code that the next block without one needs
+        self.missing: int | None = None  # a motion code that the next block without one relies on
         self.line = Line(b"", 0)
         self.heard: list[Line] = []  # what the tracker was told since it was last asked
         self.scene.asked = self.heard.clear
-        self.interest = _interest(self.family.cycles)
+        self.scene.fault_at = self._fault
+        self.interest = _interest([*self.family.cycles, *(self.control.codes if self.control else ())])
 
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises ProgramError."""
-        if self.active is None and self.restore is None and not self.interest.search(line.text):
+        idle = self.active is None and self.missing is None and not (self.control and self.control.active)
+        if idle and not self.interest.search(line.text):
             self.heard.append(line)
             self.tracker.take(line.text)
             self.scene.forget()
             return [line]
         self.line = line
         try:
-            texts = [text for block in blocks(line.text, self.tracker.dialect.grammar) for text in self._block(block)]
+            texts = [text for block in blocks(line.text, self.grammar) for text in self._block(block)]
         except BlockFault as error:  # the tracker's interpreter could not read what it was asked about
             at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else line
             raise fault(self.program.name, at.source, at.text, error.message, error.advice) from None
-        if texts == [line.text]:
-            return [line]
-        return [line._replace(text=text) for text in texts]
+        return [line] if texts == [line.text] else [line._replace(text=text) for text in texts]
 
     # -- one block -----------------------------------------------------------------------------------------------------
 
     def _block(self, text: bytes) -> list[bytes]:
-        block = Block.of(text, self.tracker.dialect.grammar)
+        block = Block.of(text, self.grammar)
         scene = self.scene
-        if not block.plain or (block.skip and self.tracker.setup.block_delete):
-            return self._pass(text)
+        scene.block = block
+        if block.skip and self.tracker.setup.block_delete:
+            return self._tell([text], True)
+        if not block.plain:
+            if (self.active or (self.control and self.control.active)) and not READABLE.fullmatch(text):
+                raise self._fault(
+                    "within a cycle or a frame, and this block is more than words and numbers",
+                    "it could move an axis: write it as plain words",
+                )
+            return self._tell([text], True)
         codes = block.codes
         self._spindle(block)
-        scene.block, scene.fault_at = block, self._fault
         own = [code for code in codes if code in self.family.cycles]
         if own and not self._overridden(codes, own[-1]):
             return self._cycle(block, own[-1], codes)
@@ -71,9 +83,9 @@ class Resolver:
             self._end(codes)
         elif self.active is not None and not self._taken(codes) and self.active.wants(scene, block):
             return self._cycle(block, self.code, codes)
-        if self.restore is not None:
-            return self._restored(block, codes)
-        return self._pass(text)
+        if self.missing is not None:
+            block = self._completed(block, codes)
+        return self._out([block.text], self._loud(block, codes))
 
     def _overridden(self, codes: list[int], own: int) -> bool:
         """Fanuc: of a cycle and another motion code in one block, the last one holds."""
@@ -81,8 +93,9 @@ class Resolver:
         return self.family.restores and any(c in PLAIN_MOTIONS for c in later)
 
     def _taken(self, codes: list[int]) -> bool:
-        """Whether another code takes the axis words (G10 G28 G92), or changes what they mean (G53)."""
-        return any(c == 530 or (c in self.scene.table and self.scene.table[c].takes) for c in codes)
+        """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean (G53)."""
+        takers = self.control.takers if self.control else ()
+        return any(c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes) for c in codes)
 
     def _ends(self, codes: list[int]) -> bool:
         return any(c == 800 or c in PLAIN_MOTIONS or self.scene.group_of(c) == "motion" for c in codes)
@@ -93,66 +106,115 @@ class Resolver:
         self.active.end()
         self.active = None
         if self.family.restores and not any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
-            self.restore = self.before
+            self.missing = self.before
+
+    def _completed(self, block: Block, codes: list[int]) -> Block:
+        """Fanuc: with the motion code in force before the cycle, where the block relies on it."""
+        if any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
+            self.missing = None
+            return block
+        axes = (*self.tracker.setup.axes, *self.tracker.dialect.increments)
+        if not any(w.letter in axes for w in block.words) or self._taken(codes) or 40 in codes:
+            return block
+        code, self.missing = self.missing, None
+        if code not in PLAIN_MOTIONS:
+            return block
+        at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
+        return Block.of(block.written(set(), f"G{code // 10}".encode(), at), self.grammar)
+
+    # -- a block of a cycle --------------------------------------------------------------------------------------------
 
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
         scene, cycle = self.scene, self.family.cycles[code]
+        if self._taken(codes):
+            other = next(c for c in codes if self._taken([c]))
+            raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
         if self.active is None:
             self.before = scene.code("motion")
         elif self.active is not cycle:
             self.active.end()
-        self.restore = None
-        loud = any(scene.group_of(c) not in QUIET or c >= KEYWORD for c in codes) or (
-            self.tracker.dialect.tool_offsets and block.get("T") is not None
-        )
+        self.missing = None
         lead: list[bytes] = []
-        if loud:  # G54, G20, T0101: they hold first, and the tracker says what they do
-            lead, block = self._apart(block, code)
+        if self._loud(block, codes):  # G54, G20, T0101: they hold first, and the tracker says what they do
+            lead, block = self._apart(block)
         scene.note(block)
         scene.block = block
+        turned = self.control is not None and not self.control.frames.map.identity
+        scene.extra_decimals = 4 if turned else 0
         outcome = cycle.run(scene, block, code)
+        scene.extra_decimals = 0
         if cycle.modal:
             self.active, self.code = cycle, code
-        for text in outcome.told if outcome.told is not None else outcome.lines:
-            self._told(text)
-        return lead + outcome.lines
+        if outcome.told is None:
+            return lead + self._out(outcome.lines, False, places=True)
+        if self.control is None or not self.control.active:
+            for text in outcome.told:
+                self._told(text)
+            return lead + outcome.lines
+        if not self.control.frames.map.leaves(scene.plane[2]):
+            raise scene.fault(f"tapping within {self.control.frames.why}", "write the holes in plain coordinates")
+        kept = self.control.snapshot()
+        lines = [line for text in outcome.lines for line in self.control.take(Block.of(text, self.grammar))]
+        self.control.restore(kept)
+        self._out(outcome.told, False, places=True)
+        return lead + lines
 
-    def _apart(self, block: Block, code: int) -> tuple[list[bytes], Block]:
+    def _loud(self, block: Block, codes: list[int]) -> bool:
+        """Whether a block changes more than modes that are known here."""
+        table = self.scene.table
+        return (
+            any(c >= KEYWORD or c not in table or (table[c].group not in QUIET and c not in (40, 90)) for c in codes)
+            or (self.tracker.dialect.tool_offsets and block.get("T") is not None)
+        ) and not (self.control is not None and all(c in self.control.codes for c in codes))
+
+    def _apart(self, block: Block) -> tuple[list[bytes], Block]:
         """The codes that change the coordinates in a line of their own, and the block without them."""
         scene = self.scene
         first = {
             i
             for i, w in enumerate(block.words)
-            if (w.letter == "G" and scene.group_of(round((w.value or 0) * 10)) not in QUIET)
+            if (w.letter == "G" and scene.group_of(round((w.value or 0) * 10)) not in QUIET and not self._ours(w.value))
             or w.letter in "NTHD"
             or (w.letter == "P" and 541 in block.codes)
         }
-        grammar = self.tracker.dialect.grammar
         words = [block.text[w.start : w.stop] for i, w in enumerate(block.words) if i in first]
         lead = (b"/" if block.skip else b"") + (b" " if block.spaced else b"").join(words)
-        rest = Block.of(block.written(first), grammar)
-        self._told(lead)
-        scene.forget()
-        return [lead], rest
+        return self._out([lead], True), Block.of(block.written(first), self.grammar)
 
-    def _restored(self, block: Block, codes: list[int]) -> list[bytes]:
-        """The motion code in force before the cycle, where a block relies on it."""
-        moves = any(w.letter in (*self.tracker.setup.axes, *self.tracker.dialect.increments) for w in block.words)
-        if any(self.scene.group_of(c) == "motion" for c in codes if c != 800):
-            self.restore = None
-            return self._pass(block.text)
-        if not moves or any(self.scene.group_of(c) == "" for c in codes):
-            return self._pass(block.text)
-        code, self.restore = self.restore, None
-        if code not in PLAIN_MOTIONS:
-            return self._pass(block.text)
-        at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
-        return self._pass(block.written(set(), f"G{code // 10}".encode(), at))
+    def _ours(self, value: float | None) -> bool:
+        code = round((value or 0.0) * 10)
+        return code in self.family.cycles or (self.control is not None and code in self.control.codes)
 
-    def _pass(self, text: bytes) -> list[bytes]:
-        self._told(text)
-        self.scene.forget()
-        return [text]
+    # -- what leaves ---------------------------------------------------------------------------------------------------
+
+    def _out(self, texts: list[bytes], loud: bool, places: bool = False) -> list[bytes]:
+        """Lines in the coordinates of the program, in those beneath. `loud`: the tracker must be asked anew behind them;
+        `places`: the scene has been told where the axes stand."""
+        control, lines = self.control, []
+        for text in texts:
+            block = Block.of(text, self.grammar)
+            if control is not None and (control.active or any(c in control.codes for c in block.codes)):
+                if places is False:
+                    self.scene.note(block)
+                lines += self._tell(control.take(block), False)
+                continue
+            if not places:
+                self.scene.note(block)
+            lines += self._tell([text], False)
+        if loud:
+            self.scene.forget()
+            if control is not None:
+                control.frames.forget()
+        elif not places:
+            self.scene.settle()
+        return lines
+
+    def _tell(self, texts: list[bytes], loud: bool) -> list[bytes]:
+        for text in texts:
+            self._told(text)
+        if loud:
+            self.scene.forget()
+        return texts
 
     def _told(self, text: bytes) -> None:
         self.heard.append(self.line._replace(text=text))
@@ -163,14 +225,16 @@ class Resolver:
             if m in (3, 4, 5):
                 self.scene.spindle = m
 
-    def _fault(self, message: str, advice: str, start: int = 0, stop: int = 0) -> ProgramError:
+    def _fault(self, message: str, advice: str, mark: bytes = b"") -> ProgramError:
+        start = self.line.text.find(mark) if mark else -1
+        start, stop = (start, start + len(mark)) if start >= 0 else (0, 0)
         return fault(self.program.name, self.line.source, self.line.text, message, advice, start, stop)
 
 
-def _interest(cycles: dict[int, Cycle]) -> re.Pattern[bytes]:
+def _interest(numbers: list[int]) -> re.Pattern[bytes]:
     """Finds, in a line, a code of ours or a spindle code (G86 must know how it turned)."""
     codes = []
-    for number in cycles:
+    for number in numbers:
         whole, tenth = divmod(number, 10)
         point = rf"\.0*{tenth}0*" if tenth else r"(?:\.0*)?"
         codes.append(r"[ \t]*".join(str(whole)) + point)

@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from postproc.errors import ProgramError
+from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.siemens_blocks import Call, Jump, Statement, Target, assign
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, Source, read
@@ -129,6 +129,9 @@ class Run:
                 text = self.execute(frame, raw)
             except Refusal as e:
                 raise self.fault(frame, at, raw, e) from None
+            except BlockFault as e:  # the tracker has followed the lines up to here only when it was asked
+                refusal = Refusal(f"a line before this one can not be followed: {e.message}", e.advice)
+                raise self.fault(frame, at, raw, refusal) from None
             if text is not None:
                 yield Line(text, at + 1, source.file)
 
@@ -255,7 +258,7 @@ class Run:
         if key not in self.sources:
             text = self.program.library(name) if name else None
             found = Program(name, text).lines() if text is not None else None
-            self.sources[key] = Source(name, key, _without_end(found), self.skips) if found is not None else None
+            self.sources[key] = Source(name, name, _without_end(found), self.skips) if found is not None else None
         return self.sources[key]
 
     def parameters(self, source: Source) -> tuple[Parameter, ...]:

@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from postproc.errors import BlockFault, GcompError
 from postproc.nc.expand.tracker import Tracker
 
 LARGEST_INT, LARGEST_ARRAY = 2**31 - 1, 1_000_000
@@ -100,7 +99,7 @@ def undefined(name: str) -> Refusal:
     """That a name is neither defined in the program nor a word of the language."""
     return Refusal(
         f"{name} is not defined in this program",
-        f"what the control holds is known to the control only: write DEF REAL {name}=... at the top, with its value",
+        f"a variable that the control holds: write DEF REAL {name}=... at the top; an axis: name it in the machine's file",
     )
 
 
@@ -274,12 +273,9 @@ def position(scope: Scope, name: str, axis: Value) -> float:
             f"{name}: {shown} is none of the machine's axes", f"they are {', '.join(scope.tracker.setup.axes)}"
         )
     tracker = scope.tracker
-    try:
-        if not POSITIONS[name] and tracker.inch:
-            raise Refusal(f"{name} is read while inch is in force", "calculate in work coordinates ($AA_IW), or in mm")
-        value = tracker.work(axis.name) if POSITIONS[name] else tracker.machine(axis.name)
-    except (BlockFault, GcompError) as e:
-        raise Refusal(f"where {axis.name} stands is not known: {e.message}", e.advice) from None
+    if not POSITIONS[name] and tracker.inch:
+        raise Refusal(f"{name} is read while inch is in force", "calculate in work coordinates ($AA_IW), or in mm")
+    value = tracker.work(axis.name) if POSITIONS[name] else tracker.machine(axis.name)
     if value is None:
         raise Refusal(
             f"{name}[{axis.name}]: where {axis.name} stands is not known",

@@ -1,0 +1,86 @@
+"""What is wrong with a text that is no plain block, and the way out: one sentence for each thing that people write."""
+
+from __future__ import annotations
+
+import re
+
+ADVICE_NUMBER = "no control resolves that: write fewer digits"
+ADVICE_EXPRESSION = (
+    "variables, expressions, O-words and macro statements run with --expand, which writes them out as plain blocks; "
+    "or is it for another control? --dialect"
+)
+STATEMENT = re.compile(
+    rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
+    rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,
+)  # fmt: skip
+LETTER_O = re.compile(rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)")
+CORNER = re.compile(rb",[ \t]*[RCArca]")
+COMMA = re.compile(rb"[0-9],[0-9]")
+TWO_POINTS = re.compile(rb"[0-9]*\.[0-9]*\.")
+LONE_RETURN = re.compile(rb"\r(?![\r\n]|\Z)")
+LONE = 0x1D  # stands for a lone carriage return in what the lexer looks at
+
+
+def line_at(text: bytes, offset: int) -> bytes:
+    """The line that an offset lies in."""
+    start = text.rfind(b"\n", 0, offset) + 1
+    stop = text.find(b"\n", offset)
+    return text[start : stop if stop >= 0 else len(text)]
+
+
+def advice_at(code: bytes, offset: int) -> str:
+    """The way out for a word or character that could not be read."""
+    line = line_at(code, offset)
+    here = offset - (code.rfind(b"\n", 0, offset) + 1)
+    around = line[max(0, here - 12) : here + 13]
+    if CORNER.match(line, here):
+        return "corner rounding and chamfers (,R ,C ,A) are not followed: write the corner out"
+    if COMMA.search(around):
+        return "a number takes a decimal point, not a comma: 20.5"
+    if TWO_POINTS.search(around):
+        return "a number has one decimal point: take the other one out"
+    if STATEMENT.search(line):
+        return ADVICE_EXPRESSION
+    if LETTER_O.search(line) and line.strip()[:1] not in b"Oo":
+        return "is that the letter O in the place of a zero?"
+    return "give the letter its number, or take it out"
+
+
+def bare(code: bytes, offset: int) -> tuple[str, str]:
+    """A letter without a number."""
+    return f"the letter {chr(code[offset])} has no number", advice_at(code, offset)
+
+
+def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) -> tuple[str, str]:
+    """A character that belongs to no word: message and advice. `code` is `text` without its comments."""
+    byte, character = code[offset], chr(code[offset])
+    if text[offset] == ord("\r"):
+        return (
+            "a carriage return without a line feed ends no line here: two blocks would be read as one",
+            "save the program with LF or CR LF line ends",
+        )
+    if slash:
+        return (
+            "'/' is block delete only as the first character of a block, without a number",
+            "put it first, or take it out" if not STATEMENT.search(line_at(code, offset)) else ADVICE_EXPRESSION,
+        )
+    if in_number:
+        return f"{character!r} does not belong to a number here", advice_at(code, offset)
+    if character == "(":
+        return (
+            "a comment is opened and not closed in its line, opened twice, or breaks a number in two",
+            "close it with ')' and put it between words",
+        )
+    if character == ")":
+        return "')' closes a comment that was not opened", "open it with '(' or take it out"
+    if text[:3] == b"\xef\xbb\xbf" and offset < 3:
+        return "the program begins with a byte order mark (UTF-8)", "save it as plain ASCII, or UTF-8 without the mark"
+    if (text[:2] in (b"\xff\xfe", b"\xfe\xff") and offset < 4) or (
+        b"\0" in text[offset : offset + 2] and text[1::2][:8].count(0) > 6
+    ):
+        return "the program is stored as UTF-16, two bytes a character", "save it as plain ASCII"
+    if byte < 32:
+        return f"byte {byte} is not text: this looks like a binary file", "give the NC program itself"
+    if byte > 126:
+        return f"byte {text[offset]} is not ASCII", "outside comments a program is plain ASCII; save it as such"
+    return f"{character!r} is not part of a plain NC block", advice_at(code, offset)
