@@ -230,7 +230,7 @@ def test_an_axis_that_the_machine_has_not(letter, text):
 
 
 @pytest.mark.parametrize("dialect", dialects.names())
-@pytest.mark.parametrize("text", ["X20. Z5.", "G90\nX20."])
+@pytest.mark.parametrize("text", ["X20. Z5.", "N5\nX20."])
 def test_no_motion_code_is_in_force(dialect, text):
     error = refusal(GRINDER, Case("", "", dialect=dialect), text + "\n")
     assert "no motion code (G0 G1 G2 G3) is in force" in error.message

@@ -406,7 +406,9 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     """TRANS: the shift is replaced, of axes that are not named by none; ATRANS adds."""
     start = b.frame.trans if add else np.zeros_like(b.frame.trans)
     values = {b.rows[x]: int(start[b.rows[x]]) + value for x, (value, _) in _values(b, axis_words).items()}
-    b.frame = replace(b.frame, trans=_changed(start, values))
+    trans = _changed(start, values)
+    due = b.frame.due + trans - b.frame.trans if b.dialect.increments_travel_shifts else b.frame.due
+    b.frame = replace(b.frame, trans=trans, due=due)
 
 
 ACTIONS = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,6 +76,8 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         if not own.all():
             is_inc = np.where(own, is_inc, w.letter[place] < ABSOLUTE)
         value = b.ticks(place, at(scale, by))
+        if b.frame.due[row] and len(by):
+            value = _due(b, row, letter, by, value, is_inc)
         named = np.zeros(n, bool)
         if len(by) or cycle:
             run: np.ndarray | int = 0
@@ -132,6 +134,23 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         if n:
             p.end_position[row], p.end_known[row] = position[-1], known[-1]
     return p
+
+
+def _due(b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray) -> np.ndarray:
+    """Values with the shift that the first increment after TRANS travels too, as this control does unless it is set
+    otherwise; what that setting is nobody knows here, so no correction may depend on it."""
+    due = int(b.frame.due[row])
+    b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))
+    if not is_inc[0]:
+        return value
+    b.blame(
+        by[:1],
+        f"an increment of {letter} right after its zero was shifted: whether it travels the shift is a setting of the control",
+        f"write {letter} as an absolute place after TRANS",
+    )
+    value = value.copy()
+    value[0] += due
+    return value
 
 
 def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int):

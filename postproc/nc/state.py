@@ -29,7 +29,8 @@ class Setup:
 class Frame:
     """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each, radius.
 
-    local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens. extended: the
+    local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens; due: what of it the
+    next increment of an axis travels too. extended: the
     name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units in which the length was set. unknown: message and advice, by part, for a shift that is in force
     and not known."""
 
@@ -37,6 +38,7 @@ class Frame:
     preset: np.ndarray
     length: np.ndarray
     trans: np.ndarray
+    due: np.ndarray
     preset_on: bool = True
     extended: str = ""
     length_units: int = 210
@@ -52,7 +54,7 @@ class Frame:
 def no_frame(axes: int) -> Frame:
     """No shift at all."""
     zero = np.zeros(axes, np.int64)
-    return Frame(zero, zero, zero, zero)
+    return Frame(zero, zero, zero, zero, zero)
 
 
 @dataclass(frozen=True)

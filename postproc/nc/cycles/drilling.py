@@ -120,14 +120,12 @@ def bore_far(m: Moves, hole: Hole, scene: Scene) -> None:
 
 
 def bore_standing(m: Moves, hole: Hole, scene: Scene) -> None:
-    """G86: feed down, stop the spindle, rapid back, start it again as it turned before."""
-    if scene.spindle not in (3, 4):
-        raise scene.fault("G86 stops the spindle and starts it again, and it does not turn", "start it before: S and M3 or M4")
+    """G86: feed down, dwell where P says so, stop the spindle, rapid back, start it again."""
     m.move("G1", {hole.axis: hole.bottom})
     _dwell(m, hole)
     m.line(b"M5")
     m.move("G0", {hole.axis: hole.back})
-    m.line(f"M{scene.spindle}".encode())
+    m.line(b"M4" if scene.spindle == 4 else b"M3")
 
 
 def _dwell(m: Moves, hole: Hole) -> None:

@@ -32,6 +32,7 @@ TAPPING = (740, 840)
 UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefined"
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}
 NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}  # where the cycle begins; later ones hold
+STOPS = (860,)
 DWELLS = (820, 860, 890)
 RETRACT = {False: 0.254, True: 0.010}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
 
@@ -42,6 +43,8 @@ class LinuxcncDrilling(Drilling):
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
+        if code in STOPS and scene.spindle not in (3, 4):
+            raise scene.fault("G86 starts the spindle as it turned before, and it does not turn", "start it before: S, M3")
         strange = next((w for w in block.words if w.letter in "ABCUVW"), None)
         if strange:
             raise scene.fault(f"{strange.letter} in a drilling cycle", "LinuxCNC moves X, Y and Z alone here", strange)

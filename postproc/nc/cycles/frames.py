@@ -98,7 +98,8 @@ class Frames:
                     changed[words[axis][0]] = text
                 else:
                     new.append(text)
-                    place = min(words[x][0] for x in mixed if x in words) + 1
+                    beside = min(words[x][0] for x in mixed if x in words)
+                    place = beside + (axis > block.words[beside].letter)
         if arc and not self.map.identity:
             new += self._arc(block, centres, factor, changed)
         return [self._named(block, changed, new, True, place)]
@@ -113,6 +114,7 @@ class Frames:
                     f"the first {x} behind {self.why} is a distance", f"controls differ on where {x} stands: name it in G90"
                 )
             self.loose.discard(x)
+            self.at.pop(x, None)
         return True
 
     def _groups(self, words: dict[str, tuple[int, Word]]) -> list[list[str]]:

@@ -71,7 +71,8 @@ class Polar:
         self.here = to
         changed = {numbers[x]: text for x, text in texts.items() if x in numbers}
         new = b"".join(text for x, text in texts.items() if x not in numbers)
-        at = min(numbers[x] for x in texts if x in numbers) + 1
+        beside = min(numbers[x] for x in texts if x in numbers)
+        at = beside + any(x > block.words[beside].letter for x in texts if x not in numbers)
         return Block.of(block.written(set(), new, at, changed), scene.dialect.grammar)
 
     def _stands(self, first: str, second: str) -> tuple[float, float]:

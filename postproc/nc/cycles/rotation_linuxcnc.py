@@ -1,4 +1,7 @@
-"""G10 L2 R: a work offset of LinuxCNC that is turned about its zero in XY, as measured on its interpreter 2.9."""
+"""G10 L2 R: a work offset of LinuxCNC that is turned about its zero in XY, as measured on its interpreter 2.9.
+
+R is taken out of the text, so the output is right where the control itself holds no turn (parameters 5230, 5250, ... are 0).
+"""
 
 from __future__ import annotations
 
@@ -82,7 +85,7 @@ class LinuxcncRotation:
         number = block.get("P") or 0.0
         system = int(number) if number else self.system()
         self.frames.forget()
-        if angle is None or (not angle and not self.turns.get(system)):
+        if angle is None:
             return [block.text]
         self.turns[system] = angle
         letters = "R" if any(w.letter in "XYZABCUVW" for w in block.words) else "RLP"

@@ -30,6 +30,7 @@ class Scene:
         self.block = Block(b"", (), True, False)
         self.fault_at: Fault
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
+        self.unsure: set[str] = set()  # axes whose zero was moved, nobody knows how far, and that no block has named since
         self._codes: dict[str, int] = {}
         self._places: dict[str, float] = {}
         self._decimals: dict[str, int] = {}
@@ -76,9 +77,11 @@ class Scene:
 
     def known(self, axis: str) -> float | None:
         """The programmed coordinate at which an axis stands (program's unit, diameter where such), None: not known."""
-        if axis not in self.tracker.setup.axes:
+        if axis not in self.tracker.setup.axes or axis in self.unsure:
             return None
         if axis not in self._places:
+            if self.tracker.state.origin is None:
+                self.tracker.take(b"")  # before the first block the tracker does not know its zeros
             value = self.frame(axis) if self.frame else self.tracker.work(axis)
             self.asked()
             if value is None:
@@ -86,15 +89,35 @@ class Scene:
             self._places[axis] = value
         return self._places[axis]
 
+    def shifted(self, named: set[str]) -> None:
+        """A block has chosen a shift of the coordinates and named these axes in it."""
+        state, stated = self.tracker.state, {**self.tracker.setup.offsets, **self.tracker.state.offsets}
+        work = self.table.get(state.codes.get("work offset", -1))
+        unknown = bool(state.frame is not None and state.frame.unknown) or (work is not None and work.word not in stated)
+        if self.dialect.tool_offsets and state.tool and state.tool not in stated:
+            unknown = True
+        if unknown:
+            self.unsure = {"X", "Y", "Z"} & set(self.tracker.setup.axes)
+            self.named(named)
+
+    def named(self, axes: set[str]) -> None:
+        """A motion has named these axes."""
+        if self.unsure and not self.incremental:
+            self.unsure -= axes
+
     def at(self, axis: str) -> float:
         """As `known`; raises ProgramError that asks for it."""
         value = self.known(axis)
         if value is None:
             if axis not in self.tracker.setup.axes:
                 raise self.fault(f"the machine has no axis {axis}", "choose the right --machine")
-            reason = "where it stands is not known" if self.tracker.machine(axis) is None else "its zero is not known"
+            if self.tracker.machine(axis) is not None:
+                raise self.fault(
+                    f"the motions depend on where {axis} stands, and an offset in force is not stated",
+                    f"move {axis} to an absolute position behind the offset, or state it: --offset",
+                )
             raise self.fault(
-                f"the motions depend on {axis}, and {reason} at this block",
+                f"the motions depend on where {axis} stands, and that is not known at this block",
                 f"move {axis} to an absolute position before, or say where {axis} stands: --start {axis}0",
             )
         return value

@@ -37,7 +37,8 @@ class Dialect:
     "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
     expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
     `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `repeats`: letters that say how
-    often a canned cycle is run. `letters`: further letters that are parameters of codes. `exact_stops`: ten times the
+    often a canned cycle is run. `letters`: further letters that are parameters of codes. `increments_travel_shifts`: the first increment after
+    TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for outside
@@ -79,6 +80,7 @@ class Dialect:
     extended_by_p: bool = False
     repeats: str = "L"
     letters: str = ""
+    increments_travel_shifts: bool = False
     exact_stops: tuple[int, ...] = ()
     remarks: tuple[str, ...] = ()
     ends: tuple[int, ...] = END_OF_PROGRAM

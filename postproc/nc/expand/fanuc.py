@@ -17,9 +17,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from postproc.errors import BlockFault, ProgramError
-from postproc.nc.expand import Limits, Line, Program, fault
-from postproc.nc.expand.fanuc_blocks import Block, Kind, bare
+from postproc.errors import BlockFault
+from postproc.nc.expand import Limits, Line, Program
+from postproc.nc.expand.fanuc_blocks import Block, Kind
 from postproc.nc.expand.fanuc_calls import Frame, Library, Modal, arguments, called, subprogram, times, word_of
 from postproc.nc.expand.fanuc_functions import Misread, Value, index
 from postproc.nc.expand.fanuc_programs import Section, Source
@@ -46,6 +46,7 @@ class Runner:
         self.semicolon = tracker.dialect.grammar.semicolon
         self.source = Source(program, self.semicolon, self.variables.haas)
         self.library = Library(program, self.semicolon, self.variables.haas)
+        self.variables.mentions = lambda what: any(s.mentions(what) for s in (self.source, *self.library.sources()))
         self.frames: list[Frame] = []
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
@@ -92,11 +93,11 @@ class Runner:
             return self._execute(frame, at, block)
         except BlockFault as before:
             what = f"where the program stands can not be told: {before.message}"
-            raise self._fault(frame, at, Misread(what, before.advice)) from None
+            raise frame.source.fault(self.program.name, at, Misread(what, before.advice)) from None
         except Misread as wrong:
             if not wrong.stop:
                 wrong.start, wrong.stop = place
-            raise self._fault(frame, at, wrong) from None
+            raise frame.source.fault(self.program.name, at, wrong) from None
 
     def _execute(self, frame: Frame, at: int, block: Block) -> bytes | None:
         variables, kind = self.variables, block.kind
@@ -109,9 +110,13 @@ class Runner:
             return self._execute(frame, at, block.then) if block.formula(variables) else None
         if kind is Kind.GOTO:
             assert block.target
-            self._jump(frame, at, _label(block.target(variables)), block.place)
+            frame.at = frame.source.jump(frame.section, at, _label(block.target(variables)), block.place)
         elif kind in (Kind.DO, Kind.END):
-            self._loop(frame, at, block)
+            partner = frame.source.partner(frame.section, at, block.place)
+            if kind is Kind.END:
+                frame.at = partner
+            elif block.formula and not block.formula(variables):
+                frame.at = partner + 1
         elif kind is Kind.CALL:
             return self._macro(block) if block.code == 65 else self._subprogram(frame, at, block)
         elif kind is Kind.MODAL:
@@ -183,28 +188,6 @@ class Runner:
 
     # -- where control goes --------------------------------------------------------------------------------------------
 
-    def _jump(self, frame: Frame, at: int, label: int, place: tuple[int, int]) -> None:
-        """Go on at an N number of the frame's program."""
-        target = frame.source.find(frame.section, label, at)
-        if target < 0:
-            raise Misread(f"there is no N{label} in this program", f"write N{label} before the block to go to", *place)
-        loop = frame.source.enters_loop(frame.section, at, target)
-        if loop >= 0:
-            line = frame.source.numbers[loop]
-            raise Misread(
-                f"N{label} lies inside the loop of line {line}", "a jump may leave a loop but not enter it", *place
-            )
-        frame.at = target
-
-    def _loop(self, frame: Frame, at: int, block: Block) -> None:
-        partner = frame.source.loops(frame.section).get(at)
-        if partner is None:
-            raise Misread(*frame.section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *block.place)
-        if block.kind is Kind.END:
-            frame.at = partner
-        elif block.formula and not block.formula(self.variables):
-            frame.at = partner + 1
-
     def _subprogram(self, frame: Frame, at: int, block: Block) -> bytes | None:
         """M98, M198 and M97."""
         words, variables, place = block.words, self.variables, block.place
@@ -252,22 +235,22 @@ class Runner:
             if label < 0:
                 advice = "M30 ends it after one piece; / before M99 and block delete leave it out"
                 raise Misread("M99 in the main program: it would run from its top without end", advice, *block.place)
-            self._jump(frame, at, label, block.place)
+            frame.at = frame.source.jump(frame.section, at, label, block.place)
         elif label < 0 and frame.left:
             frame.left, frame.at = frame.left - 1, frame.start
         else:
             self._leave()
             if label >= 0:
                 caller = self.frames[-1]
-                self._jump(caller, caller.at - 1, label, block.place)
+                caller.at = caller.source.jump(caller.section, caller.at - 1, label, block.place)
         return text
 
     # -- programs ------------------------------------------------------------------------------------------------------
 
     def _enter(self, frame: Frame, place: tuple[int, int] = (0, 0)) -> None:
         if len(self.frames) > self.limits.depth:
-            raise Misread(f"calls nested {len(self.frames)} deep (limit {self.limits.depth})",
-                          "does a program call itself? a control allows 4 macros and 10 subprograms", *place)  # fmt: skip
+            advice = "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10 subprograms)"
+            raise Misread(f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place)
         self.frames.append(frame)
         self._in_force()
 
@@ -302,16 +285,15 @@ class Runner:
 
     def _runs_out(self, frame: Frame) -> None:
         """Behind the last block: the main program may end here, others may not."""
-        source, stop = frame.source, frame.section.stop
-        last = max(stop - 1, 0)
+        source, stop, name = frame.source, frame.section.stop, self.program.name
         if len(self.frames) > 1:
-            name = f"O{frame.section.number}" if frame.section.number >= 0 else "the subprogram"
-            raise self._fault(
-                frame, last, Misread(f"{name} ends without M99", "M99 goes back to the program that called it")
-            )
+            what = f"O{frame.section.number}" if frame.section.number >= 0 else "the subprogram"
+            wrong = Misread(f"{what} ends without M99", "M99 goes back to the program that called it")
+            raise source.fault(name, max(stop - 1, 0), wrong)
         if stop < len(source.texts) and stop != source.closing:
-            what = f"the program runs into O{source.block(stop).program} without M02, M30 or M99"
-            raise self._fault(frame, stop, Misread(what, "M30 ends the main program"))
+            number = next(section.number for section in source.sections if section.start == stop)
+            what = f"the program runs into O{number} without M02, M30 or M99"
+            raise source.fault(name, stop, Misread(what, "M30 ends the main program"))
 
     def _tail(self) -> Iterator[Line]:
         """Blank lines and comments behind the end, and the "%"."""
@@ -325,20 +307,8 @@ class Runner:
 
     def _too_long(self) -> Misread:
         return Misread(
-            f"{self.steps} blocks have been executed (limit {self.most})", "does a loop not end? or raise the limit"
-        )
-
-    def _fault(self, frame: Frame, at: int, wrong: Misread) -> ProgramError:
-        source = frame.source
-        if at >= len(source.texts):
-            return fault(source.file or self.program.name, 1, b"", wrong.message, wrong.advice)
-        raw, place = source.texts[at], bare(source.texts[at], self.semicolon)[1]
-        start, stop = 0, 0
-        if wrong.stop and place:
-            start = place[min(wrong.start, len(place) - 1)]
-            stop = place[min(max(wrong.stop, wrong.start + 1), len(place)) - 1] + 1
-        return fault(
-            source.file or self.program.name, source.numbers[at], raw, wrong.message, wrong.advice, start, stop
+            f"{self.steps} blocks have been executed (limit {self.most})",
+            "does a loop not end? --max-steps sets the limit",
         )
 
 

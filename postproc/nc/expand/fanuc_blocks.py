@@ -30,6 +30,7 @@ HEAD = re.compile(r"(/[1-9]?|N\d+|[O:]\d+)*", re.ASCII)
 PROGRAM = re.compile(r"[O:](\d+)", re.ASCII)
 LABEL = re.compile(r"N(\d+)", re.ASCII)
 PRINT = re.compile(r"POPEN|PCLOS|BPRNT|DPRNT|SETVN")
+KEYWORD = re.compile(r"GOTO|WHILE|THEN|DO\d|END\d", re.ASCII)
 LOOP = re.compile(r"(DO|END?)(\d{1,9})$", re.ASCII)
 END_OF_PROGRAM = (2, 30)
 
@@ -194,7 +195,7 @@ class BlockReader:
         try:
             words = self._scan(start)
         except Misread:
-            if calculated:
+            if calculated or KEYWORD.search(self.code):
                 raise
             return self._made(Kind.PLAIN, start)
         block = self._made(Kind.WORDS if any(not w.digits for w in words) else Kind.PLAIN, start, words=words)

@@ -64,6 +64,10 @@ class Library:
             self.found[number] = self._fetch(number)
         return self.found[number]
 
+    def sources(self) -> list[Source]:
+        """The texts found so far."""
+        return [found[0] for found in self.found.values() if found]
+
     def _fetch(self, number: int) -> tuple[Source, Section] | None:
         text = self.program.library(str(number))
         if text is None:

@@ -11,8 +11,10 @@ from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from postproc.nc.expand import Program
+from postproc.errors import ProgramError
+from postproc.nc.expand import Program, fault
 from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, bare
+from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.lexer import COMMENTS
 
 MACRO = re.compile(  # what makes a text one that must be executed: not O numbers, and not the end of the program
@@ -45,7 +47,7 @@ class Source:
     that ends it, -1: none."""
 
     def __init__(self, program: Program, semicolon: str, haas: bool, file: str = ""):
-        self.semicolon, self.haas, self.file = semicolon, haas, file
+        self.program, self.semicolon, self.haas, self.file = program, semicolon, haas, file
         self.texts: Sequence[bytes] = program.lines()
         if not self.texts[-1]:
             self.texts = self.texts[:-1]
@@ -62,6 +64,10 @@ class Source:
         self.closing = self._tapes()
         self.blocks: dict[int, Block] = {}
         self.sections = self._sections()
+
+    def mentions(self, what: re.Pattern[bytes]) -> bool:
+        """Whether a block of it matches."""
+        return what.search(COMMENTS[self.semicolon].sub(b" ", self.program.text)) is not None
 
     def _flagged(self, start: int = 0) -> Iterator[int]:
         """The special entries from `start` on."""
@@ -155,12 +161,34 @@ class Source:
                 section.broken[i] = f"DO{loop} without END{loop}", f"END{loop} closes it, in the same program"
         return section.partner
 
-    def enters_loop(self, section: Section, source: int, target: int) -> int:
-        """The entry of a DO into whose loop a jump from `source` to `target` would lead, -1: none."""
+    def partner(self, section: Section, at: int, place: tuple[int, int]) -> int:
+        """The END of a DO, or the DO of an END. Raises Misread where there is none."""
+        found = self.loops(section).get(at)
+        if found is None:
+            raise Misread(*section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *place)
+        return found
+
+    def jump(self, section: Section, source: int, label: int, place: tuple[int, int]) -> int:
+        """The entry to which a jump from `source` to an N number leads. Raises Misread where it must not, or there is none."""
+        target = self.find(section, label, source)
+        if target < 0:
+            raise Misread(f"there is no N{label} in this program", f"write N{label} before the block to go to", *place)
         for start, end in self.loops(section).items():
             if start < target <= end and not start <= source <= end:
-                return start
-        return -1
+                what = f"N{label} lies inside the loop of line {self.numbers[start]}"
+                raise Misread(what, "a jump may leave a loop but not enter it", *place)
+        return target
+
+    def fault(self, name: str, at: int, wrong: Misread) -> ProgramError:
+        """What is wrong at an entry, as an error with its place; name: of the main program."""
+        if at >= len(self.texts):
+            return fault(self.file or name, 1, b"", wrong.message, wrong.advice)
+        raw, start, stop = self.texts[at], 0, 0
+        place = bare(raw, self.semicolon)[1]
+        if wrong.stop and place:
+            start = place[min(wrong.start, len(place) - 1)]
+            stop = place[min(max(wrong.stop, wrong.start + 1), len(place)) - 1] + 1
+        return fault(self.file or name, self.numbers[at], raw, wrong.message, wrong.advice, start, stop)
 
 
 def _special(code: bytes, lines: int) -> bytearray:

@@ -8,6 +8,8 @@ macro", "System variables"; groups of G codes: the G code lists of B-64304EN-1 (
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
 from typing import NoReturn
 
 from postproc.nc.expand.fanuc_functions import Misread, Value
@@ -26,7 +28,9 @@ HAAS = {**{n: group for n, group in MILL.items() if n < 12}, 12: "work offset", 
 ADDRESSES = {
     4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4119: "S", 4130: "P",
 }  # fmt: skip
-KEPT = "the control keeps it from before, and this program has not set it"
+CYCLES = re.compile(rb"[Gg][ \t0]*(?:7[ \t]*[3-9]|8[ \t]*[1-9])(?![ \t]*[0-9])")
+TURNS = re.compile(rb"[Gg][ \t0]*(?:1[ \t]*6|5[ \t]*1|6[ \t]*8)(?![ \t]*[0-9])")
+KEPT = "is read but never set here: only the control knows what it kept from before"
 SIGNAL = "an interface signal: only the machine knows it"
 MACHINE = "only the machine knows it"
 SAY = "write the number itself, or set a common variable (#100) to it at the top of the program"
@@ -40,7 +44,8 @@ FOREIGN = (  # first, last, what it is
 
 class Variables:
     """Memory of a program while it runs. local: #1 to #33 of the level in force; program: number of the one that runs;
-    modal: whether a modal macro call is in force; spare: decimals more than the unit so far needs."""
+    mentions: whether a block of the texts matches (canned cycles and turned coordinates are written out behind this, so the
+    tracker does not hear of them); modal: whether a modal macro call is in force; spare: decimals more than the unit so far needs."""
 
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
@@ -48,6 +53,7 @@ class Variables:
         self.local: dict[int, Value] = {}
         self.common: dict[int, Value] = {}
         self.program, self.modal, self.spare = 0, False, 0
+        self.mentions: Callable[[re.Pattern[bytes]], bool] = lambda what: False
         self._decimals: dict[str, int] = {}
         self._places: dict[str, int] = {}
         axes = tracker.setup.axes
@@ -90,7 +96,7 @@ class Variables:
         if 100 <= number <= 199:
             return None
         if self._is_common(number):
-            raise Misread(f"#{number} is read, and {KEPT}", SAY)
+            raise Misread(f"#{number} {KEPT}", SAY)
         return self._known(number)
 
     def write(self, number: int, value: Value) -> None:
@@ -150,8 +156,8 @@ class Variables:
         code = self.tracker.code(group)
         if code < 0:
             self._unknown(number, f"no G code for {group!r} has been given yet", "give it at the top of the program")
-        if group == "motion" and code > 330:
-            self._unknown(number, "a cycle is in force", "write G80 and a motion code before")
+        if group == "motion" and (code > 330 or self.mentions(CYCLES)):
+            self._unknown(number, "canned cycles, which are in this text, are written out and change it")
         known = self.tracker.dialect.by_number.get(code)
         return float(known.word[1:]) if known else code / 10
 
@@ -164,6 +170,8 @@ class Variables:
         """#5001 the end of the last block, #5021 the machine's coordinates, #5041 the place now; one per axis."""
         row, index = divmod(number - 5001, 20)
         axis, tracker = self._axis(number, index), self.tracker
+        if row != 1 and self.mentions(TURNS):
+            self._unknown(number, "turned, scaled or polar coordinates are in this text, and are written out")
         machine = tracker.machine(axis) if row == 1 else None
         place = self._length(machine, axis) if machine is not None else tracker.work(axis) if row != 1 else None
         if place is None:

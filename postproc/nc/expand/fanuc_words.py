@@ -57,8 +57,8 @@ class Word:
         return round(value)
 
 
-def written(letter: str, value: float, variables: Variables) -> str:
-    """A value as the number behind an address. Raises Misread for what no control would take."""
+def written(letter: str, value: float, variables: Variables, pointed: bool) -> str:
+    """A value as the number behind an address; pointed: P is a factor here. Raises Misread for what no control would take."""
     tracker = variables.tracker
     if abs(value) >= LARGEST:
         raise Misread(
@@ -71,6 +71,8 @@ def written(letter: str, value: float, variables: Variables) -> str:
         if abs(near - value) > 1e-6:
             raise Misread(f"G{value:g} is no G code", "a G number has one decimal at most")
         return number(near, 1).removesuffix(".")
+    if letter == "P" and pointed:
+        return number(value, variables.decimals(letter))
     if letter == "P" and variables.haas and abs(value - round(value)) > 1e-6:
         return number(value, variables.decimals(letter))  # seconds of a dwell
     return str(int(nearest(value)))
@@ -82,6 +84,7 @@ def rendered(
     """The text of a block from offset `first` on, with numbers in the place of expressions, and the words that are left:
     one whose variable is vacant goes, and so do those of `leave`."""
     out, at, kept = [], first, []
+    scales = any(word.letter == "G" and word.digits in ("51", "051") for word in words)  # P is a factor there
     for word in words:
         if word in leave:
             text = None
@@ -90,7 +93,7 @@ def rendered(
             continue
         else:
             value = word.worth(variables)
-            text = None if value is None else _checked(word, value, variables)
+            text = None if value is None else _checked(word, value, variables, scales)
         out.append(raw[at : word.start if text is None else word.number])
         if text is not None:
             out.append(text.encode())
@@ -99,9 +102,9 @@ def rendered(
     return b"".join([*out, raw[at:]]), kept
 
 
-def _checked(word: Word, value: float, variables: Variables) -> str:
+def _checked(word: Word, value: float, variables: Variables, pointed: bool) -> str:
     try:
-        text = written(word.letter, value, variables)
+        text = written(word.letter, value, variables, pointed)
     except Misread as wrong:
         wrong.start, wrong.stop = word.place
         raise

@@ -33,7 +33,7 @@ NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?![\d.])", re.ASCII)
 OPERATOR = re.compile(r"\*\*|[-+*/]|mod|and|xor|or|eq|ne|gt|ge|lt|le")
 FUNCTION = re.compile(r"exists|acos|asin|atan|abs|cos|exp|fix|fup|ln|round|sin|sqrt|tan")
 CORRECT = "correct the expression or the values in it"
-SYNTAX = "LinuxCNC's manual, \"G-code overview\", says how expressions are written"
+SYNTAX = 'LinuxCNC\'s manual, "G-code overview", says how expressions are written'
 
 
 class Refusal(Exception):
@@ -138,7 +138,7 @@ def _power(a: float, b: float) -> float:
 def _within(name: str, function: Callable[[float], float], low: float, high: float) -> Callable[[float], float]:
     def checked(value: float) -> float:
         if not low <= value <= high:
-            raise Refusal(f"{name} of {value:.10g} does not exist", f"{CORRECT}")
+            raise Refusal(f"{name} of {value:.10g} does not exist", CORRECT)
         return function(value)
 
     return checked
@@ -310,15 +310,15 @@ class Reader:
         """The value of a parameter."""
         start = self.at
         self.need("#", "before the parameter")
-        name = self.name() if self.next == "<" else ""
-        named = self.text[self.at - 1] == ">"
-        index = self.value() if not named else None
+        name = self.name() if self.next == "<" else None
+        index = self.value() if name is None else None
         span = self.code.span(start, self.at)
 
         def evaluate(scope: Scope) -> float:
             try:
-                if index is None:
+                if name is not None:
                     return scope.named(name)
+                assert index
                 return scope.number(whole(index(scope), "the number of a parameter"))
             except Refusal as e:
                 raise e if e.stop else Refusal(e.message, e.advice, *span) from None

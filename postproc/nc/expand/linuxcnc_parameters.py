@@ -12,12 +12,14 @@ parameters", "Predefined named parameters", "System parameters"; values measured
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Container
+from functools import partial
 
 from postproc.errors import BlockFault, GcompError
 from postproc.nc.expand.linuxcnc_expressions import Refusal
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.frames import WORK_OF_P
+from postproc.nc.state import Frame, no_frame
 from postproc.units import MM_PER_INCH, TICKS_PER_MM
 
 LAST = 5601  # the largest parameter number
@@ -27,27 +29,47 @@ PROBE, FIRST_REFERENCE, SECOND_REFERENCE = range(5061, 5071), range(5161, 5170),
 PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = range(5210, 5220), range(5220, 5391), 5399, range(5400, 5410), range(5410, 5414)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
 WRITE_VALUE = "write the value itself in its place: gcomp knows the program, not what the machine finds while it runs"
-STATE_TOOL = "name it with T and M6 before"
 
 
 class Memory:
     """All parameters of a run. `locals` has a dictionary per call, the program's own first, which also holds the names
-    that begin with an underscore; value and value_returned: what the last subprogram gave back; line: that of the program."""
+    that begin with an underscore; value and value_returned: what the last subprogram gave back; line: that of the program.
+    noticed: kinds of codes after which the tracker no longer tells what LinuxCNC would."""
 
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
         self.numbers: dict[int, float] = {}
         self.locals: list[dict[str, float]] = [{}]
         self.value, self.value_returned, self.line = 0.0, 0.0, 0
+        self.noticed: set[str] = set()
+        self._decimals: dict[str, int] = {}
+
+    def notice(self, g: list[float], m: list[float], letters: str) -> None:
+        """A block was executed: its G and M numbers, and the letters of its words."""
+        codes = {round(10 * value) for value in g}
+        self.noticed |= {kind for kind, numbers in NOTICED.items() if codes & numbers}
+        if 100 in codes and "r" in letters:
+            self.noticed.add("turned")
+        if 61 in map(round, m):
+            self.noticed.add("tool")
+        if codes & {200, 210} or 72 in map(round, m):
+            self._decimals.clear()
+
+    def decimals(self, letter: str) -> int:
+        """How many decimals a number behind this letter is written with; the tracker is asked once per unit."""
+        if letter not in self._decimals:
+            self._decimals[letter] = self.tracker.decimals(letter)
+        return self._decimals[letter]
 
     # -- reading
 
     def number(self, index: int) -> float:
         """#index. Raises Refusal where it is none, or nobody knows."""
         _check(index)
-        for numbers, read in NUMBERED:
-            if index in numbers:
-                return self._asked(lambda tracker: read(tracker, index), f"#{index}")
+        read = next((read for numbers, read in NUMBERED if index in numbers), None)
+        if read is not None:
+            self._check_stale(index, f"#{index}")
+            return self._asked(partial(read, index=index), f"#{index}")
         return self.numbers.get(index, 1.0 if index == DEBUG else 0.0)
 
     def named(self, name: str) -> float:
@@ -60,6 +82,7 @@ class Memory:
         if own is not None:
             return own
         if name in PREDEFINED:
+            self._check_stale(name, f"#<{name}>")
             return self._asked(PREDEFINED[name], f"#<{name}>")
         if name in UNKNOWN or name.startswith(("_hal[", "_ini[")):
             raise Refusal(f"#<{name}> is known to the machine only", WRITE_VALUE)
@@ -77,6 +100,11 @@ class Memory:
 
     def _names(self, name: str) -> dict[str, float]:
         return self.locals[0 if name.startswith("_") else -1]
+
+    def _check_stale(self, parameter: int | str, what: str) -> None:
+        for kind, parameters, reason in STALE:
+            if kind in self.noticed and parameter in parameters:
+                raise Refusal(f"{what} is not known, because {reason}", WRITE_VALUE)
 
     def _asked(self, read: Callable[[Tracker], float | None], what: str) -> float:
         """What the tracker tells. Raises Refusal where it does not know."""
@@ -107,12 +135,13 @@ class Memory:
             if index in numbers:
                 raise Refusal(f"#{index} belongs to the control", advice)
 
-    def enter(self, values: list[float] | None) -> list[float]:
-        """A call begins: names of its own, and values for #1 to #30 if it passes any; gives what these were."""
-        kept = [self.numbers.get(i, 0.0) for i in LOCAL]
-        if values is not None:
-            self.numbers.update(zip(LOCAL, [*values, *[0.0] * (len(LOCAL) - len(values))], strict=True))
+    def enter(self, values: list[float] | None) -> list[float] | None:
+        """A call begins, with names of its own, and values for #1 to #30 unless None; gives what these were."""
         self.locals.append({})
+        if values is None:
+            return None
+        kept = [self.numbers.get(i, 0.0) for i in LOCAL]
+        self.numbers.update(zip(LOCAL, [*values, *[0.0] * (len(LOCAL) - len(values))], strict=True))
         return kept
 
     def leave(self, kept: list[float] | None) -> None:
@@ -134,8 +163,9 @@ def _is_predefined(name: str) -> bool:
 # -- what the control tells of itself --------------------------------------------------------------------------------------
 
 
-def _unit(tracker: Tracker, axis: str) -> float:
-    return MM_PER_INCH if tracker.inch and axis not in "ABC" else 1.0
+def _frame(tracker: Tracker) -> Frame:
+    frame = tracker.state.frame
+    return no_frame(len(tracker.setup.axes)) if frame is None else frame
 
 
 def _work(tracker: Tracker, axis: str) -> float | None:
@@ -153,13 +183,13 @@ def _machine(tracker: Tracker, axis: str) -> float | None:
     if axis not in tracker.setup.axes:
         return 0.0
     value = tracker.machine(axis)
-    return value / _unit(tracker, axis) if value is not None else None
+    return value / MM_PER_INCH if value is not None and tracker.inch and axis not in "ABC" else value
 
 
 def _preset(tracker: Tracker, index: int) -> float | None:
     """#5211 on: what G92 and G52 have set, mm."""
-    frame, axis = tracker.state.frame, AXES[index - 5211]
-    if index == 5210 or frame is None or "preset" in frame.unknown:
+    frame, axis = _frame(tracker), AXES[index - 5211]
+    if index == 5210 or "preset" in frame.unknown:
         return None
     return float(frame.preset[tracker.setup.axes.index(axis)] / TICKS_PER_MM) if axis in tracker.setup.axes else 0.0
 
@@ -170,8 +200,10 @@ def _work_offset(tracker: Tracker, index: int) -> float | None:
     if index == 5220:
         word = tracker.dialect.by_number.get(tracker.code("work offset"))
         return float(WORK_OF_P.index(word.word)) if word else None
-    if place == 0 or place > 10 or "data" in tracker.state.frame.unknown:
-        return 0.0 if place == 0 or place > 10 else None
+    if not 1 <= place <= 10:
+        return 0.0
+    if any(part.startswith("data") for part in _frame(tracker).unknown):
+        return None
     return tracker.offset(WORK_OF_P[number + 1], f"{AXES}R"[place - 1])
 
 
@@ -210,7 +242,7 @@ def _tool_number(number: int) -> float | None:
     return float(number) if number >= 0 else None
 
 
-NUMBERED: tuple[tuple[range, Callable[[Tracker, int], float | None]], ...] = (
+NUMBERED: tuple[tuple[range, Callable[..., float | None]], ...] = (
     (POSITION, lambda tracker, index: _work(tracker, AXES[index - 5420])),
     (WORK, _work_offset),
     (PRESET, _preset),
@@ -242,7 +274,7 @@ PREDEFINED: dict[str, Callable[[Tracker], float | None]] = {
     "_inverse_time": _is("feed mode", 930, 940), "_units_per_minute": _is("feed mode", 940, 940),
     "_units_per_rev": _is("feed mode", 950, 940),
     "_coord_system": lambda tracker: float(code) if (code := tracker.code("work offset")) >= 0 else None,
-    "_tool_offset": lambda tracker: None if "length" in (f := tracker.state.frame).unknown else float(f.length.any()),
+    "_tool_offset": lambda tracker: None if "length" in (f := _frame(tracker)).unknown else float(f.length.any()),
     "_retract_r_plane": _is("return", 990, 990), "_retract_old_z": _is("return", 980, 990),
     "_spindle_rpm_mode": _is("spindle mode", 970, 970), "_spindle_css_mode": _is("spindle mode", 960, 970),
     "_ijk_absolute_mode": _is("arc centre", 901, 911),
@@ -253,9 +285,17 @@ PREDEFINED: dict[str, Callable[[Tracker], float | None]] = {
     "_selected_tool": lambda tracker: _tool_number(tracker.state.next_tool),
     "_remap_level": lambda tracker: 0.0,
     "_task": lambda tracker: 1.0,
-    **{f"_{x.lower()}": (lambda tracker, x=x: _work(tracker, x)) for x in AXES},
-    **{f"_abs_{x.lower()}": (lambda tracker, x=x: _machine(tracker, x)) for x in AXES},
+    **{f"_{x.lower()}": partial(_work, axis=x) for x in AXES},
+    **{f"_abs_{x.lower()}": partial(_machine, axis=x) for x in AXES},
 }  # fmt: skip
+NOTICED = {"cycle": {730, 740, 760, *range(810, 900, 10)}, "G28": {281}, "G30": {301}}
+STALE: tuple[tuple[str, Container[int | str], str], ...] = (
+    ("turned", (5420, 5421, *range(5230, 5391, 20), "_x", "_y"), "G10 R has turned coordinates"),
+    ("tool", (*TOOL, "_current_tool", "_selected_tool"), "M61 has changed the tool"),
+    ("cycle", ("_motion_mode",), "cycles are written out"),
+    ("G28", FIRST_REFERENCE, "G28.1 has changed it"),
+    ("G30", SECOND_REFERENCE, "G30.1 has changed it"),
+)
 UNKNOWN = (
     "_vmajor", "_vminor", "_rpm", "_spindle_on", "_spindle_cw", "_mist", "_flood", "_speed_override", "_feed_override",
     "_adaptive_feed", "_feed_hold", "_selected_pocket", "_current_pocket",

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from postproc.errors import BlockFault, ProgramError
-from postproc.nc.codes import KEYWORD
+from postproc.nc.codes import FRAME_KEYS, KEYWORD
 from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.scene import Scene
@@ -41,11 +41,14 @@ class Resolver:
         self.heard: list[Line] = []  # what the tracker was told since it was last asked
         self.scene.asked = self.heard.clear
         self.scene.fault_at = self._fault
-        self.interest = _interest([*self.family.cycles, *(self.control.codes if self.control else ())])
+        table = self.scene.table
+        self.shifts = {n for n, c in table.items() if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD}
+        ours = {*self.family.cycles, *(self.control.codes if self.control else ())}
+        self.interest = _interest(sorted(ours | self.shifts) if ours else [], tracker.dialect.tool_offsets)
 
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises ProgramError."""
-        idle = self.active is None and self.missing is None and not (self.control and self.control.active)
+        idle = not (self.active or self.missing is not None or self.scene.unsure or self._turned)
         if idle and not self.interest.search(line.text):
             self.heard.append(line)
             self.tracker.take(line.text)
@@ -59,6 +62,10 @@ class Resolver:
             raise fault(self.program.name, at.source, at.text, error.message, error.advice) from None
         return [line] if texts == [line.text] else [line._replace(text=text) for text in texts]
 
+    @property
+    def _turned(self) -> bool:
+        return self.control is not None and self.control.active
+
     # -- one block -----------------------------------------------------------------------------------------------------
 
     def _block(self, text: bytes) -> list[bytes]:
@@ -68,7 +75,7 @@ class Resolver:
         if block.skip and self.tracker.setup.block_delete:
             return self._tell([text], True)
         if not block.plain:
-            if (self.active or (self.control and self.control.active)) and not READABLE.fullmatch(text):
+            if (self.active or self._turned) and not READABLE.fullmatch(text):
                 raise self._fault(
                     "within a cycle or a frame, and this block is more than words and numbers",
                     "it could move an axis: write it as plain words",
@@ -83,6 +90,9 @@ class Resolver:
             self._end(codes)
         elif self.active is not None and not self._taken(codes) and self.active.wants(scene, block):
             return self._cycle(block, self.code, codes)
+        if self.scene.unsure and not self._taken(codes):
+            scene.note(block)
+            scene.named({w.letter for w in block.words})
         if self.missing is not None:
             block = self._completed(block, codes)
         return self._out([block.text], self._loud(block, codes))
@@ -205,9 +215,18 @@ class Resolver:
             self.scene.forget()
             if control is not None:
                 control.frames.forget()
+            self._shifted(texts)
         elif not places:
             self.scene.settle()
         return lines
+
+    def _shifted(self, texts: list[bytes]) -> None:
+        """Tell the scene of shifts that came into force."""
+        for block in (Block.of(text, self.grammar) for text in texts):
+            tool = self.tracker.dialect.tool_offsets and block.get("T") is not None
+            if tool or any(c in self.shifts for c in block.codes):
+                taken = any(c in self.scene.table and self.scene.table[c].takes for c in block.codes)
+                self.scene.shifted(set() if taken else {w.letter for w in block.words})
 
     def _tell(self, texts: list[bytes], loud: bool) -> list[bytes]:
         for text in texts:
@@ -231,8 +250,8 @@ class Resolver:
         return fault(self.program.name, self.line.source, self.line.text, message, advice, start, stop)
 
 
-def _interest(numbers: list[int]) -> re.Pattern[bytes]:
-    """Finds, in a line, a code of ours or a spindle code (G86 must know how it turned)."""
+def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
+    """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned), a tool's offset."""
     codes = []
     for number in numbers:
         whole, tenth = divmod(number, 10)
@@ -241,4 +260,4 @@ def _interest(numbers: list[int]) -> re.Pattern[bytes]:
     if not codes:
         return re.compile(rb"(?!)")
     found = rf"[Gg][ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|[Mm][ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
-    return re.compile(found.encode())
+    return re.compile((found + (r"|[Tt][ \t]*[0-9]" if tools else "")).encode())

@@ -1,0 +1,160 @@
+"""LinuxCNC programs (RS274/NGC), written out: O-words, parameters and expressions become plain lines.
+
+LinuxCNC reads line by line and looks for labels where it must skip or go back; so does this module, so that programs with
+computed labels, loops left in the middle and subs behind the end run as they do there. Its peculiarities, as measured on
+2.9: a repeat that is left by return goes on counting at the next call; a while loop left by break makes the next do loop
+run once; break and continue are for while and do only. A call looks for a sub that has been read, then for a file of its
+name, then further down. M98 and M99 call Fanuc-style programs (O100 alone in a line).
+
+Refused beyond what LinuxCNC refuses: a do label used twice (it goes back to the first), M99 in the main program (it begins
+again, for ever), subs within called subs, and M70 to M73 within subs (there is no sub in what is written out).
+
+Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from postproc.errors import BlockFault, ProgramError
+from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand.linuxcnc_blocks import Control, read
+from postproc.nc.expand.linuxcnc_expressions import Refusal, whole
+from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
+from postproc.nc.expand.linuxcnc_parameters import Memory
+from postproc.nc.expand.tracker import Tracker
+
+# Lines that are more than plain words: expressions, signs in a row, O-words, the end, M70-M73 M98 M99, and what changes
+# things that parameters and the written numbers depend on (M61, G10, G20, G28.1, cycles); comments that act; "%".
+SPECIAL = re.compile(
+    rb"[\[#@^]|[-+][ \t]*[-+]|^[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?[Oo]|^[ \t]*%|\([ \t]*(?:[Aa][Bb]|[Pp][Yy])|^;py,"
+    rb"|[Mm][ \t0]*(?:2|3[ \t]*0|6[ \t]*1|7[ \t]*[0-3]|9[ \t]*[89])(?![ \t]*\d)"
+    rb"|[Gg][ \t0]*(?:(?:1[ \t]*0|2[ \t]*[01]|7[ \t]*[346]|8[ \t]*[1-9])(?![ \t]*\d)|(?:2[ \t]*8|3[ \t]*0)[ \t]*\.)"
+)
+WRITTEN = re.compile(rb"[\[#]|^[ \t]*/[ \t]*(?:[Nn][ \t\d.]+)?[Oo]")  # within a skipped line: not plain
+CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
+ENDS, STATES, CALLS = (2, 30), (70, 71, 72, 73), (98, 99)
+
+
+def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
+    """The plain lines of a program in the order of execution. Raises ProgramError where it can not be run, or runs beyond
+    the limits."""
+    return Run(program, tracker, limits).lines()
+
+
+class Run:
+    """One program while it is executed."""
+
+    def __init__(self, program: Program, tracker: Tracker, limits: Limits):
+        self.program, self.tracker, self.limits = program, tracker, limits
+        self.memory = Memory(tracker)
+        self.flow = Flow(program, self.memory, limits.depth)
+        self.main = self.flow.file
+        first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
+        self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
+        self.ended = False
+
+    def lines(self) -> Iterator[Line]:
+        """Execute it."""
+        flow, search, steps = self.flow, SPECIAL.search, 0
+        most = self.limits.steps + len(self.main.lines)  # a program without loops may be as long as it likes
+        while True:
+            file, at = flow.file, flow.at
+            if at >= len(file.lines):
+                self._run_out()
+                return
+            text = file.lines[at]
+            flow.at = at + 1
+            steps += 1
+            if steps <= most and not search(text):
+                if flow.skip is None:
+                    yield Line(text, at + 1, file.name)
+                continue
+            try:
+                if steps > most:
+                    raise Refusal(
+                        f"more than {self.limits.steps:,} lines were executed",
+                        "does a loop not end? or raise the limit",
+                    )
+                plain = self._step(file, at, text)
+            except Refusal as e:
+                raise self._fault(Place("", file, at), e) from None
+            except BlockFault as e:
+                before = Refusal(f"what holds here is not known, because of a line before: {e.message}", e.advice)
+                raise self._fault(Place("", file, at), before) from None
+            if plain is not None:
+                yield Line(plain, at + 1, file.name)
+            if self.ended:
+                yield from self._closing(file, at)
+                return
+
+    # -- one line ------------------------------------------------------------------------------------------------------
+
+    def _step(self, file: File, at: int, text: bytes) -> bytes | None:
+        """Execute a line; the plain text that it leaves, if any. Raises Refusal."""
+        flow, memory = self.flow, self.memory
+        if text.strip() == b"%":
+            return self._mark(file, at)
+        if self.tracker.setup.block_delete and text.lstrip()[:1] == b"/":
+            return None if flow.skip is not None or WRITTEN.search(text) else text
+        if flow.skip is not None and not CONTROL.match(text):
+            return None
+        found = file.read.get(at) or read(text)
+        if file.met[at]:
+            file.read[at] = found
+        file.met[at] = 1
+        memory.line = at + 1 - max(self.opening if file is self.main else 0, 0)
+        if isinstance(found, Control):
+            flow.control(found, Place(found.kind, file, at))
+            return text if found.plain and not flow.calls and flow.skip is None else None
+        outcome = found.run(memory)
+        memory.notice(outcome.g, outcome.m, outcome.letters)
+        for value in outcome.m:
+            code = whole(value, "M")
+            if code in CALLS:
+                raise Refusal(f"M{code} is not the first word of its line", f"write M{code} into a line of its own")
+            if code in STATES and flow.calls:
+                raise Refusal(
+                    f"M{code} within {flow.sub}: the modes of a call are kept and come back with it",
+                    "there is no call in what is written out: write the codes that hold, and those that come back",
+                )
+            self.ended |= code in ENDS
+        return outcome.text
+
+    def _mark(self, file: File, at: int) -> bytes | None:
+        """A line "%": the first one of a program opens it, the next one ends it. Raises Refusal."""
+        if file is not self.main:
+            if self.flow.skip is None:
+                raise Refusal(f"'%' within {self.flow.sub}", f"{self.flow.way_back} ends it before the end of its file")
+            return None
+        if at != self.opening:
+            self._run_out()
+            self.ended = True
+        return file.lines[at]
+
+    # -- the end -------------------------------------------------------------------------------------------------------
+
+    def _closing(self, file: File, at: int) -> Iterator[Line]:
+        """Behind M2 or M30: the "%" that closes the program, if it has been opened by one."""
+        lines = self.main.lines
+        if self.opening < 0 or (file is self.main and lines[at].strip() == b"%"):
+            return
+        later = range(max(self.opening, at if file is self.main else 0) + 1, len(lines))
+        mark = next((i for i in later if lines[i].strip() == b"%"), -1)
+        if mark >= 0:
+            yield Line(lines[mark], mark + 1)
+
+    def _run_out(self) -> None:
+        """The end of a file: the main program may end here. Raises ProgramError."""
+        flow = self.flow
+        if flow.skip is not None and flow.since:
+            raise self._fault(*flow.since)
+        if flow.calls:
+            wrong = Refusal(f"the file ends within {flow.sub}", f"{flow.way_back} goes back to where it was called")
+            raise self._fault(Place("", flow.file, max(len(flow.file.lines) - 1, 0)), wrong)
+
+    def _fault(self, place: Place, wrong: Refusal) -> ProgramError:
+        text = place.file.lines[place.at] if place.file.lines else b""
+        name = place.file.name or self.program.name
+        return fault(name, place.at + 1, text, wrong.message, wrong.advice, wrong.start, wrong.stop)

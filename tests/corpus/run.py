@@ -1,0 +1,511 @@
+"""Real programs, whole, on made-up machines: what comes out, and which laws of a correction hold for it.
+
+The programs stand beside the project and are no part of it. Each is read in the dialect that a knowing user would choose,
+by a machine without errors (the output must be the input, to the byte) and by machines with smooth maps (the output is
+replayed and measured). What is measured here is added up from motions by other code than the one that made them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from postproc.commands import expansion
+from postproc.compensate import Options
+from postproc.errors import GcompError, ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.machine.model import Machine
+from postproc.motions import FOREIGN, HOLE, Motions
+from postproc.nc import dialects
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
+from postproc.units import TICKS_PER_MM, UM
+from postproc.verify import Verifier
+
+ROOT = Path(__file__).resolve().parents[2]
+CORPUS = ROOT.parent / "shared" / "corpus"
+FOLDERS = ("fanuc", "mixed", "sinumerik")
+NO_PROGRAMS = {"LICENSE", "README.md"}
+XYZ, ROTARY = "XYZ", "ABC"
+FAR = 3000.0  # mm: tables reach from -FAR to FAR
+MAX_STEPS, MAX_DEPTH = 200_000, 50
+LONGEST_S = 120
+
+# -- programs ----------------------------------------------------------------------------------------------------------
+
+PLOTTER = "a pen on a small controller: M300 lifts it, G4 P counts milliseconds"
+LATHE = "X and Z alone, X a diameter, I K arcs in G18"
+HELP = "for the eyes of a parser's tests, no program: pieces of many languages"
+MIXED = {
+    "_Insulpro.Piping.-.115mm.OD.-.40mm.WT.txt": ("linuxcnc", "plain DIN codes between % lines, no control of its own"),
+    "_cncwebsim_fresa.gcode": ("linuxcnc", "plain codes, `;` comments, G92 with axis words"),
+    "_fresa.gcode": ("linuxcnc", "plain codes, `;` comments, G92 with axis words"),
+    "_dxf2gcode_join.ngc": ("linuxcnc", "dxf2gcode, G64 P"),
+    "_join.ngc": ("linuxcnc", "dxf2gcode, G64 P"),
+    "_ffcp_end.gcode": ("marlin", "the end of a print (Sailfish, a printer's firmware): Marlin is its next of kin"),
+    "_gcodeLexer_samples.ngc": ("linuxcnc", HELP),
+    "_samples.ngc": ("linuxcnc", HELP),
+    "_gcodehs_sample.gcode": ("linuxcnc", "pcb2gcode writes for LinuxCNC"),
+    "_libgcode_slot.ngc": ("linuxcnc", "O words: a library of subprograms"),
+    "_slot.ngc": ("linuxcnc", "O words: a library of subprograms"),
+    "_linuxcnc_dot.ngc": ("linuxcnc", "O words: a library of subprograms"),
+    "_mach3.gcode": ("mach3", "says so; torch height by S words"),
+    "_mach3_plasma.gcode": ("mach3", "says so; torch height by S words"),
+    "_program_3.gcode": ("mach3", "Vectric's post for Mach3: G71, G91.1, M62 P1"),
+    "_viaconstructor_simple.ngc": ("linuxcnc", "viaConstructor, G64 P"),
+    "arc_end.gcode": ("marlin", "the end of a print: E, M104, M140, M84"),
+    "bondtech_estep.gcode": ("marlin", "settings of a printer: M92 E, M500"),
+    "circle_a.gcode": ("grbl", "Estlcam, plain codes: GRBL reads them"),
+    "estlcam_circle_a.gcode": ("grbl", "Estlcam, plain codes: GRBL reads them"),
+    "makerblock_tinycnc.gcode": ("marlin", PLOTTER),
+    "plotter_owl.gcode": ("marlin", PLOTTER),
+    "program_1.gcode": ("mach3", "O number of Fanuc, but `;` comments, which a Fanuc does not have"),
+    "program_2.gcode": ("linuxcnc", "`;` takes blocks out; G41 without D means the tool in the spindle"),
+    "reprap_25000_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
+    "reprap_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
+}
+FRAGMENTS = {
+    "mixed/_gcodeLexer_samples.ngc": "words of many languages under each other, for a lexer's tests",
+    "mixed/_samples.ngc": "words of many languages under each other, for a lexer's tests",
+}
+
+
+@dataclass(frozen=True)
+class Program:
+    """One file. name: "folder/file"; dialect: the one that a knowing user would choose; why: where that is not obvious."""
+
+    name: str
+    path: Path
+    dialect: str
+    why: str = ""
+
+    @property
+    def text(self) -> bytes:
+        return self.path.read_bytes()
+
+
+def programs() -> list[Program]:
+    """All programs, in order of folder and name; none where the corpus is not there."""
+    found = []
+    for folder in FOLDERS:
+        for path in sorted((CORPUS / folder).glob("*"), key=lambda p: p.name):
+            if path.suffix == ".csv" or path.name in NO_PROGRAMS:
+                continue
+            found.append(Program(f"{folder}/{path.name}", path, *chosen(folder, path.name)))
+    return found
+
+
+def chosen(folder: str, name: str) -> tuple[str, str]:
+    """Dialect, and why."""
+    if folder == "sinumerik":
+        return "siemens", ""
+    if folder == "fanuc":
+        return ("fanuc-lathe", LATHE) if "TURN" in name else ("fanuc-mill", "")
+    return MIXED.get(name, ("linuxcnc", "not looked at yet"))
+
+
+def recognised(text: bytes) -> str:
+    """What `--dialect auto` takes it for; several names where the signs are the same."""
+    try:
+        from postproc.nc.recognise import recognise
+    except ImportError:
+        return "?"
+    found = recognise(text)
+    if not found:
+        return ""
+    return " ".join(name for name, signs in found if len(signs) == len(found[0][1]))
+
+
+# -- machines ----------------------------------------------------------------------------------------------------------
+
+TOML = """\
+format  = "gcomp-machine/1"
+name    = "{name}"
+control = "linuxcnc"
+chain   = "w-X-Y-b-Z-t"
+source  = "made up for the tests"
+"""
+SQUARE = """
+[squareness]
+C0Y = 12.0
+A0Z = -9.0
+B0Z = 7.0
+"""
+AXIS = """
+[axes.{axis}]
+travel = [-{far}, {far}]
+least_increment = {least}
+"""
+WAVES = {  # component: um or urad, mm of a wave, phase
+    "XX": (8.0, 410.0, 0.3), "YX": (5.0, 230.0, 1.1), "ZX": (6.0, 310.0, 2.0), "AX": (2.0, 900.0, 0.5), "BX": (1.5, 700.0, 1.0), "CX": (2.0, 800.0, 0.1),
+    "XY": (6.0, 260.0, 1.7), "YY": (9.0, 380.0, 0.9), "ZY": (4.0, 170.0, 0.2), "AY": (1.5, 650.0, 1.4), "BY": (2.0, 950.0, 0.7), "CY": (1.0, 500.0, 2.2),
+    "XZ": (5.0, 210.0, 0.8), "YZ": (7.0, 290.0, 1.9), "ZZ": (8.0, 350.0, 0.6), "AZ": (2.0, 850.0, 0.9), "BZ": (1.5, 750.0, 1.8), "CZ": (1.0, 600.0, 0.4),
+}  # fmt: skip
+GAP_UM = 3.0  # half of it each way
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How a program is run on the machine with a map."""
+
+    two_way: bool = True
+    least: float = 0.0001
+    tolerance_um: float = 1.0
+
+    def __str__(self) -> str:
+        ways = "both directions" if self.two_way else "one direction"
+        return f"{ways}, least increment {self.least:g} mm, tolerance {self.tolerance_um:g} um"
+
+
+MAIN = Variant()
+VARIANTS = (
+    MAIN, Variant(False), Variant(True, 0.0001, 5.0), Variant(False, 0.0001, 5.0), Variant(True, 0.001), Variant(True, 0.001, 5.0),
+)  # fmt: skip
+
+
+def write_zero(folder: Path, name: str = "zero") -> Path:
+    """X Y Z A B C without errors."""
+    folder.mkdir(parents=True)
+    text = TOML.format(name=name)
+    for axis in XYZ + ROTARY:
+        text += AXIS.format(axis=axis, far=FAR + 100 if axis in XYZ else 1e6, least=0.0001)
+        if axis in XYZ:
+            text += f'table = "{axis}.csv"\n'
+            rows = [f"{axis}_mm,E{axis}{axis}_um", f"{-FAR},0.0", f"{FAR},0.0"]
+            (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
+    (folder / "machine.toml").write_text(text)
+    return folder
+
+
+def write_smooth(folder: Path, two_way: bool, least: float) -> Path:
+    """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables."""
+    folder.mkdir(parents=True)
+    text = TOML.format(name=folder.name) + SQUARE
+    nodes = np.arange(-FAR, FAR + 1, 25.0)
+    for axis in XYZ + ROTARY:
+        text += AXIS.format(axis=axis, far=FAR + 100 if axis in XYZ else 1e6, least=least)
+        if axis not in XYZ:
+            continue
+        text += f'table = "{axis}.csv"\n'
+        columns = {f"{axis}_mm": nodes}
+        for direction, unit in ((d, u) for u, ds in (("um", XYZ), ("urad", ROTARY)) for d in ds):
+            size, length, phase = WAVES[direction + axis]
+            values = size * np.sin(2 * np.pi * nodes / length + phase)
+            name = f"E{direction}{axis}_{unit}"
+            if two_way and direction == axis:
+                gap = GAP_UM * (0.8 + 0.2 * np.sin(nodes / 500.0))
+                columns |= {name + "_fwd": values + gap / 2, name + "_rev": values - gap / 2}
+            else:
+                columns[name] = values
+        rows = [",".join(columns), *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True))]
+        (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
+    (folder / "machine.toml").write_text(text)
+    return folder
+
+
+class Machines:
+    """The machines, written once into a folder."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._read: dict[str, Machine] = {}
+
+    def zero(self) -> Machine:
+        return self._machine("zero", lambda path: write_zero(path))
+
+    def smooth(self, variant: Variant) -> Machine:
+        name = f"{'two' if variant.two_way else 'one'}-way-{variant.least:g}"
+        return self._machine(name, lambda path: write_smooth(path, variant.two_way, variant.least))
+
+    def _machine(self, name: str, write: Callable[[Path], Path]) -> Machine:
+        if name not in self._read:
+            path = self.folder / name
+            self._read[name] = read_machine(path if path.exists() else write(path))
+        return self._read[name]
+
+
+@lru_cache
+def offsets() -> dict[str, dict[str, float]]:
+    """Every work and tool offset that a program could name, zero."""
+    zero = dict.fromkeys(XYZ + ROTARY, 0.0)
+    names = [f"G{n}" for n in range(54, 60)] + ["G59.1", "G59.2", "G59.3"] + [f"G{n}" for n in range(505, 600)]
+    names += [f"G54.1 P{n}" for n in range(1, 49)] + [f"T{n:02d}{n:02d}" for n in range(1, 100)]
+    names += [f"{letter}{n}" for letter in "HDT" for n in range(100)] + [f"T{n}D1" for n in range(100)]
+    return {name: dict(zero, R=0.0) if name[0] in "DT" else zero for name in names}
+
+
+# -- one run -----------------------------------------------------------------------------------------------------------
+
+REASONS = (  # what a refusal is about, by what its message or advice says; the first that fits
+    ("needs --expand", ("--expand",)),
+    ("an offset that nobody stated", ("is not stated",)),
+    ("an axis that the machine has not", ("the machine has no axis",)),
+    ("outside of the map or the travel", ("travel", "outside the table", "outside the map", "measured")),
+)
+OTHER = "a construct that is not followed"
+BROKEN = "an error of the program under test"
+
+
+@dataclass
+class Outcome:
+    """What became of a program. um: largest deviation; paths in mm; faults: laws that do not hold."""
+
+    status: str = ""  # identical, verified, written (zero map, --expand), refused, broken
+    line: int = 0
+    message: str = ""
+    advice: str = ""
+    blocks: int = 0
+    motions_in: int = 0
+    motions_out: int = 0
+    path_in: float = 0.0
+    path_out: float = 0.0
+    uncorrected: float = 0.0
+    corrected: float = 0.0
+    notices: list[str] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+    output: bytes = b""
+
+    @property
+    def good(self) -> bool:
+        return self.status in ("identical", "verified", "written")
+
+    @property
+    def reason(self) -> str:
+        """The class of a refusal, with its detail."""
+        if self.status == "broken":
+            return BROKEN
+        said = f"{self.message}\n{self.advice}"
+        return next((name for name, signs in REASONS if any(sign in said for sign in signs)), OTHER)
+
+
+def make_filter(machine: Machine, dialect_name: str, tolerance_um: float | None = None, name: str = "program") -> Filter:
+    """A filter for the dialect; all offsets are zero, and the machine stands at zero."""
+    dialect = dialects.load(dialect_name)
+    machine = machine.carrying(dialect.carried)
+    setup = setup_of(machine, offsets(), {x: 0.0 for x in machine.letters})
+    options = Options(tolerance=tolerance_um * UM) if tolerance_um else Options()
+    return Filter(machine, dialect, setup, options, name)
+
+
+def pieces_of(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Iterator[bytes]:
+    """The output, the input cut at these places (0: at every line)."""
+    if expand:
+        yield from expansion.through(filter_, written_out(filter_, text), lambda n: None)
+        return
+    if cuts == (0,):
+        parts = text.splitlines(keepends=True)
+    else:
+        edges = [0, *cuts, len(text)]
+        parts = [text[a:b] for a, b in zip(edges, edges[1:], strict=False)]
+    for part in parts:
+        yield filter_.feed(part)
+    yield filter_.finish()
+
+
+def written_out(filter_: Filter, text: bytes):
+    """What --expand makes of it, to iterate over. No file is looked for: a program stands alone."""
+    import io
+
+    options = SimpleNamespace(file=None, library=[], max_steps=MAX_STEPS, max_depth=MAX_DEPTH)
+    return expansion.written_out(filter_, io.BytesIO(text), options)
+
+
+@contextlib.contextmanager
+def at_most(seconds: float):
+    """Raises TimeoutError when it takes longer, where the system can do that."""
+    if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def late(number, frame):
+        raise TimeoutError(f"not done after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def run_zero(machine: Machine, dialect: str, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Outcome:
+    """On the machine without errors."""
+    outcome = _run(make_filter(machine, dialect), text, expand, cuts)
+    if outcome.status == "done":
+        outcome.status = "written" if expand else "identical"
+        if not expand and outcome.output != text:
+            outcome.faults.append("a map without errors moved a byte: " + first_difference(text, outcome.output))
+    return outcome
+
+
+def run_smooth(
+    machine: Machine, dialect: str, text: bytes, expand: bool, tolerance_um: float, cuts: tuple[int, ...] = ()
+) -> Outcome:
+    """On a machine with a map: verified, and the laws measured."""
+    filter_ = make_filter(machine, dialect, tolerance_um)
+    verifier = Verifier(filter_)
+    counts: list[tuple[int, np.ndarray, np.ndarray]] = []
+    filter_.watchers.append(
+        lambda words, motions, pieces, out, line: counts.append((len(motions), pieces.motion, pieces.take_up))
+    )
+    outcome = _run(filter_, text, expand, cuts)
+    outcome.motions_in, outcome.motions_out = verifier.motions_in, verifier.motions_out
+    outcome.uncorrected, outcome.corrected = verifier.uncorrected.deviation / UM, verifier.corrected.deviation / UM
+    if outcome.status != "done":
+        return outcome
+    outcome.status = "verified"
+    if not verifier.passed:
+        outcome.faults.append(f"not within the tolerance: {verifier.report()}")
+    try:
+        with at_most(LONGEST_S):
+            plain = text if not expand else b"".join(written_out(make_filter(machine, dialect, tolerance_um), text))
+            _measure(outcome, filter_, plain, counts)
+    except (GcompError, TimeoutError) as error:
+        outcome.faults.append(f"input or output can not be followed as a whole: {error}")
+    except Exception:
+        outcome.faults.append("input or output can not be followed as a whole: " + traceback.format_exc(limit=-2))
+    return outcome
+
+
+def _run(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...]) -> Outcome:
+    outcome, out = Outcome(), []
+    try:
+        with at_most(LONGEST_S):
+            for part in pieces_of(filter_, text, expand, cuts):
+                out.append(part)
+        outcome.status = "done"
+    except ProgramError as error:
+        out.append(error.delivered)
+        outcome.status, outcome.message, outcome.advice = "refused", error.message, error.advice
+        outcome.line = error.place.line if error.place else 0
+        lines = text.count(b"\n") + 1
+        if not 0 < outcome.line <= lines:
+            outcome.faults.append(f"a refusal at line {outcome.line} of {lines}")
+        if not error.advice:
+            outcome.faults.append("a refusal without advice")
+    except GcompError as error:
+        outcome.status, outcome.message, outcome.advice = "broken", error.message, error.advice
+        outcome.line = error.place.line if error.place else 0
+        outcome.faults.append(f"{error}")
+    except TimeoutError as error:
+        outcome.status, outcome.message = "broken", str(error)
+        outcome.faults.append(str(error))
+    except Exception as error:
+        outcome.status, outcome.message = "broken", f"{type(error).__name__}: {error}"
+        outcome.faults.append(traceback.format_exc(limit=-4))
+    outcome.output = b"".join(out)
+    outcome.blocks = filter_.summary.blocks
+    outcome.notices = [notice.message for notice in filter_.notices]
+    return outcome
+
+
+# -- laws --------------------------------------------------------------------------------------------------------------
+
+
+def first_difference(a: bytes, b: bytes) -> str:
+    """The first line in which two texts differ."""
+    first, second = a.split(b"\n"), b.split(b"\n")
+    for number, (x, y) in enumerate(zip(first, second, strict=False), 1):
+        if x != y:
+            return f"line {number}: {x[:80]!r} and {y[:80]!r}"
+    return f"{len(first)} lines and {len(second)}"
+
+
+def whole(filter_: Filter, text: bytes) -> Motions:
+    """Motions of a whole program in one batch; "%" lines taken out as a control does."""
+    lines, kept, begun = text.split(b"\n"), [], False
+    for line in lines:
+        if line.strip()[:1] == b"%":
+            if begun:
+                break
+            begun = True
+            continue
+        kept.append(line)
+        begun = begun or bool(line.strip())
+    interpreter = Interpreter(filter_.dialect, filter_.setup)
+    words = lex(b"\n".join(kept), filter_.dialect.grammar)
+    motions, state, _ = interpreter.run(words, interpreter.initial())
+    if words.fault and not state.ended:
+        raise words.fault
+    return motions
+
+
+def lengths(motions: Motions, rows: list[int]) -> np.ndarray:
+    """(N,) mm along X Y Z: straight ways, arcs by their sweep, holes down and up; 0 where an end is not known."""
+    way = (motions.target - motions.start)[rows] / TICKS_PER_MM
+    length = np.sqrt((way**2).sum(axis=0))
+    arcs = motions.arcs
+    if len(arcs):
+        radius = (arcs.radius + arcs.radius_end) / 2
+        square = (radius * arcs.sweep) ** 2
+        for i, row in enumerate(rows):
+            beside = (arcs.first != row) & (arcs.second != row)
+            square = square + np.where(beside, way[i, arcs.motion], 0.0) ** 2
+        length[arcs.motion] = np.sqrt(square)
+    holes = motions.holes
+    if len(holes):
+        across = np.array([[row != axis for axis in holes.axis] for row in rows])
+        length[holes.motion] = np.sqrt(((way[:, holes.motion] * across) ** 2).sum(axis=0))
+        length[holes.motion] += 2 * np.abs(holes.level - holes.bottom) / TICKS_PER_MM
+    known = (motions.start_known[rows] & motions.target_known[rows]).all(axis=0) & (motions.code != FOREIGN)
+    return np.where(known, length, 0.0)
+
+
+def _measure(outcome: Outcome, filter_: Filter, plain: bytes, counts) -> None:
+    """Motions and ways of input and output, each read as a whole."""
+    machine, tolerance = filter_.machine, filter_.compensator.tolerance
+    rows = [machine.letters.index(x) for x in XYZ]
+    nominal, out = whole(filter_, plain), whole(filter_, outcome.output)
+    if len(nominal) != sum(n for n, _, _ in counts) or len(nominal) != outcome.motions_in:
+        outcome.faults.append(f"{len(nominal)} motions as a whole, {outcome.motions_in} in batches")
+        return
+    begin, owner = 0, []
+    for n, motion, _ in counts:
+        owner.append(motion + begin)
+        begin += n
+    owner_all = np.concatenate(owner) if owner else np.zeros(0, np.int64)
+    take_up = np.concatenate([t for _, _, t in counts]) if counts else np.zeros(0, bool)
+    if len(out) != len(owner_all):
+        outcome.faults.append(f"{len(owner_all)} pieces were planned, {len(out)} motions stand in the output")
+        return
+    if len(np.unique(owner_all)) != len(nominal):
+        outcome.faults.append(f"{len(nominal) - len(np.unique(owner_all))} motions have no piece in the output")
+    a, b = lengths(nominal, rows), lengths(out, rows)
+    outcome.path_in, outcome.path_out = float(a.sum()), float(b.sum())
+    # Where the place is lost and found again the way up to there is not known; both sums leave it out.
+    slack = 1e-3 * outcome.path_in + tolerance * len(out) + (GAP_UM + 1) * UM * int(take_up.sum()) + 0.05
+    if abs(outcome.path_in - outcome.path_out) > slack:
+        outcome.faults.append(f"{outcome.path_in:.3f} mm in, {outcome.path_out:.3f} mm out, {slack:.3f} allowed")
+    if len(owner_all):
+        _same_places(outcome, filter_, nominal, out, owner_all)
+
+
+def _same_places(outcome: Outcome, filter_: Filter, nominal: Motions, out: Motions, owner: np.ndarray) -> None:
+    """The end of each motion's last piece: by no more than a correction beside the nominal end, rotary axes on it."""
+    last = np.flatnonzero(np.append(owner[1:] != owner[:-1], True))
+    away = np.abs(out.target[:, last] - nominal.target[:, owner[last]]) / TICKS_PER_MM
+    known = out.target_known[:, last] & nominal.target_known[:, owner[last]]
+    if (out.target_known[:, last] != nominal.target_known[:, owner[last]]).any():
+        outcome.faults.append("a place is known in the input and not in the output, or the other way round")
+    if (out.code[last] == HOLE).any() != (nominal.code == HOLE).any():
+        outcome.faults.append("holes were lost or came in")
+    for row, letter in enumerate(filter_.machine.letters):
+        most = filter_.summary.largest + 0.003 if letter in XYZ else 1e-9
+        worst = np.where(known[row], away[row], 0.0)
+        if worst.max(initial=0.0) > most:
+            k = int(worst.argmax())
+            outcome.faults.append(
+                f"{letter} ends {worst[k]:.4f} mm from the nominal place in motion {int(owner[last[k]])}, "
+                f"largest correction {filter_.summary.largest:.4f}"
+            )

@@ -1,0 +1,86 @@
+"""Corrected arcs: few more blocks than before, and each passes LinuxCNC's own check of its radii."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+from postproc.compensate import Options
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from postproc.verify import Verifier
+from tests.linuxcnc import oracle
+
+ARCS = 1500
+
+MACHINE = """format = "gcomp-machine/1"
+name = "smooth"
+title = "made up: 20 um of smooth deviation"
+control = "linuxcnc"
+chain = "w-X-Y-b-Z-t"
+source = "made up for a test"
+[axes.X]
+travel = [-10, 410]
+least_increment = 0.0001
+table = "X.csv"
+[axes.Y]
+travel = [-10, 310]
+least_increment = 0.0001
+table = "Y.csv"
+[axes.Z]
+travel = [-110, 110]
+least_increment = 0.0001
+[squareness]
+C0Y = 20.0
+[offsets]
+G54 = { X = 0.0, Y = 0.0, Z = 0.0 }
+"""
+
+
+def smooth(folder):
+    """Positioning and straightness of X and Y, 20 um from end to end, nodes 25 mm apart."""
+    folder.mkdir()
+    (folder / "machine.toml").write_text(MACHINE)
+    for axis, high, across in (("X", 400, "EYX_um"), ("Y", 300, "EXY_um")):
+        place = np.arange(-25, high + 26, 25.0)
+        own, side = 10 * np.sin(place / high * np.pi), 8 * np.cos(2 * place / high * np.pi)
+        rows = [f"{p:g},{a:.3f},{b:.3f}" for p, a, b in zip(place, own, side, strict=True)]
+        (folder / f"{axis}.csv").write_text("\n".join([f"{axis}_mm,E{axis}{axis}_um,{across}", *rows]) + "\n")
+    return read_machine(folder)
+
+
+def arcs(count: int) -> str:
+    """A chain of arcs of 1 to 30 mm radius that stays within 300 x 200 mm."""
+    rng, x, y = random.Random(7), 200.0, 150.0
+    lines = ["G21 G90 G17 G54", f"G0 X{x:.4f} Y{y:.4f} Z0", "G1 F1000 Z-1"]
+    while len(lines) < count + 3:
+        radius, begin, sweep = rng.uniform(1, 30), rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 5.5)
+        i, j = round(-radius * np.cos(begin), 4), round(-radius * np.sin(begin), 4)
+        end = begin + sweep
+        to_x, to_y = round(x + i + radius * np.cos(end), 4), round(y + j + radius * np.sin(end), 4)
+        if 50 < to_x < 350 and 50 < to_y < 250:
+            lines.append(f"G3 X{to_x:.4f} Y{to_y:.4f} I{i:.4f} J{j:.4f}")
+            x, y = to_x, to_y
+    return "\n".join([*lines, "M2", ""])
+
+
+def test_growth_is_below_two_and_every_arc_is_accepted(tmp_path):
+    reason = oracle.available()
+    if reason:
+        pytest.skip(reason)
+    machine = smooth(tmp_path / "smooth")
+    text = arcs(ARCS)
+    filter_ = Filter(
+        machine, dialects.load("linuxcnc"), setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}), Options(tolerance=0.001)
+    )
+    verifier = Verifier(filter_)
+    output = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    assert verifier.passed, verifier.report()
+    assert verifier.uncorrected.deviation > 0.008
+    growth = output.count("\n") / text.count("\n")
+    assert growth < 2.0
+    accepted = oracle.motions(output)
+    assert sum(m.kind == "arc" for m in accepted) >= ARCS
