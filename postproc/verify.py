@@ -242,7 +242,8 @@ class Verifier:
         if len(on) and self.limit:
             arc = curved[owner[on]]
             for axes in (arcs.first, arcs.second):
-                weight[axes[arc], on] = self._sense(nominal, axes[arc], arc, t[on])
+                sense = self._sense(nominal, axes[arc], arc, t[on])
+                weight[axes[arc], on] = np.where(sense == 0, weight[axes[arc], on], sense)  # at rest it keeps its direction
         return weight
 
     def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:

@@ -8,6 +8,9 @@ replayed and measured). What is measured here is added up from motions by other 
 from __future__ import annotations
 
 import contextlib
+import csv
+import io
+import itertools
 import signal
 import threading
 import traceback
@@ -21,7 +24,7 @@ import numpy as np
 
 from postproc.commands import expansion
 from postproc.compensate import Options
-from postproc.errors import GcompError, ProgramError
+from postproc.errors import BlockFault, GcompError, ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
@@ -74,10 +77,9 @@ MIXED = {
     "reprap_25000_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
     "reprap_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
 }
-FRAGMENTS = {
-    "mixed/_gcodeLexer_samples.ngc": "words of many languages under each other, for a lexer's tests",
-    "mixed/_samples.ngc": "words of many languages under each other, for a lexer's tests",
-}
+FRAGMENTS = {"mixed/_gcodeLexer_samples.ngc", "mixed/_samples.ngc"}
+ABSOLUTE_CENTRES = {"fanuc/BOTTLE.NC", "fanuc/CONTOUR_ABS.NC", "fanuc/TEST2.NC"}  # their user says --arc-centre absolute
+SLOW = {"fanuc/BOTTLE.NC": 400, "fanuc/PARALLEL.NC": 400, "mixed/makerblock_tinycnc.gcode": 600}  # lines that tests read
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,20 @@ class Program:
     @property
     def text(self) -> bytes:
         return self.path.read_bytes()
+
+    @property
+    def short(self) -> bytes:
+        """The text, of a long one its first lines."""
+        return b"".join(self.text.splitlines(keepends=True)[: SLOW.get(self.name, 10**9)])
+
+    @property
+    def lathe(self) -> bool:
+        """Whether its user has a lathe: slides X and Z, X a diameter."""
+        return "lathe" in self.dialect
+
+    @property
+    def arc_centre(self) -> str:
+        return "absolute" if self.name in ABSOLUTE_CENTRES else "incremental"
 
 
 def programs() -> list[Program]:
@@ -135,6 +151,7 @@ control = "linuxcnc"
 chain   = "w-X-Y-b-Z-t"
 source  = "made up for the tests"
 """
+LATHE_LINES = {'"w-X-Y-b-Z-t"': '"w-b-Z-X-t"\ndiameter = ["X"]', "C0Y = 12.0\n": "", "A0Z = -9.0\n": ""}
 SQUARE = """
 [squareness]
 C0Y = 12.0
@@ -173,26 +190,25 @@ VARIANTS = (
 )  # fmt: skip
 
 
-def write_zero(folder: Path, name: str = "zero") -> Path:
-    """X Y Z A B C without errors."""
+def write_zero(folder: Path, lathe: bool = False) -> Path:
+    """X Y Z A B C (a lathe: X and Z) without errors."""
     folder.mkdir(parents=True)
-    text = TOML.format(name=name)
-    for axis in XYZ + ROTARY:
+    text = TOML.format(name=folder.name)
+    for axis in "XZ" if lathe else XYZ + ROTARY:
         text += AXIS.format(axis=axis, far=FAR + 100 if axis in XYZ else 1e6, least=0.0001)
         if axis in XYZ:
             text += f'table = "{axis}.csv"\n'
             rows = [f"{axis}_mm,E{axis}{axis}_um", f"{-FAR},0.0", f"{FAR},0.0"]
             (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
-    (folder / "machine.toml").write_text(text)
-    return folder
+    return _written(folder, text, lathe)
 
 
-def write_smooth(folder: Path, two_way: bool, least: float) -> Path:
-    """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables."""
+def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False) -> Path:
+    """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables; a lathe: X and Z."""
     folder.mkdir(parents=True)
     text = TOML.format(name=folder.name) + SQUARE
     nodes = np.arange(-FAR, FAR + 1, 25.0)
-    for axis in XYZ + ROTARY:
+    for axis in "XZ" if lathe else XYZ + ROTARY:
         text += AXIS.format(axis=axis, far=FAR + 100 if axis in XYZ else 1e6, least=least)
         if axis not in XYZ:
             continue
@@ -209,6 +225,12 @@ def write_smooth(folder: Path, two_way: bool, least: float) -> Path:
                 columns[name] = values
         rows = [",".join(columns), *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True))]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
+    return _written(folder, text, lathe)
+
+
+def _written(folder: Path, text: str, lathe: bool) -> Path:
+    for old, new in LATHE_LINES.items() if lathe else ():
+        text = text.replace(old, new)
     (folder / "machine.toml").write_text(text)
     return folder
 
@@ -220,14 +242,15 @@ class Machines:
         self.folder = folder
         self._read: dict[str, Machine] = {}
 
-    def zero(self) -> Machine:
-        return self._machine("zero", lambda path: write_zero(path))
+    def zero(self, lathe: bool = False) -> Machine:
+        return self._machine("zero", lathe, lambda path: write_zero(path, lathe))
 
-    def smooth(self, variant: Variant) -> Machine:
+    def smooth(self, variant: Variant, lathe: bool = False) -> Machine:
         name = f"{'two' if variant.two_way else 'one'}-way-{variant.least:g}"
-        return self._machine(name, lambda path: write_smooth(path, variant.two_way, variant.least))
+        return self._machine(name, lathe, lambda path: write_smooth(path, variant.two_way, variant.least, lathe))
 
-    def _machine(self, name: str, write: Callable[[Path], Path]) -> Machine:
+    def _machine(self, name: str, lathe: bool, write: Callable[[Path], Path]) -> Machine:
+        name += "-lathe" if lathe else ""
         if name not in self._read:
             path = self.folder / name
             self._read[name] = read_machine(path if path.exists() else write(path))
@@ -247,13 +270,15 @@ def offsets() -> dict[str, dict[str, float]]:
 # -- one run -----------------------------------------------------------------------------------------------------------
 
 REASONS = (  # what a refusal is about, by what its message or advice says; the first that fits
-    ("needs --expand", ("--expand",)),
     ("an offset that nobody stated", ("is not stated",)),
     ("an axis that the machine has not", ("the machine has no axis",)),
-    ("outside of the map or the travel", ("travel", "outside the table", "outside the map", "measured")),
+    ("outside of the map or the travel", ("outside its table", "beyond the travel", "outside the travel")),
+    ("an error in the program itself", ("misses its own end", "is not text", "a comment is opened", "twice in a block")),
+    ("--expand is needed", ("--expand",)),
 )
 OTHER = "a construct that is not followed"
-BROKEN = "an error of the program under test"
+FRAGMENT = "not a program for a control"
+BROKEN = "an error of gcomp"
 
 
 @dataclass
@@ -281,24 +306,24 @@ class Outcome:
 
     @property
     def reason(self) -> str:
-        """The class of a refusal, with its detail."""
+        """The class of a refusal."""
         if self.status == "broken":
             return BROKEN
         said = f"{self.message}\n{self.advice}"
         return next((name for name, signs in REASONS if any(sign in said for sign in signs)), OTHER)
 
 
-def make_filter(machine: Machine, dialect_name: str, tolerance_um: float | None = None, name: str = "program") -> Filter:
+def make_filter(machine: Machine, program: Program, tolerance_um: float | None = None) -> Filter:
     """A filter for the dialect; all offsets are zero, and the machine stands at zero."""
-    dialect = dialects.load(dialect_name)
+    dialect = dialects.load(program.dialect)
     machine = machine.carrying(dialect.carried)
-    setup = setup_of(machine, offsets(), {x: 0.0 for x in machine.letters})
+    setup = setup_of(machine, offsets(), {x: 0.0 for x in machine.letters}, arc_centre=program.arc_centre)
     options = Options(tolerance=tolerance_um * UM) if tolerance_um else Options()
-    return Filter(machine, dialect, setup, options, name)
+    return Filter(machine, dialect, setup, options, program.path.name)
 
 
-def pieces_of(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Iterator[bytes]:
-    """The output, the input cut at these places (0: at every line)."""
+def output(filter_: Filter, text: bytes, expand: bool = False, cuts: tuple[int, ...] = ()) -> Iterator[bytes]:
+    """The output; the input is cut at these places ((0,): behind every line)."""
     if expand:
         yield from expansion.through(filter_, written_out(filter_, text), lambda n: None)
         return
@@ -306,7 +331,7 @@ def pieces_of(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] 
         parts = text.splitlines(keepends=True)
     else:
         edges = [0, *cuts, len(text)]
-        parts = [text[a:b] for a, b in zip(edges, edges[1:], strict=False)]
+        parts = [text[a:b] for a, b in itertools.pairwise(edges)]
     for part in parts:
         yield filter_.feed(part)
     yield filter_.finish()
@@ -314,8 +339,6 @@ def pieces_of(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] 
 
 def written_out(filter_: Filter, text: bytes):
     """What --expand makes of it, to iterate over. No file is looked for: a program stands alone."""
-    import io
-
     options = SimpleNamespace(file=None, library=[], max_steps=MAX_STEPS, max_depth=MAX_DEPTH)
     return expansion.written_out(filter_, io.BytesIO(text), options)
 
@@ -339,9 +362,9 @@ def at_most(seconds: float):
         signal.signal(signal.SIGALRM, before)
 
 
-def run_zero(machine: Machine, dialect: str, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Outcome:
+def run_zero(machines: Machines, program: Program, text: bytes, expand: bool) -> Outcome:
     """On the machine without errors."""
-    outcome = _run(make_filter(machine, dialect), text, expand, cuts)
+    outcome = _run(make_filter(machines.zero(program.lathe), program), text, expand)
     if outcome.status == "done":
         outcome.status = "written" if expand else "identical"
         if not expand and outcome.output != text:
@@ -349,17 +372,16 @@ def run_zero(machine: Machine, dialect: str, text: bytes, expand: bool, cuts: tu
     return outcome
 
 
-def run_smooth(
-    machine: Machine, dialect: str, text: bytes, expand: bool, tolerance_um: float, cuts: tuple[int, ...] = ()
-) -> Outcome:
+def run_smooth(machines: Machines, program: Program, text: bytes, expand: bool, variant: Variant = MAIN) -> Outcome:
     """On a machine with a map: verified, and the laws measured."""
-    filter_ = make_filter(machine, dialect, tolerance_um)
+    machine = machines.smooth(variant, program.lathe)
+    filter_ = make_filter(machine, program, variant.tolerance_um)
     verifier = Verifier(filter_)
     counts: list[tuple[int, np.ndarray, np.ndarray]] = []
     filter_.watchers.append(
         lambda words, motions, pieces, out, line: counts.append((len(motions), pieces.motion, pieces.take_up))
     )
-    outcome = _run(filter_, text, expand, cuts)
+    outcome = _run(filter_, text, expand)
     outcome.motions_in, outcome.motions_out = verifier.motions_in, verifier.motions_out
     outcome.uncorrected, outcome.corrected = verifier.uncorrected.deviation / UM, verifier.corrected.deviation / UM
     if outcome.status != "done":
@@ -369,20 +391,27 @@ def run_smooth(
         outcome.faults.append(f"not within the tolerance: {verifier.report()}")
     try:
         with at_most(LONGEST_S):
-            plain = text if not expand else b"".join(written_out(make_filter(machine, dialect, tolerance_um), text))
+            plain = text
+            if expand:
+                plain = b"".join(written_out(make_filter(machine, program, variant.tolerance_um), text))
             _measure(outcome, filter_, plain, counts)
-    except (GcompError, TimeoutError) as error:
+    except (GcompError, BlockFault, TimeoutError) as error:
         outcome.faults.append(f"input or output can not be followed as a whole: {error}")
     except Exception:
         outcome.faults.append("input or output can not be followed as a whole: " + traceback.format_exc(limit=-2))
     return outcome
 
 
-def _run(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...]) -> Outcome:
+def run_cut(machines: Machines, program: Program, text: bytes, cuts: tuple[int, ...] = ()) -> Outcome:
+    """On the machine with a map, the input cut in other places; not verified."""
+    return _run(make_filter(machines.smooth(MAIN, program.lathe), program, MAIN.tolerance_um), text, False, cuts)
+
+
+def _run(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Outcome:
     outcome, out = Outcome(), []
     try:
         with at_most(LONGEST_S):
-            for part in pieces_of(filter_, text, expand, cuts):
+            for part in output(filter_, text, expand, cuts):
                 out.append(part)
         outcome.status = "done"
     except ProgramError as error:
@@ -465,7 +494,7 @@ def lengths(motions: Motions, rows: list[int]) -> np.ndarray:
 def _measure(outcome: Outcome, filter_: Filter, plain: bytes, counts) -> None:
     """Motions and ways of input and output, each read as a whole."""
     machine, tolerance = filter_.machine, filter_.compensator.tolerance
-    rows = [machine.letters.index(x) for x in XYZ]
+    rows = [machine.letters.index(x) for x in XYZ if x in machine.letters]
     nominal, out = whole(filter_, plain), whole(filter_, outcome.output)
     if len(nominal) != sum(n for n, _, _ in counts) or len(nominal) != outcome.motions_in:
         outcome.faults.append(f"{len(nominal)} motions as a whole, {outcome.motions_in} in batches")
@@ -509,3 +538,46 @@ def _same_places(outcome: Outcome, filter_: Filter, nominal: Motions, out: Motio
                 f"{letter} ends {worst[k]:.4f} mm from the nominal place in motion {int(owner[last[k]])}, "
                 f"largest correction {filter_.summary.largest:.4f}"
             )
+
+
+# -- tables of places --------------------------------------------------------------------------------------------------
+
+
+def table_of(program: Program) -> list[tuple[float, ...]] | None:
+    """The places X Y Z A B C, each other than the one before, that a table beside the program says it reaches."""
+    stem = program.path.with_suffix("")
+    path = next((p for p in (stem.with_suffix(".csv"), Path(f"{stem}_raw.csv")) if p.exists()), None)
+    if path is None:
+        return None
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = [tuple(float(row.get(x) or 0.0) for x in XYZ + ROTARY) for row in csv.DictReader(file)]
+    return _changing(rows)
+
+
+def places_of(machines: Machines, program: Program, text: bytes) -> list[tuple[float, ...]]:
+    """The same, as the program written out takes the machine there. Raises GcompError where it is refused."""
+    filter_ = make_filter(machines.zero(), program)
+    plain = b"".join(output(filter_, text, expand=True))
+    target = whole(make_filter(machines.zero(), program), plain).target / TICKS_PER_MM
+    rows = [filter_.machine.letters.index(x) for x in XYZ + ROTARY]
+    return _changing([tuple(place[rows]) for place in target.T])
+
+
+def _changing(rows: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
+    found: list[tuple[float, ...]] = [(0.0,) * len(XYZ + ROTARY)]
+    for row in rows:
+        if max(abs(a - b) for a, b in zip(row, found[-1], strict=True)) > 1e-4:
+            found.append(row)
+    return found
+
+
+def table_fault(machines: Machines, program: Program) -> str:
+    """Where the places of a program first differ from those of its table, "" if nowhere or if there is no table."""
+    table = table_of(program)
+    if table is None:
+        return ""
+    found = places_of(machines, program, program.text)
+    for number, (a, b) in enumerate(zip(found, table, strict=False)):
+        if max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-3:
+            return f"place {number} is {a}, the table says {b}"
+    return "" if len(found) == len(table) else f"{len(found)} places, the table has {len(table)}"

@@ -120,6 +120,7 @@ def _environment(home):
         "LD_LIBRARY_PATH": ":".join(map(str, libraries)),
         "PYTHONDONTWRITEBYTECODE": "1",
         "LC_ALL": "C.UTF-8",
+        "MALLOC_PERTURB_": "255",  # new memory is zero: LinuxCNC leaves a field or two unset, and crashes at random
     }
 
 

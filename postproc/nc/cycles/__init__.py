@@ -18,6 +18,7 @@ from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.turning_fanuc import Repetitive, Stays, Turn
 from postproc.nc.dialects import Dialect
 
 
@@ -80,7 +81,20 @@ def haas(dialect: Dialect, synchronised: bool) -> Family:
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
     holes = LatheDrilling(synchronised)
-    return Family(dict.fromkeys(LATHE, holes), restores=True)
+    system = next((s for s in SYSTEMS if dialect.name.endswith("-" + s)), "b")
+    cycles: dict[int, Cycle] = dict.fromkeys(LATHE, holes)
+    finish, rough, face, repeat, peck, groove, thread, turn, single, end = SYSTEMS[system]
+    roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat", peck: "peck", groove: "groove"}
+    cycles |= dict.fromkeys(roles, Repetitive(roles))
+    cycles |= {thread: Stays(False), turn: Turn(False), single: Stays(True), end: Turn(True)}
+    return Family(cycles, restores=True)
+
+
+SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanuc lathe have them
+    "a": (700, 710, 720, 730, 740, 750, 760, 900, 920, 940),
+    "b": (700, 710, 720, 730, 740, 750, 760, 770, 780, 790),
+    "c": (720, 730, 740, 750, 760, 770, 780, 200, 210, 240),
+}
 
 
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds

@@ -16,13 +16,18 @@ from postproc.nc.cycles.scene import Scene
 
 MOST_PECKS, MOST_HOLES = 10_000, 10_000
 INITIAL_LEVEL, R_LEVEL = 980, 990
+UNDEFINED = -2
 
 
 class Outcome(NamedTuple):
-    """What a block becomes, and what the tracker shall hear instead where the block itself stays (None: the same)."""
+    """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the source
+    lines, first and last, that the control steps over behind it, and ten times the motion code in force behind a cycle
+    that is not modal (None: that before it, UNDEFINED: manuals do not say)."""
 
     lines: list[bytes]
     told: list[bytes] | None = None
+    skip: tuple[int, int] | None = None
+    then: int | None = None
 
 
 @dataclass(frozen=True)

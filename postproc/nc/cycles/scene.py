@@ -28,6 +28,8 @@ class Scene:
         self.extra_decimals = 0
         self.frame: Callable[[str], float | None] | None = None
         self.block = Block(b"", (), True, False)
+        self.source = 0  # the line that the block stands in
+        self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = set()  # axes whose zero was moved, nobody knows how far, and that no block has named since

@@ -43,7 +43,7 @@ DIALECT = Dialect(
         *rows("motion", {"87": "boring, out by hand"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"88": "boring, dwell, out by hand"}, does="drill"),
         *rows("motion", {"156": "broaching"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {"153": "five-axis cycle", "155": "five-axis cycle", **{str(n): "five-axis cycle" for n in range(161, 170)}}, refuses=codes.TOOL_POINT),
+        *rows("motion", {"153": "five-axis cycle", "155": "five-axis cycle", **{str(n): "five-axis cycle" for n in range(161, 170) if n != 167}}, refuses=codes.TOOL_POINT),
         *rows("motion", {"174": "tapping across the spindle", "184": "tapping across the spindle"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"31": "skip", "35": "tool diameter, measured", "36": "work offset, measured", "37": "tool length, measured", "136": "work centre, measured"}, refuses=codes.PROBE),
         *rows("", {"12": "circular pocket, clockwise", "13": "circular pocket, counter-clockwise", "150": "pocket", "47": "engraving"}, takes=True, refuses=codes.WRITE_OUT),

@@ -61,7 +61,7 @@ DIALECT = Dialect(
         *rows(
             "motion",
             {
-                "95": "tapping with the live tool", "184": "left-hand tapping", "186": "left-hand tapping with the live tool",
+                "184": "left-hand tapping", "186": "left-hand tapping with the live tool",
                 "195": "radial tapping", "196": "radial left-hand tapping", "241": "radial drilling",
                 "242": "radial spot drilling", "243": "radial peck drilling", "245": "radial boring",
                 "246": "radial boring", "247": "radial boring", "248": "radial boring", "249": "radial boring",
@@ -69,6 +69,7 @@ DIALECT = Dialect(
             },
             refuses=codes.WRITE_OUT,
         ),
+        *rows("motion", {"95": "tapping with the live tool"}, refuses=codes.WRITE_OUT, like="G84.2"),
         *rows("motion", {"31": "skip", "211": "tool offset by hand", "212": "tool offset, measured"}, refuses=codes.PROBE),
         *rows("mirror", {"100": "no mirror"}),
         *rows("mirror", {"101": "mirror"}, refuses=codes.FRAME),

@@ -50,7 +50,7 @@ class Runner:
         self.frames: list[Frame] = []
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
-        self.ended = False
+        self.ended, self.place = False, (0, 0)
 
     def run(self) -> Iterator[Line]:
         """Execute it."""
@@ -80,8 +80,7 @@ class Runner:
     def _step(self, frame: Frame, at: int) -> bytes | None:
         """Execute an entry; the plain text that it leaves, if any."""
         frame.at = at + 1
-        raw = frame.source.texts[at]
-        place = (0, 0)
+        raw, self.place = frame.source.texts[at], (0, 0)
         try:
             if self.steps >= self.most:
                 raise self._too_long()
@@ -89,18 +88,17 @@ class Runner:
             if self.tracker.setup.block_delete and DELETED.match(raw):
                 return raw
             block = frame.source.block(at)
-            place = block.place
             return self._execute(frame, at, block)
         except BlockFault as before:
             what = f"where the program stands can not be told: {before.message}"
             raise frame.source.fault(self.program.name, at, Misread(what, before.advice)) from None
         except Misread as wrong:
             if not wrong.stop:
-                wrong.start, wrong.stop = place
+                wrong.start, wrong.stop = self.place
             raise frame.source.fault(self.program.name, at, wrong) from None
 
     def _execute(self, frame: Frame, at: int, block: Block) -> bytes | None:
-        variables, kind = self.variables, block.kind
+        variables, kind, self.place = self.variables, block.kind, block.place
         if kind in (Kind.PLAIN, Kind.WORDS):
             return self._plain(block)
         if kind is Kind.SET:
@@ -158,7 +156,7 @@ class Runner:
         if block.units:
             self.variables.forget_units()
         self.ended |= block.ends
-        return text.lstrip() if words else None
+        return text.strip() if words else None
 
     def _moves(self, words: list[Word]) -> bool:
         """Whether a block moves an axis."""

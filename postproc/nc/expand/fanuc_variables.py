@@ -172,20 +172,33 @@ class Variables:
         axis, tracker = self._axis(number, index), self.tracker
         if row != 1 and self.mentions(TURNS):
             self._unknown(number, "turned, scaled or polar coordinates are in this text, and are written out")
-        machine = tracker.machine(axis) if row == 1 else None
-        place = self._length(machine, axis) if machine is not None else tracker.work(axis) if row != 1 else None
+        if row == 1:
+            machine = tracker.machine(axis) if self._settled(axis) else None
+            place = None if machine is None else self._length(machine, axis)
+        else:
+            place = tracker.work(axis)
         if place is None:
-            self._unknown(
-                number, f"where {axis} stands is not known", f"move {axis} before, or say --start {axis}0 (mm)"
-            )
+            advice = f"say where it stands and the offsets in force: --start {axis}0, --offset G54={axis}0 (mm, radius)"
+            self._unknown(number, f"where {axis} stands is not known", advice)
         if row == 2 and self._tool_shifts(axis):
-            self._unknown(number, "a tool's length is in force, and controls differ on whether it counts here",
-                          f"read #{number - 40}, which leaves it out")  # fmt: skip
+            why = "a tool's length is in force, and controls differ on whether it counts here"
+            self._unknown(number, why, f"read #{number - 40}, which leaves it out")
         return place
+
+    def _settled(self, axis: str) -> bool:
+        """Whether all that lies between the program's coordinates and the machine's is known."""
+        tracker, state = self.tracker, self.tracker.state
+        code = tracker.code("work offset")
+        known = tracker.dialect.by_number.get(code)
+        name = state.frame.extended if state.frame and state.frame.extended else known.word if known else ""
+        stated = not name or tracker.offset(name, axis) is not None
+        tool = not state.tool or tracker.offset(state.tool, axis) is not None
+        return stated and tool and not (state.frame and state.frame.unknown)
 
     def _tool_shifts(self, axis: str) -> bool:
         state = self.tracker.state
-        length = state.frame is not None and state.frame.length[self.tracker.setup.axes.index(axis)] != 0
+        row = self.tracker.setup.axes.index(axis)
+        length = state.frame is not None and (state.frame.length[row] != 0 or "length" in state.frame.unknown)
         return bool(length or (state.tool and self.tracker.offset(state.tool, axis) != 0))
 
     def _length(self, value: float, axis: str) -> float:

@@ -43,6 +43,10 @@ class Place:
     at: int
     count: int = -1
 
+    def is_at(self, other: Place) -> bool:
+        """Whether both are the same line."""
+        return self.at == other.at and self.file is other.file
+
 
 @dataclass
 class Call:
@@ -135,7 +139,7 @@ class Flow:
     def _mark(self, name: str, place: Place) -> Place:
         """Remember where a label's block begins."""
         known = self.labels.setdefault(name, place)
-        if known.at != place.at or known.file is not place.file:
+        if not known.is_at(place):
             label = shown(name.rpartition("#")[2])
             raise Refusal(f"o{label} is used already, in line {known.at + 1}", "give each block a label of its own")
         return known
@@ -175,8 +179,12 @@ class Flow:
         elif kind in ("break", "continue"):
             opened = self._opened(name, control, ("while", "do"))
             control.values()
-            self._skip_to(name, place, opened.kind)
-            self.breaking, self.continuing = self.breaking or kind == "break", self.continuing or kind == "continue"
+            if kind == "break":
+                self.breaking = True  # even where the loop is skipped: LinuxCNC does so
+            elif self.skip is None:
+                self.continuing = True
+            if self.skip is None:
+                self._skip_to(name, place, opened.kind)
         else:
             opened = self._opened(name, control, (kind.removeprefix("end"),))
             control.values()
@@ -198,7 +206,7 @@ class Flow:
                 value = control.values()[0](self.memory)
                 if not abs(value) < MOST_REPEATS:
                     raise Refusal(f"a repeat count of {value:.10g}", CORRECT)
-                place.count = int(value + (0.5 if value >= 0 else -0.5))
+                place.count = round(value)  # the even one of two whole numbers equally near
             if place.count > 0:
                 place.count -= 1
             else:
@@ -222,7 +230,7 @@ class Flow:
         if not self.calls:
             self.defining = name
             self._skip_to(name, place, "sub")
-        elif name != base(self.calls[-1].name):
+        elif (known := self.labels.get(base(self.calls[-1].name))) is None or not known.is_at(place):
             raise Refusal(f"sub o{shown(name)} begins within {self.sub}", f"{self.way_back} ends that one before")
 
     def _define(self, name: str, place: Place) -> None:

@@ -13,6 +13,7 @@ from postproc.errors import BlockFault, ProgramError
 from postproc.nc.codes import FRAME_KEYS, KEYWORD
 from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.block import Block, blocks
+from postproc.nc.cycles.drilling import UNDEFINED
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
@@ -37,10 +38,12 @@ class Resolver:
         self.code = 0  # of the active cycle
         self.before = 0  # the motion code in force before it
         self.missing: int | None = None  # a motion code that the next block without one relies on
+        self.skip: tuple[str, int, int] | None = None  # file and lines that the control steps over
+        self.texts: dict[str, list[bytes]] = {}  # of the files that cycles read further in
         self.line = Line(b"", 0)
         self.heard: list[Line] = []  # what the tracker was told since it was last asked
         self.scene.asked = self.heard.clear
-        self.scene.fault_at = self._fault
+        self.scene.fault_at, self.scene.lines = self._fault, self._lines
         table = self.scene.table
         self.shifts = {n for n, c in table.items() if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD}
         ours = {*self.family.cycles, *(self.control.codes if self.control else ())}
@@ -48,13 +51,19 @@ class Resolver:
 
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises ProgramError."""
+        if self.skip is not None:
+            file, first, last = self.skip
+            if line.file == file and first <= line.source <= last:
+                return []
+            if line.file != file or line.source > last:
+                self.skip = None
         idle = not (self.active or self.missing is not None or self.scene.unsure or self._turned)
         if idle and not self.interest.search(line.text):
             self.heard.append(line)
             self.tracker.take(line.text)
             self.scene.forget()
             return [line]
-        self.line = line
+        self.line, self.scene.source = line, line.source
         try:
             texts = [text for block in blocks(line.text, self.grammar) for text in self._block(block)]
         except BlockFault as error:  # the tracker's interpreter could not read what it was asked about
@@ -127,6 +136,10 @@ class Resolver:
         if not any(w.letter in axes for w in block.words) or self._taken(codes) or 40 in codes:
             return block
         code, self.missing = self.missing, None
+        if code == UNDEFINED:
+            raise self.scene.fault(
+                "no motion code is named behind the cycle", "which one holds there differs: name G0 or G1"
+            )
         if code not in PLAIN_MOTIONS:
             return block
         at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
@@ -155,6 +168,12 @@ class Resolver:
         scene.extra_decimals = 0
         if cycle.modal:
             self.active, self.code = cycle, code
+        else:
+            self.active = None
+            if self.family.restores:
+                self.missing = self.before if outcome.then is None else outcome.then
+        if outcome.skip:
+            self.skip = (self.line.file, *outcome.skip)
         if outcome.told is None:
             return lead + self._out(outcome.lines, False, places=True)
         if self.control is None or not self.control.active:
@@ -243,6 +262,14 @@ class Resolver:
         for m in block.m_codes():
             if m in (3, 4, 5):
                 self.scene.spindle = m
+
+    def _lines(self) -> list[bytes]:
+        """The source text that the line at hand stands in."""
+        name = self.line.file
+        if name not in self.texts:
+            text = self.program.text if not name else self.program.library(name) or b""
+            self.texts[name] = Program(name, text).lines()
+        return self.texts[name]
 
     def _fault(self, message: str, advice: str, mark: bytes = b"") -> ProgramError:
         start = self.line.text.find(mark) if mark else -1

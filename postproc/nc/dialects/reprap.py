@@ -1,0 +1,87 @@
+"""RepRapFirmware (Duet): printers, lasers and small mills. E is the filament; M codes take words, lists and text.
+
+Codes: Duet3D/RepRapFirmware, src/GCodes/GCodes2.cpp (HandleGcode, HandleMcode); what a line holds:
+GCodeBuffer/StringParser.cpp (DecodeCommand, FindParameters): a G or M outside of quotes begins a further command, and a
+block without a code goes on with G0-G3 in CNC and laser mode (M452, M453) alone. G90 and G91 leave E alone. M0 stops
+and ends a file; M30 deletes one. `if`, `while`, `var`, { } are commands of its own.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.dialects.marlin import _M, _SHIFTS
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import (
+    DATA,
+    DISTANCE,
+    DWELL,
+    MACHINE_FRAME,
+    MORE_WORK,
+    MOTION,
+    PER_TIME,
+    PLANE,
+    ROTATION,
+    SET,
+    UNITS,
+    WORK,
+    rows,
+)
+
+DIALECT = Dialect(
+    name="reprap",
+    title="RepRapFirmware 3",
+    codes=(
+        *MOTION, *PLANE, *DISTANCE, *UNITS, *WORK, *MORE_WORK, *MACHINE_FRAME, *DWELL, *PER_TIME, *DATA, *SET, *ROTATION,
+        *rows("", {"11": "recover filament", "31": "probe values", "60": "store the position"}, takes=True, does="words"),
+        *rows("", {"28": "home", "29": "level the bed", "30": "probe the bed", "32": "tilt of the bed"}, takes=True),
+        *rows("motion", {f"38.{n}": "probe" for n in (2, 3, 4, 5)}, refuses=codes.PROBE),
+    ),
+    m_codes={
+        **{n: meaning for n, meaning in _M.items() if n not in (2, 10, 11, 12, 16, 19, 43, 100, 413, 414, 430, 851, 852, 862)},
+        2: "end of program", 36: "file information", 37: "simulation", 38: "hash of a file", 39: "media", 98: "macro file",
+        116: "wait for temperatures", 144: "bed standby", 260: "I2C", 291: "message", 292: "message read", 307: "heater model",
+        308: "sensor", 374: "store the height map", 375: "load the height map", 376: "taper of the map", 408: "report",
+        409: "report", 450: "printer mode", 451: "printer mode", 452: "laser mode", 453: "mill mode", 470: "new folder",
+        471: "rename a file", 550: "name", 551: "password", 555: "flavour", 557: "probe grid", 558: "probe", 559: "write config",
+        560: "write a file", 561: "no height map", 562: "reset a fault", 563: "tool", 564: "limits", 566: "jerk", 567: "mix",
+        568: "tool", 570: "heater fault", 571: "pin", 572: "pressure advance", 573: "heater report", 574: "endstops",
+        581: "trigger", 582: "trigger", 586: "protocols", 587: "network", 588: "network", 589: "network", 591: "filament sensor",
+        593: "input shaping", 669: "segments", 905: "clock", 911: "power loss", 912: "temperature of the board",
+        915: "stall", 916: "resume", 917: "standstill current", 929: "log", 950: "ports", 952: "board", 953: "board",
+    },
+    m_refuses={
+        32: codes.CALL, 98: codes.CALL, 99: codes.CALL, 120: codes.STATE, 121: codes.STATE, 206: _SHIFTS, 218: _SHIFTS,
+        290: _SHIFTS, 556: "the firmware leans the axes against each other: take the squareness of machine.toml or M556, not both",
+        579: codes.FRAME, 584: codes.TRANSFORM, 585: codes.PROBE, 600: codes.WRITE_OUT, 665: codes.TRANSFORM, 666: codes.TRANSFORM,
+        675: codes.PROBE, 701: codes.WRITE_OUT, 702: codes.WRITE_OUT,
+    },
+    grammar=Grammar(checksums=True),
+    plane=170,
+    dwell="PS",
+    carried=("E",),
+    carried_codes=(82, 83),
+    ends=(0, 2),
+    modal_motion=False,
+    m_takes=True,
+    m_text=(23, 28, 30, 32, 36, 38, 117),
+    bare_letters=True,
+    length_letter="T",
+    extended_by_p=False,
+    signs=(
+        r"\bM10[4579]\b|\bM106\b",
+        r"\bM1[149]0\b",
+        r"\bM8[234]\b",
+        r"\bM92\b|\bM20[1-9]\b|\bM22[01]\b",
+        r"\bM11[0-9]\b",
+        r"\bM300\b",
+        r"\bG92\s*E",
+        r"\bG[01]\b.*(?<![A-Z0-9.])E-?\.?\d",
+        r"^\s*G28\s*([XYZ]\s*)*$",
+        r"\*\d{1,3}\s*$",
+        r"\bG10\s*P\d+\s*[SR]-?\d",
+        r"\bM98\s*P\"",
+        r"\bM(116|45[0-3]|55[0-9]|56[1-9]|57[0-9]|58[1-9]|950)\b",
+        r"^\s*(VAR|GLOBAL|SET|ECHO)\s+[A-Z\"]",
+        r"\{(MOVE|STATE|HEAT|TOOLS|VAR|GLOBAL)\.",
+    ),
+    remarks=(r"FLAVOR:\s*REPRAP", r"\bREPRAPFIRMWARE\b", r"\bDUET\b", r"GCODE_FLAVOR\s*=\s*REPRAP", r"\bEXTRUDER\b"),
+)  # fmt: skip

@@ -1,0 +1,144 @@
+"""Sinumerik 840D sl, 828D and their kin in Siemens' own language: `;` comments, keywords, CR= for radii, TRANS, cycles.
+
+G groups and reset states: SINUMERIK NC Programming Manual, "G functions" (groups 1-62) and "Frame instructions";
+G58 G59 G74 G75 G110-G112, G331 G332, G4 F, DIAM90, G500, SUPA and the feed type of G96 as described there. Arc check:
+MD21000 CIRCLE_ERROR_CONST, MD21010 CIRCLE_ERROR_FACTOR. TURN= counts the circles beyond the arc itself. Tool lengths come
+with D, at once. R is a variable here (R1=5), never a radius; ( ) are arguments, never comments.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import CUTTER, DISTANCE, DWELL, FEED_MODE, MACHINE_FRAME, MOTION, PLANE, THREAD, rows
+
+_QUIET = (
+    "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON CDOF CDOF2 STARTFIFO "
+    "STOPFIFO FIFOCTRL WALIMON WALIMOF RMB RMI RME RMN ORIC ORID FNORM FLIN FCUB LFON LFOF LFTXT LFWP LFPOS CPRECON CPRECOF "
+    "CUTCONON CUTCONOF DYNNORM DYNPOS DYNROUGH DYNSEMIFIN DYNFINISH DYNPREC FENDNORM DIAMCYCOF UPATH SPATH PDELAYON PDELAYOF "
+    "SPOF SPON PON CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON"
+)
+_CYCLES = (
+    "MCALL CYCLE60 CYCLE61 CYCLE62 CYCLE63 CYCLE64 CYCLE70 CYCLE72 CYCLE76 CYCLE77 CYCLE78 CYCLE79 CYCLE81 CYCLE82 CYCLE83 "
+    "CYCLE84 CYCLE840 CYCLE85 CYCLE86 CYCLE87 CYCLE88 CYCLE89 CYCLE90 CYCLE92 CYCLE93 CYCLE94 CYCLE95 CYCLE96 CYCLE97 CYCLE98 "
+    "CYCLE99 CYCLE801 CYCLE802 CYCLE899 CYCLE930 CYCLE940 CYCLE951 CYCLE952 HOLES1 HOLES2 POCKET1 POCKET2 POCKET3 POCKET4 "
+    "SLOT1 SLOT2 LONGHOLE"
+)
+
+DIALECT = Dialect(
+    name="siemens",
+    title="Sinumerik 840D sl and kin, Siemens' language",
+    codes=(
+        *MOTION, *PLANE, *DISTANCE, *FEED_MODE, *CUTTER, *MACHINE_FRAME, *DWELL, *THREAD,
+        *rows("motion", {"34": "thread of growing lead", "35": "thread of shrinking lead"}, does="thread"),
+        *rows("motion", {"331": "rigid tapping, in", "332": "rigid tapping, out"}, does="thread"),
+        *rows("motion", {"335": "thread along an arc", "336": "thread along an arc"}, refuses=codes.CURVE),
+        *rows("motion", {"CIP": "arc through a point", "CT": "tangential arc"}, refuses="its circle follows from other "
+              "places: write the arc with its centre I J K or with CR="),
+        *rows("motion", {"INVCW": "involute", "INVCCW": "involute", "POLY": "polynomial", "ASPLINE": "Akima spline",
+              "BSPLINE": "B spline", "CSPLINE": "cubic spline"}, refuses=codes.CURVE),
+        *rows("", {"63": "tapping with a compensating chuck"}, refuses="it ends where the chuck lets it: write G331 and G332"),
+        *rows("", {"5": "oblique plunge", "7": "oblique plunge"}, refuses=codes.TRANSFORM),
+        *rows("", {"74": "to the reference point", "75": "to a fixed point"}, takes=True),
+        *rows("", {"REPOSL": "back to the contour", "REPOSQ": "back to the contour", "REPOSH": "back to the contour"},
+              takes=True, refuses=codes.WRITE_OUT),
+        *rows("", {"147": "soft approach, straight", "148": "soft departure, straight", "247": "soft approach, quarter",
+              "248": "soft departure, quarter", "347": "soft approach, half", "348": "soft departure, half"},
+              refuses=codes.WRITE_OUT),
+        *rows("units", {"70": "inch", "700": "inch, feeds too"}, like="G20"),
+        *rows("units", {"71": "millimetre", "710": "millimetre, feeds too"}, like="G21"),
+        *rows("work offset", {str(n): f"work offset {n - 53}" for n in range(54, 58)}),
+        *rows("work offset", {str(n): f"work offset {n - 500}" for n in range(505, 600)}),
+        *rows("work offset", {"500": "no work offset"}),
+        *rows("", {"153": "this block without base offsets", "SUPA": "this block without any offset"}, like="G53"),
+        *rows("frame", {"TRANS": "shift"}, takes=True, does="trans"),
+        *rows("", {"ATRANS": "further shift"}, takes=True, does="atrans"),
+        *rows("frame", {"ROT": "rotation", "AROT": "further rotation", "ROTS": "rotation", "AROTS": "further rotation",
+              "SCALE": "scaling", "ASCALE": "further scaling", "MIRROR": "mirror", "AMIRROR": "further mirror"},
+              takes=True, refuses=codes.FRAME),
+        *rows("axis shift", {"58": "shift of single axes", "59": "further shift of single axes"}, takes=True,
+              refuses="it replaces a part of the shift: write TRANS and ATRANS"),
+        *rows("", {"25": "lower limits", "26": "upper limits"}, takes=True, does="words"),
+        *rows("", {"110": "pole from the last place", "111": "pole", "112": "pole from the last pole"}, takes=True, does="words"),
+        *rows("diameter", {"DIAMON": "X is a diameter"}, like="G7"),
+        *rows("diameter", {"DIAMOF": "X is a radius"}, like="G8"),
+        *rows("diameter", {"DIAM90": "X is a diameter in G90, a radius in G91"}),
+        *rows("feed mode", {"96": "constant surface speed, feed per turn", "961": "constant surface speed, feed per minute",
+              "962": "constant surface speed", "97": "constant spindle speed, feed per turn",
+              "971": "constant spindle speed, feed per minute", "972": "constant spindle speed", "973": "constant spindle speed",
+              "942": "feed per minute, speed frozen", "952": "feed per turn, speed frozen"}),
+        *rows("feed mode", {"931": "feed as the time of the motion"}, refuses="a block's feed is its time: write G93 or G94"),
+        *rows("path", {"60": "exact stop", "64": "continuous path", "641": "rounded by ADIS", "642": "rounded within tolerances",
+              "643": "rounded within the block", "644": "rounded by dynamics", "645": "rounded, tangential too"}),
+        *rows("stop", {"601": "stop fine", "602": "stop coarse", "603": "stop by setpoint"}),
+        *rows("", {"9": "exact stop in this block"}),
+        *rows("corner", {"450": "round outer corners", "451": "sharp outer corners"}),
+        *rows("approach", {"140": "approach side", "141": "approach left", "142": "approach right", "143": "approach by tangent",
+              "340": "approach in space", "341": "approach in plane"}),
+        *rows("collision", {"460": "approach check", "461": "approach by arc", "462": "approach by straight line"}),
+        *rows("override", {"62": "corner override", "621": "corner override everywhere"}),
+        *rows("language", {"290": "Siemens' language"}),
+        *rows("language", {"291": "ISO language"}, refuses="the words mean other things from here on: take the ISO part into a "
+              "program of its own and choose its --dialect"),
+        *rows("compressor", {"COMPON": "compressor", "COMPCURV": "compressor", "COMPCAD": "compressor",
+              "COMPSURF": "compressor", "COMPPATH": "compressor"}),
+        *rows("transformation", {"TRAFOOF": "no transformation"}),
+        *rows("transformation", {"TRANSMIT": "end face in X and Y", "TRACYL": "cylinder in X and Y", "TRAANG": "inclined axis"},
+              refuses=codes.TRANSFORM),
+        *rows("transformation", {"TRAORI": "tool centre point"}, refuses=codes.TOOL_POINT),
+        *rows("", {"CYCLE800": "tilted plane"}, refuses=codes.TILTED),
+        *rows("", {name: "cycle" for name in _CYCLES.split()}, refuses=codes.CYCLE),
+        *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
+        *rows("", {"CYCLE832": "tolerance and dynamics", "MSG": "message", "SETMS": "master spindle"}),
+        *rows("", {name: "a way of moving, no place" for name in _QUIET.split()}),
+    ),
+    m_codes={
+        **codes.SPINDLE_AND_COOLANT,
+        17: "end of subprogram", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear", 45: "gear", 70: "spindle as axis",
+    },
+    m_refuses={},
+    grammar=Grammar(
+        parentheses=False,
+        keywords=(
+            "TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR", "SUPA", "DIAMON", "DIAMOF",
+            "DIAM90", "CIP", "CT", "INVCW", "INVCCW", "POLY", "ASPLINE", "BSPLINE", "CSPLINE", "REPOSL", "REPOSQ", "REPOSH",
+            "COMPON", "COMPCURV", "COMPCAD", "COMPSURF", "COMPPATH", "TRAFOOF", "TRANSMIT", "TRACYL", "TRAANG", "TRAORI",
+            "CYCLE800", "CYCLE832", "MEAS", "MEAW", "MSG", "SETMS", *_CYCLES.split(), *_QUIET.split(),
+        ),
+        spellings=(("CR", "R"), ("TURN", "P")),
+        assigns=True,
+    ),
+    language="siemens",
+    expand_decimals=2,
+    plane=170,
+    dwell="FS",
+    turns=True,
+    first_turn=0,
+    arc_tolerance_mm=0.01,
+    arc_tolerance_relative=0.001,
+    arc_tolerance_most_mm=1.0,
+    length_letter="D",
+    ends=(2, 17, 30),
+    exact_stops=(90, 600),
+    signs=(
+        r"\b(CR|TURN|RPL|AR|CHR|CHF|RND|RNDM|ADIS|LIMS|SPOS|CTOL|OTOL|FRC)\s*=",
+        r"^\s*%_N_\w+",
+        r"\bA?TRANS\b",
+        r"\b(A?ROT|A?MIRROR|A?SCALE)\b",
+        r"\bM?CALL\s+CYCLE\d+|\bCYCLE\d{2,3}\b",
+        r"^\s*(N\d+\s+)?DEF\s+(REAL|INT|BOOL|STRING|CHAR|AXIS|FRAME)\b",
+        r"\bR\d+\s*=[^=]",
+        r"\bGOTO[FBCS]\b",
+        r"\bMSG\b",
+        r"\bG5(0[05-9]|[1-9]\d)\b",
+        r"\bG6(0[123]|4[1-5])\b",
+        r"\b(SUPA|DIAMON|DIAMOF|DIAM90|STOPRE|SETMS|SOFT|BRISK|FFWON|TRAORI|TRAFOOF|CIP|COMPCAD)\b",
+        r"\b[XYZABCUVWEF]\d?\s*=\s*[-+\dA-Z(\[$]",
+        r"=\s*(IC|AC|DC|ACP|ACN)\b",
+        r"^\s*(IF|WHILE|FOR|UNTIL|REPEAT|LOOP|ENDIF|ENDWHILE|ENDFOR|ENDLOOP|CASE|PROC)\b(?!\s*\[)",
+        r"\b[ABC]SPLINE\b",
+        r"\$(AA?|P|TC|MC|SC|MN|SN)_",
+        r"\bT\s*=\s*\"",
+        r"^\s*[A-Z_]\w+\s*=\s*[-+\w($\"]",
+    ),
+    remarks=(r"\bSINUMERIK\b", r"^\s*;\s*\$PATH=", r"\b840 ?D\b"),
+)  # fmt: skip
