@@ -60,6 +60,7 @@ class Interpreter:
         modal.update({"plane": self.dialect.plane, "distance": 900, "units": 210, "feed mode": 940})
         modal["arc centre"] = 901 if setup.arc_centre == "absolute" else 911
         modal["carried"] = 900
+        modal["motion"] = self.dialect.motion
         modal["work offset"] = 540 if "G54" in setup.offsets else NONE
         start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
         return ModalState(

@@ -26,10 +26,11 @@ ASSIGNED = re.compile(
     + NUMBER
     + rb")[ \t]*(\))|("
     + NUMBER
-    + rb"))"
-    rb"(?![ \t]*[A-Za-z_(\[*/+.=<>-][ \t]*[0-9A-Za-z(\[$]?[^ \t\n]*[=(\[*/])",
+    + rb"))",
     re.IGNORECASE,
 )
+NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8": a name, no number
+ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
 HOMING = re.compile(rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?:28|29|30)(?![0-9.])|[Mm])[^\n]*")
 BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
 MARKS = bytes(range(0x80, 0x100))
@@ -46,12 +47,13 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     if grammar.bare_letters:
         code = HOMING.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
+        code = NAMED.sub(_blank, code)
         for pattern, letter in _spelled(grammar):
             code = pattern.sub(partial(_stands, letter), code)
         code = ASSIGNED.sub(_assigned, code)
     words = _keywords(grammar)
     if words is not None:
-        code = words[0].sub(lambda m: words[1][m[1].upper()].ljust(len(m[1])), code)
+        code = words[0].sub(lambda m: words[1][m[1].upper()].ljust(len(m[0])), code)
     return code
 
 
@@ -82,7 +84,7 @@ def _keywords(grammar: Grammar) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] 
 
     read = {k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in grammar.keywords}
     every = b"|".join(re.escape(k) for k in sorted(read, key=len, reverse=True))
-    return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")(?![A-Za-z0-9_(=])", re.IGNORECASE), read
+    return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")" + ARGUMENTS, re.IGNORECASE), read
 
 
 def _blank(match: re.Match[bytes]) -> bytes:

@@ -90,15 +90,12 @@ def test_expressions(text, expected):
     assert value(text) == pytest.approx(expected, abs=5e-4)
 
 
-def test_round_in_a_word_and_in_a_statement():
+def test_round_in_words_and_numbers_of_variables():
     # Haas 96-8000, "ROUND": #1=1.00333, X[#1+#1] goes to 2.007, X[ROUND[#1]+ROUND[#1]] to 2.006; #2=ROUND[1.714] is 2.
     assert plain("#1=1.00333\nX[#1+#1]\nX[ROUND[#1]+ROUND[#1]]\n#2=ROUND[1.714]\nX#2\nX[RND[2.5]]\n#2=ROUND[-1.5]\nX#2\n") == [
         "X2.007", "X2.006", "X2.", "X2.5", "X-2.",
     ]  # fmt: skip
     assert plain("G20\n#1=1.00333\nX[ROUND[#1]]\nX#1\nG21\nX#1\n") == ["G20", "X1.0033", "X1.0033", "G21", "X1.003"]
-
-
-def test_the_number_of_a_variable_may_be_calculated():
     assert plain("#1=3\n#[#1]=3.5+#1\nX#3\n") == ["X6.5"]  # Haas 96-8000: "sets #3 to the value 6.5"
     assert plain("#5=7\n#7=9.5\nX##5\nX#[#5-0.4]\n") == ["X9.5", "X9.5"]  # rounded
 
@@ -162,9 +159,6 @@ def test_goto_looks_ahead_first_and_then_from_the_top():
     ]  # fmt: skip
     assert plain("GOTO 7\nX1\n/ N7 X7\n(N7) N8 X8\n") == ["/ N7 X7", "(N7) N8 X8"]
     assert plain("GOTO 2;N1 X1;N2 X2;X3;\nX4;\n") == ["N2 X2;", "X3;", "X4;"]
-
-
-def test_if_then():
     text = "IF[#1EQ#0]THEN#1=5\nIF[#1EQ5]THEN GOTO 3\nX1\nN3 IF [#1 EQ 4] THEN X4\nIF[#1 EQ 5] THEN X#1 (YES)\n"
     assert plain(text) == ["X5. (YES)"]
 
@@ -237,9 +231,6 @@ def test_arguments():
     assert local("#5=7\nG65P9A#5B#6C[#5+1]".replace("\n", ";")) == {1: "7.", 3: "8."}  # a vacant one stays so
     assert local("G65P9X10D3", dialect="haas") == {24: "0.01", 7: "3."}  # least increments
     assert local("G65P9X10") == {24: "10."}
-
-
-def test_repeated_macro_keeps_its_variables():
     # Haas 96-8000: "Local values are retained from repetition to repetition when the L address is greater than 1".
     assert plain("O1\nG65P2L3A1.\nM30\nO2\nX#1\n#1=#1+1\nM99\n") == ["O1", "X1.", "X2.", "X3.", "M30"]
 
@@ -289,9 +280,6 @@ def test_rectangular_pocket():
         x += 8
     found = places(plain("O1\nG65P9A60.B40.C8.R5.\nM30\n" + macro))
     assert found == pytest.approx(np.array(expected), abs=5.1e-4)
-
-
-# -- system variables --------------------------------------------------------------------------------------------------------
 
 
 def test_positions():
@@ -349,20 +337,13 @@ def test_refusals(block, message):
     refused(f"O1\n{block}\n", message, "p.nc:")
 
 
-def test_a_refusal_shows_its_place():
-    error = refused("O1\nN5 G1 X10. (ALL) Y[ 1 / #1 ]\n", "p.nc:2")
-    text = error.place.text
-    assert text[error.place.start - 1 : error.place.stop - 1].replace(" ", "") == "/#1"
-
-
-def test_limits():
+def test_limits_and_the_place_of_a_fault():
+    place = refused("O1\nN5 G1 X10. (ALL) Y[ 1 / #1 ]\n", "p.nc:2").place
+    assert place.text[place.start - 1 : place.stop - 1] == "/ #1"
     refused("N1 GOTO 1\n", "1000 blocks have been executed (limit 1000)", limits=Limits(steps=1000))
     refused("O1\nM98P1\n", "nested 11 deep (limit 10)", limits=Limits(depth=10))
     assert len(run("X1\n" * 50, limits=Limits(steps=10))) == 50  # the text itself is never too long
     refused("#1=1\n" + "X1\n" * 50 + "GOTO 1\nN1 GOTO 1\n", "limit 53", limits=Limits(steps=10))
-
-
-# -- the text around -----------------------------------------------------------------------------------------------------------
 
 
 def test_tape_marks_heads_and_the_end():

@@ -139,8 +139,8 @@ class FanucDrilling(Drilling):
         if self.initial is not None and scene.code("return") != R_LEVEL and scene.differs(axis, self.initial):
             here = scene.at(axis) if scene.incremental else 0.0
             lines.append(slash + b"G0 " + scene.text(axis, self.initial - here))
-        if block.get("R") is None:
-            add.append(scene.text("R", self.as_written(scene, axis)))
+        if block.get("R") is None and (level := self.as_written(scene, axis)) is not None:
+            add.append(scene.text("R", level))
         if not any(block.get(x) is not None for x in axis + self.drops(scene, axis)):
             add.append(scene.text(axis, self.held["depth"] - (self.held["R"] if scene.incremental else 0.0)))
         if block.get("P") is None and self.p:
@@ -148,8 +148,8 @@ class FanucDrilling(Drilling):
         sep = b" " if block.spaced else b""
         return [*lines, block.written(set(), sep.join(add), len(block.words)) if add else block.text]
 
-    def as_written(self, scene: Scene, axis: str) -> float:
-        """R level as an R word has it."""
+    def as_written(self, scene: Scene, axis: str) -> float | None:
+        """R level as an R word has it, None: it needs none."""
         return self.held["R"] - (self.start(scene, axis) if scene.incremental else 0.0)
 
 
@@ -182,8 +182,8 @@ class LatheDrilling(FanucDrilling):
     def r_level(self, scene: Scene, word: Word, axis: str) -> float:
         return self.start(scene, axis) + scene.length(word, axis) * (2 if scene.is_diameter(axis) else 1)
 
-    def as_written(self, scene: Scene, axis: str) -> float:
-        return (self.held["R"] - self.start(scene, axis)) / (2 if scene.is_diameter(axis) else 1)
+    def as_written(self, scene: Scene, axis: str) -> float | None:
+        return (self.held["R"] - self.start(scene, axis)) / (2 if scene.is_diameter(axis) else 1) or None
 
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
         return scene.counted(word)

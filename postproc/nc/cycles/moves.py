@@ -71,7 +71,7 @@ class Moves:
                 self.line(*words)
             else:
                 self.lines[-1] += self._sep + self._join(words)
-        return [line for line in self.lines if line.strip(b" \t\r/")] or [b""]
+        return [line for line in self.lines if line.strip(b" \t\r/")]
 
 
 def own_words(block: Block, letters: str, codes: set[int]) -> set[int]:

@@ -58,6 +58,10 @@ class Scene:
         if self.dialect.one_code_per_group is False and 800 in block.codes:
             self._codes["cycle"] = 800
 
+    def lose_code(self, group: str) -> None:
+        """The code in force in a group is not the one that was noted."""
+        self._codes.pop(group, None)
+
     @property
     def incremental(self) -> bool:
         return self.code("distance") == 910

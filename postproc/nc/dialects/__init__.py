@@ -15,6 +15,7 @@ from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, C
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
+NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
 
@@ -37,7 +38,8 @@ class Dialect:
     "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
     expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
     `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `repeats`: letters that say how
-    often a canned cycle is run. `letters`: further letters that are parameters of codes. `increments_travel_shifts`: the first increment after
+    often a canned cycle is run. `letters`: further letters that are parameters of codes. `motion`: ten times the motion code that holds before a
+    program names one. `increments_travel_shifts`: the first increment after
     TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
 
@@ -80,6 +82,7 @@ class Dialect:
     extended_by_p: bool = False
     repeats: str = "L"
     letters: str = ""
+    motion: int = NONE
     increments_travel_shifts: bool = False
     exact_stops: tuple[int, ...] = ()
     remarks: tuple[str, ...] = ()
@@ -192,5 +195,10 @@ def _grammar(dialect: Dialect) -> Grammar:
     """The grammar with what the dialect's own fields say about its text."""
     ignores = dialect.grammar.ignores
     if dialect.m_takes:
-        ignores += (r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?(M[ \t]*[0-9]+(?:\.[0-9]+)?)[^;\n]*",)
+        head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
+        text = "|".join(map(str, dialect.m_text))
+        if text:
+            ignores += (head + rf"(M[ \t]*0*(?:{text}))(?![0-9])[^;\n]*",)
+        rest = r"[^;\n]" if dialect.one_command else r"(?![GM][ \t]*[0-9])[^;\n]"
+        ignores += (head + rf"(M[ \t]*[0-9]+(?:\.[0-9]+)?)(?:{rest})*",)
     return dialect.grammar._replace(ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end)

@@ -42,6 +42,7 @@ DIALECT = Dialect(
     integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on a "
     "control that reads them as least increments the program means something else",
     one_code_per_group=False,
+    letters="E",
     signs=(
         r"^(N\d+\s*)?T(?!0000)\d{4}\b",
         r"\bG92\s*S\d",

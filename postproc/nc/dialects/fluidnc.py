@@ -46,6 +46,7 @@ DIALECT = Dialect(
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
+    letters="E",
     signs=(r"^\s*\$[HJXCIGNS#$/]", r"^\s*\$(SD|LOCALFS|MACROS?)/", r"\bG38\.[6-9]\b"),
     remarks=(r"\bFLUIDNC\b",),
 )  # fmt: skip

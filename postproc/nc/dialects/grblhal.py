@@ -60,6 +60,7 @@ DIALECT = Dialect(
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
+    letters="E",
     signs=(r"^\s*\$[HJXCIGNS#$]", r"\bG65\s*P\d"),
     remarks=(r"\bGRBLHAL\b",),
 )  # fmt: skip

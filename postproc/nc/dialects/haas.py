@@ -89,6 +89,7 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="L",
     exact_stops=(90, 610),
+    letters="E",
     signs=(
         r"\bG154\s*P\d",
         r"\bG187\b",

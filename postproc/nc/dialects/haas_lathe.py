@@ -116,6 +116,7 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="L",
     exact_stops=(90, 610),
+    letters="E",
     signs=(
         r"^(N\d+\s*)?T(?!0000)\d{3,4}\b",
         r"\bG154\s*P\d",

@@ -72,6 +72,7 @@ DIALECT = Dialect(
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
     local_is_preset=True,
     exact_stops=(611,),
+    letters="E",
     signs=(
         r"^\s*O\s*(<[^>\n]+>|\d+)\s*(SUB|ENDSUB|CALL|IF|ELSE|ELSEIF|ENDIF|WHILE|ENDWHILE|DO|REPEAT|ENDREPEAT|RETURN)\b",
         r"#<_?[A-Z]",

@@ -15,7 +15,7 @@ _QUIET = (
     "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON CDOF CDOF2 STARTFIFO "
     "STOPFIFO FIFOCTRL WALIMON WALIMOF RMB RMI RME RMN ORIC ORID FNORM FLIN FCUB LFON LFOF LFTXT LFWP LFPOS CPRECON CPRECOF "
     "CUTCONON CUTCONOF DYNNORM DYNPOS DYNROUGH DYNSEMIFIN DYNFINISH DYNPREC FENDNORM DIAMCYCOF UPATH SPATH PDELAYON PDELAYOF "
-    "SPOF SPON PON CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON"
+    "SPOF SPON PON CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON COMPON COMPCURV COMPCAD COMPSURF COMPPATH"
 )
 _CYCLES = (
     "MCALL CYCLE60 CYCLE61 CYCLE62 CYCLE63 CYCLE64 CYCLE70 CYCLE72 CYCLE76 CYCLE77 CYCLE78 CYCLE79 CYCLE81 CYCLE82 CYCLE83 "
@@ -23,6 +23,13 @@ _CYCLES = (
     "CYCLE99 CYCLE801 CYCLE802 CYCLE899 CYCLE930 CYCLE940 CYCLE951 CYCLE952 HOLES1 HOLES2 POCKET1 POCKET2 POCKET3 POCKET4 "
     "SLOT1 SLOT2 LONGHOLE"
 )
+_FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
+_PARAMETERS = "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL"  # words that move no slide
+_KEYWORDS = (
+    "TRANS", "ATRANS", *_FRAMES.split(), "SUPA", "DIAMON", "DIAMOF", "DIAM90", "CIP", "CT", "INVCW", "INVCCW", "POLY",
+    "ASPLINE", "BSPLINE", "CSPLINE", "REPOSL", "REPOSQ", "REPOSH", "TRAFOOF", "TRANSMIT", "TRACYL", "TRAANG", "TRAORI",
+    "CYCLE800", "CYCLE832", "SETMS", "MEAS", "MEAW", *_CYCLES.split(), *_QUIET.split(),
+)  # fmt: skip
 
 DIALECT = Dialect(
     name="siemens",
@@ -52,9 +59,8 @@ DIALECT = Dialect(
         *rows("", {"153": "this block without base offsets", "SUPA": "this block without any offset"}, like="G53"),
         *rows("frame", {"TRANS": "shift"}, takes=True, does="trans"),
         *rows("", {"ATRANS": "further shift"}, takes=True, does="atrans"),
-        *rows("frame", {"ROT": "rotation", "AROT": "further rotation", "ROTS": "rotation", "AROTS": "further rotation",
-              "SCALE": "scaling", "ASCALE": "further scaling", "MIRROR": "mirror", "AMIRROR": "further mirror"},
-              takes=True, refuses=codes.FRAME),
+        *rows("frame", dict.fromkeys(_FRAMES.split(), "turned, scaled or mirrored"), takes=True,
+              refuses="it turns, scales or mirrors the coordinates: let the CAM program write them unturned"),
         *rows("axis shift", {"58": "shift of single axes", "59": "further shift of single axes"}, takes=True,
               refuses="it replaces a part of the shift: write TRANS and ATRANS"),
         *rows("", {"25": "lower limits", "26": "upper limits"}, takes=True, does="words"),
@@ -79,17 +85,15 @@ DIALECT = Dialect(
         *rows("language", {"290": "Siemens' language"}),
         *rows("language", {"291": "ISO language"}, refuses="the words mean other things from here on: take the ISO part into a "
               "program of its own and choose its --dialect"),
-        *rows("compressor", {"COMPON": "compressor", "COMPCURV": "compressor", "COMPCAD": "compressor",
-              "COMPSURF": "compressor", "COMPPATH": "compressor"}),
         *rows("transformation", {"TRAFOOF": "no transformation"}),
         *rows("transformation", {"TRANSMIT": "end face in X and Y", "TRACYL": "cylinder in X and Y", "TRAANG": "inclined axis"},
               refuses=codes.TRANSFORM),
         *rows("transformation", {"TRAORI": "tool centre point"}, refuses=codes.TOOL_POINT),
         *rows("", {"CYCLE800": "tilted plane"}, refuses=codes.TILTED),
-        *rows("", {name: "cycle" for name in _CYCLES.split()}, refuses=codes.CYCLE),
+        *rows("", dict.fromkeys(_CYCLES.split(), "cycle"), refuses=codes.WRITE_OUT),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
-        *rows("", {"CYCLE832": "tolerance and dynamics", "MSG": "message", "SETMS": "master spindle"}),
-        *rows("", {name: "a way of moving, no place" for name in _QUIET.split()}),
+        *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
+        *rows("", dict.fromkeys(_QUIET.split(), "a way of moving, no place")),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
@@ -98,16 +102,20 @@ DIALECT = Dialect(
     m_refuses={},
     grammar=Grammar(
         parentheses=False,
-        keywords=(
-            "TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR", "SUPA", "DIAMON", "DIAMOF",
-            "DIAM90", "CIP", "CT", "INVCW", "INVCCW", "POLY", "ASPLINE", "BSPLINE", "CSPLINE", "REPOSL", "REPOSQ", "REPOSH",
-            "COMPON", "COMPCURV", "COMPCAD", "COMPSURF", "COMPPATH", "TRAFOOF", "TRANSMIT", "TRACYL", "TRAANG", "TRAORI",
-            "CYCLE800", "CYCLE832", "MEAS", "MEAW", "MSG", "SETMS", *_CYCLES.split(), *_QUIET.split(),
+        keywords=_KEYWORDS,
+        spellings=(("CR", "R"), ("TURN", "P"), *((name, "") for name in _PARAMETERS.split())),
+        ignores=(
+            r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
+            r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
+            r"\b(CYCLE832|SETMS|TRAORI|TRANSMIT|TRACYL|TRAANG)[ \t]*\([^()\n]*\)",
+            r"\b(" + "|".join(_CYCLES.split()[1:]) + r"|CYCLE800)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\)",
+            r"^[ \t]*%_N_[^\n]*",
         ),
-        spellings=(("CR", "R"), ("TURN", "P")),
         assigns=True,
     ),
     language="siemens",
+    motion=10,
+    increments_travel_shifts=True,
     expand_decimals=2,
     plane=170,
     dwell="FS",

@@ -48,6 +48,7 @@ class Source:
 
     def __init__(self, program: Program, semicolon: str, haas: bool, file: str = ""):
         self.program, self.semicolon, self.haas, self.file = program, semicolon, haas, file
+        self.mentioned: dict[re.Pattern[bytes], bool] = {}
         self.texts: Sequence[bytes] = program.lines()
         if not self.texts[-1]:
             self.texts = self.texts[:-1]
@@ -67,7 +68,9 @@ class Source:
 
     def mentions(self, what: re.Pattern[bytes]) -> bool:
         """Whether a block of it matches."""
-        return what.search(COMMENTS[self.semicolon].sub(b" ", self.program.text)) is not None
+        if what not in self.mentioned:
+            self.mentioned[what] = what.search(COMMENTS[self.semicolon].sub(b" ", self.program.text)) is not None
+        return self.mentioned[what]
 
     def _flagged(self, start: int = 0) -> Iterator[int]:
         """The special entries from `start` on."""

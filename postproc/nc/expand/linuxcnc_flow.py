@@ -103,7 +103,7 @@ class Flow:
             )
         if self.skip is not None and (name != self.skip or (self.seek and kind not in ("sub", ""))):
             return
-        if self.defining and kind != "endsub":
+        if self.defining and kind not in ("endsub", "return"):
             return
         if kind in ("sub", ""):
             self._sub_begins(control, name, place)
@@ -302,15 +302,16 @@ class Flow:
                 raise Refusal("M99 in the main program: it begins again without end", "M2 or M30 ends it")
             if not self.defining:
                 raise Refusal(f"{kind} outside of any sub", f"it goes with o{shown(name)} sub before it")
-            self.skip, self.defining = None, ""
+            self.memory.give_back(control.values(), defining=True)
+            if kind == "endsub":
+                self.skip, self.defining = None, ""
             return
         if self.calls[-1].fanuc != (kind == "m99"):
             raise Refusal(f"{kind} within {self.sub}, which was called in the other way", f"{self.way_back} ends it")
-        values, memory = control.values(), self.memory
-        memory.value, memory.value_returned = (values[0](memory), 1.0) if values else (0.0, 0.0)
+        self.memory.give_back(control.values())
         call = self.calls.pop()
         self.left.pop()
-        memory.leave(call.numbers)
+        self.memory.leave(call.numbers)
         self._go(call.back)
 
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Container
 from functools import partial
 
 from postproc.errors import BlockFault, GcompError
-from postproc.nc.expand.linuxcnc_expressions import Refusal
+from postproc.nc.expand.linuxcnc_expressions import Node, Refusal
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.frames import WORK_OF_P
 from postproc.nc.state import Frame, no_frame
@@ -41,6 +41,7 @@ class Memory:
         self.numbers: dict[int, float] = {}
         self.locals: list[dict[str, float]] = [{}]
         self.value, self.value_returned, self.line = 0.0, 0.0, 0
+        self.defining = False
         self.noticed: set[str] = set()
         self._decimals: dict[str, int] = {}
 
@@ -80,12 +81,16 @@ class Memory:
         own = {"_value": self.value, "_value_returned": self.value_returned, "_line": float(self.line),
                "_call_level": len(self.locals) - 1.0}.get(name)  # fmt: skip
         if own is not None:
+            if math.isnan(own):
+                raise Refusal(f"#<{name}> is not known: no sub has run since the last definition", "call one before")
             return own
         if name in PREDEFINED:
             self._check_stale(name, f"#<{name}>")
             return self._asked(PREDEFINED[name], f"#<{name}>")
         if name in UNKNOWN or name.startswith(("_hal[", "_ini[")):
             raise Refusal(f"#<{name}> is known to the machine only", WRITE_VALUE)
+        if self.defining:
+            return 0.0
         raise Refusal(
             f"#<{name}> has no value yet", "give it one before this line; a name without _ is known in its own sub only"
         )
@@ -134,6 +139,18 @@ class Memory:
         for numbers, advice in NOT_WRITTEN:
             if index in numbers:
                 raise Refusal(f"#{index} belongs to the control", advice)
+
+    def give_back(self, values: list[Node], defining: bool = False) -> None:
+        """endsub or return is read, perhaps with a value; LinuxCNC reads it in a definition too: unset names are 0 then."""
+        self.value_returned, self.defining = float(bool(values)), defining
+        try:
+            self.value = values[0](self) if values else 0.0
+        except Refusal:
+            if not defining:
+                raise
+            self.value = math.nan
+        finally:
+            self.defining = False
 
     def enter(self, values: list[float] | None) -> list[float] | None:
         """A call begins, with names of its own, and values for #1 to #30 unless None; gives what these were."""

@@ -153,7 +153,7 @@ class Resolver:
             other = next(c for c in codes if self._taken([c]))
             raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
         if self.active is None:
-            self.before = scene.code("motion")
+            self.before = scene.code("motion") if self.missing is None else self.missing
         elif self.active is not cycle:
             self.active.end()
         self.missing = None
@@ -166,6 +166,7 @@ class Resolver:
         scene.extra_decimals = 4 if turned else 0
         outcome = cycle.run(scene, block, code)
         scene.extra_decimals = 0
+        scene.lose_code("motion")
         if cycle.modal:
             self.active, self.code = cycle, code
         else:
