@@ -13,7 +13,7 @@ DOC = ROOT / "docs" / "REFUSALS.md"
 CALLS = {
     "fault": None, "blame": None, "because": None, "bare": None, "BlockFault": None, "MotionFault": None, "ProgramError": None,
     "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
-    "ExpressionError": None, "Refused": None,
+    "ExpressionError": None, "Refused": None, "Misread": None,
 }  # fmt: skip
 PAIRS = ("nc/faults", "nc/frames", "filter")  # modules that hand on (message, way out) as a pair
 CHAPTERS = (

@@ -63,6 +63,7 @@ class Batch:
         self.beside = state.cutting_beside
         self.cycle: InCycle | None = None
         self.presets = no_presets()
+        self.zero_known = True
         self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 

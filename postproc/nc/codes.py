@@ -73,7 +73,10 @@ TOOL_POINT = (
 )
 ITSELF = "the control moves an axis by itself: write its motion out, or take it out"
 CORNER = "it changes the contour before it: write the corner out"
-STATE = "modes and places come back from elsewhere: write the codes out"
+# The same where nothing writes it out.
+INLINE = "the same text runs at several places: write it out in line"
+UNTURNED = "it turns, scales or mirrors the coordinates: let the CAM program write them as they are"
+RESTORED = "modes come back from where they were kept: write the codes out"
 
 END_OF_PROGRAM = (2, 30)  # M codes after which the control reads no further
 CALLS = {97: "local subprogram", 98: "subprogram call", 99: "end of subprogram, or again from the top"}

@@ -45,7 +45,9 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
 
 def offset_columns(b: Batch) -> None:
     """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become reasons."""
+    before = b.reason.copy()
     b.offset = work_columns(b) + b.frame.shift[:, None]
+    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before[-1])
     for reason in b.frame.unknown.values():
         b.reason[:] = b.because(*reason)
 

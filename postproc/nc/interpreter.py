@@ -262,7 +262,7 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
-        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], frame=b.frame, offsets=b.offsets,
+        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], zero_known=b.zero_known, frame=b.frame, offsets=b.offsets,
         cycle=b.cycle.after if b.cycle else None, cutting_beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
 

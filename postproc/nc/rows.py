@@ -67,7 +67,7 @@ DRILL = rows("motion", {"81": "drilling", "82": "drilling with dwell"}, does="dr
 BORE = rows("motion", {"85": "boring", "86": "boring, spindle stop", "89": "boring with dwell"}, does="drill")
 BORE_BY_HAND = rows("motion", {"88": "boring, out by hand"}, does="drill")
 TAP = rows("motion", {"74": "left-hand tapping", "84": "right-hand tapping"}, does="tap")
-BACK_BORE = rows("motion", {"87": "back boring"}, refuses=codes.CYCLE)
+BACK_BORE = rows("motion", {"87": "back boring"}, refuses=codes.WRITE_OUT)
 THREAD = rows("motion", {"33": "spindle-synchronised motion"}, does="thread")
 SCALING = [
     *rows("scaling", {"50": "no scaling"}),
@@ -121,5 +121,14 @@ FANUC_LATHE = [
     ),
     *rows("motion", {"36": "tool offset of X, measured", "37": "tool offset of Z, measured"}, refuses=codes.PROBE),
     *rows("mirror", {"69": "no mirror"}),
-    *rows("mirror", {"68": "double turret mirror"}, refuses=codes.FRAME),
+    *rows("mirror", {"68": "double turret mirror"}, refuses=codes.UNTURNED),
 ]  # fmt: skip
+
+# What programs with Fanuc's macro language and subprograms show, and no others do.
+MACRO_SIGNS = (
+    r"M98\s*P\d",
+    r"#\d+\s*=",
+    r"G6[56]\s*P\d{4}",
+    r"\][ \t]*(THEN\b|GOTO[ \t]*\d)",
+    r"\bWHILE[ \t]*\[.*\][ \t]*DO[ \t]*\d",
+)

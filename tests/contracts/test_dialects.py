@@ -1,48 +1,332 @@
-"""Laws for every dialect, also a stranger's."""
+"""Laws for every dialect, also a stranger's. `python -m tests.contracts.test_dialects` writes docs/DIALECTS.md."""
 
 from __future__ import annotations
 
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from postproc.errors import UsageError
-from postproc.nc import dialects
+from postproc.nc import codes, dialects
+from postproc.nc.cycles import family
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
+from postproc.nc.spellings import respelled
+from postproc.nc.state import NONE, Setup
 
+ROOT = Path(__file__).parents[2]
+DOC = ROOT / "docs" / "DIALECTS.md"
 NAMES = dialects.names()
+LETTERS = set("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+HAS_WAY_OUT = re.compile(r"^[a-z/(].*\S: \S.*[^.]$", re.DOTALL)  # what is wrong, a colon, what to do
+
+pytestmark = pytest.mark.parametrize("name", NAMES)
 
 
-@pytest.mark.parametrize("name", NAMES)
+def every() -> list[dialects.Dialect]:
+    return [dialects.load(name) for name in NAMES]
+
+
+# -- rows --------------------------------------------------------------------------------------------------------------
+
+
 def test_codes_are_whole(name):
     dialect = dialects.load(name)
-    numbers = [code.number for code in dialect.codes]
-    assert len(numbers) == len(set(numbers)), "a G number stands twice"
+    words = [code.word for code in dialect.codes]
+    spelled = [codes.code_number(word) for word in words]
+    assert len(spelled) == len(set(spelled)), "a code stands twice"
     for code in dialect.codes:
-        assert code.word[0] == "G", code
+        assert re.fullmatch(r"G\d+(\.\d)?|[A-Z][A-Z0-9_]*", code.word), code
         assert code.meaning, code
-        assert 0 <= code.number < dialects.LARGEST_G
-    assert {"motion", "plane", "distance", "units", "work offset"} <= set(dialect.groups)
+        assert 0 <= code.number < dialects.NOTHING, code
+        assert not code.does or code.does in codes.DOES, f"{code.word} does {code.does!r}: a key of postproc.nc.codes"
+        assert not (code.does and code.refuses), f"{code.word}: what the interpreter does it does not refuse"
 
 
-@pytest.mark.parametrize("name", NAMES)
+def test_the_motions_and_modes_that_the_interpreter_asks_for(name):
+    dialect = dialects.load(name)
+    for number in (0, 10, 20, 30):
+        assert dialect.by_number[number].group == "motion"
+    for number in (170, 180, 190):
+        assert dialect.by_number[number].group == "plane"
+    for number, group in ((200, "units"), (210, "units")):
+        assert dialect.by_number[number].group == group
+    if not dialect.increments:
+        assert {900, 910} <= set(dialect.by_number), "places and distances are told by G90 and G91, or by letters"
+    for group, numbers in (("distance", (900, 910)), ("feed mode", (930, 940, 950))):
+        for number in numbers:
+            assert number not in dialect.by_number or dialect.by_number[number].group == group, number
+    for group, numbers in (("diameter", (70, 80)), ("arc centre", (901, 911))):
+        have = {code.number for code in dialect.codes if code.group == group}
+        assert have <= {*numbers, codes.code_number("DIAM90")}, group
+
+
+def test_what_is_like_a_code_of_another_control_stands_in_its_group(name):
+    """And that code is somewhere a code of its own."""
+    own = {(code.word, code.group) for dialect in every() for code in dialect.codes if not code.like}
+    for code in dialects.load(name).codes:
+        if code.like:
+            assert (code.like, code.group) in own, f"{code.word} is like {code.like}"
+
+
+def test_spellings_of_one_code_do_the_same(name):
+    by_number = defaultdict(set)
+    for code in dialects.load(name).codes:
+        by_number[code.number].add((code.group, code.takes, code.does, bool(code.refuses)))
+    assert all(len(kinds) == 1 for kinds in by_number.values())
+
+
 def test_what_is_refused_says_the_way_out(name):
     dialect = dialects.load(name)
     for code in dialect.codes:
-        if code.refuses:
-            assert ":" in code.refuses or "," in code.refuses, f"{code.word}: say what is wrong, then what to do"
+        assert not code.refuses or HAS_WAY_OUT.match(code.refuses), (
+            f"{code.word}: say what is wrong, a colon, what to do"
+        )
     for number, reason in dialect.m_refuses.items():
         assert number >= 0
-        assert reason
+        assert HAS_WAY_OUT.match(reason), f"M{number}: say what is wrong, a colon, what to do"
+        assert number not in dialect.m_codes, f"M{number} is refused, and passed"
+    for number, meaning in dialect.m_codes.items():
+        assert number >= 0
+        assert meaning
 
 
-@pytest.mark.parametrize("name", NAMES)
+def test_expand_is_promised_only_where_it_is(name):
+    """A sentence that names --expand needs somebody who writes such codes out."""
+    dialect = dialects.load(name)
+    written = family(dialect)
+    ways = set(written.cycles) | set(written.control.codes if _codes(written) else ())
+    for code in dialect.codes:
+        if codes.EXPAND not in code.refuses:
+            continue
+        if code.refuses == codes.CALL:
+            assert dialect.language, f"{code.word}: nobody runs this language"
+        elif _codes(written):
+            assert codes.code_number(code.word) in ways, f"{code.word}: nobody writes it out"
+        else:
+            assert codes.code_number(code.word) in ways or code.refuses == codes.FRAME, (
+                f"{code.word}: nobody writes it out"
+            )
+    if codes.CALL in dialect.m_refuses.values():
+        assert dialect.language
+
+
+def _codes(written) -> bool:
+    return hasattr(written.control, "codes")
+
+
+def test_a_modal_code_that_moves_otherwise_is_refused_or_done(name):
+    """No code of the motion group is read as a straight line by mistake."""
+    for code in dialects.load(name).codes:
+        if code.group == "motion" and code.number not in (0, 10, 20, 30, 800):
+            assert code.refuses or code.does in codes.CYCLE_KEYS, code
+
+
+# -- the dialect -------------------------------------------------------------------------------------------------------
+
+
 def test_a_dialect_is_found_by_its_name_and_is_data(name):
     dialect = dialects.load(name)
     assert dialect.name == name
+    assert dialect.title
     assert dialect.grammar.semicolon in ("comment", "end of block")
     assert dialect.plane in (170, 180, 190)
+    assert dialect.motion in (NONE, 0, 10)
+    assert dialect.integers in ("units", "least increments")
+    assert dialect.arc_centre in ("incremental", "pole")
+    assert dialect.length_letter in ("H", "D", "T")
+    assert set(dialect.increments) <= LETTERS
+    assert set(dialect.dwell) <= LETTERS
+    assert set(dialect.repeats) <= LETTERS
+    assert set(dialect.letters) <= LETTERS
+    assert len(dialect.carried_codes) == (2 if dialect.carried else 0)
+    assert 0 < dialect.arc_tolerance_mm <= dialect.arc_tolerance_most_mm
+    assert dialect.integers == "units" or dialect.integer_notice
+    assert set(dialect.exact_stops) <= set(dialect.by_number)
+    assert not set(dialect.ends) - set(dialect.m_codes), "a code that ends the program is none of its M codes"
     with pytest.raises(AttributeError):
         dialect.plane = 170
 
 
-def test_an_unknown_name_is_answered_with_the_names():
-    with pytest.raises(UsageError, match="linuxcnc"):
+def test_it_says_where_its_facts_come_from(name):
+    text = (ROOT / "postproc" / "nc" / "dialects" / f"{name.replace('-', '_')}.py").read_text()
+    doc = text.split('"""')[1]
+    assert re.search(r"manual|documentation|\.[ch]p?p?\b|B-\d{5}", doc, re.IGNORECASE), (
+        "name the manual, or the source file"
+    )
+
+
+def test_keywords_are_codes_and_the_other_way_round(name):
+    """A word that the grammar reads as a code is a row of the table."""
+    dialect = dialects.load(name)
+    words = {code.word for code in dialect.codes if not re.fullmatch(r"G[\d.]+", code.word)}
+    assert set(dialect.grammar.keywords) == words
+    for word in sorted(words)[:400]:
+        read = respelled(word.encode() + b"\n", dialect.grammar)
+        assert codes.code_number(word) - codes.KEYWORD == int(read[1:].split()[0]) or len(word) < 3, word
+
+
+def test_its_signs_are_regular_expressions(name):
+    dialect = dialects.load(name)
+    assert dialect.signs, "say how a program of this control can be told"
+    for sign in (*dialect.signs, *dialect.remarks):
+        assert sign.isascii()
+        assert not re.compile(sign, re.MULTILINE).search(""), "a sign that is everywhere is none"
+
+
+# -- the interpreter with it -------------------------------------------------------------------------------------------
+
+
+def test_the_state_at_the_start(name):
+    dialect = dialects.load(name)
+    state = Interpreter(dialect, Setup(("X", "Y", "Z"), least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3})).initial()
+    assert state.codes["plane"] == dialect.plane
+    assert (state.codes["distance"], state.codes["units"], state.codes["feed mode"]) == (900, 210, 940)
+    assert state.codes["motion"] == dialect.motion
+    for group, number in state.codes.items():
+        assert (
+            number == NONE
+            or group not in dialect.groups
+            or number not in dialect.by_number
+            or dialect.by_number[number].group == group
+        )
+
+
+def test_every_code_of_it_can_be_read(name):
+    """A block with the code alone makes no traceback, and leaves no axis at a place that it invented."""
+    dialect = dialects.load(name)
+    setup = Setup(
+        ("X", "Y", "Z"), least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3}, start={"X": 0.0, "Y": 0.0, "Z": 0.0}
+    )
+    interpreter = Interpreter(dialect, setup)
+    for code in dialect.codes:
+        text = code.word + (dialect.block_end or "") + "\n"
+        words = lex(text.encode(), dialect.grammar)
+        assert words.fault is None, (code, words.fault)
+        _, state, _ = interpreter.run(words, interpreter.initial())
+        assert (state.position == 0).all() or not state.known.all(), code
+
+
+def test_a_code_that_it_has_not_is_not_read_as_one_that_it_has(name):
+    """G20 is no code of Siemens, though its G70 counts as G20 everywhere."""
+    dialect = dialects.load(name)
+    spelled = {codes.code_number(code.word) for code in dialect.codes}
+    for number in {code.number for code in dialect.codes} - spelled:
+        assert dialect.group_of[dialect.meant[number]] == dialects.UNKNOWN
+    assert (dialect.group_of[dialect.meant[sorted(spelled)]] != dialects.UNKNOWN).all()
+    assert np.count_nonzero(dialect.meant != dialects.NOTHING) == len(spelled)
+
+
+# -- docs/DIALECTS.md --------------------------------------------------------------------------------------------------
+
+
+def test_the_page_of_dialects_is_up_to_date(name):
+    assert chapter(dialects.load(name)) in DOC.read_text(), "run: python -m tests.contracts.test_dialects"
+
+
+def test_an_unknown_name_is_answered_with_the_names(name):
+    with pytest.raises(UsageError, match=name):
         dialects.load("klingon")
+
+
+HEAD = """# Dialects
+
+Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of data,
+`postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
+machine.toml chooses it, `--dialect auto` looks at the program.
+
+- **followed**: the code is obeyed, and motions under it are corrected.
+- **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
+  threads, coordinates given to the place where the machine stands.
+- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first.
+- **refused**: only where a correction depends on the place; a machine without errors passes it.
+
+Which axis words are diameters is said by machine.toml (`diameter`), by G7 G8 or DIAMON DIAMOF where there are such codes.
+"""
+
+
+def chapter(dialect: dialects.Dialect) -> str:
+    """What the page says of one dialect."""
+    kinds: dict[str, list[str]] = defaultdict(list)
+    refused: dict[str, list[str]] = defaultdict(list)
+    for code in dialect.codes:
+        if codes.EXPAND in code.refuses:
+            kinds["needs --expand"].append(code.word)
+        elif code.refuses:
+            refused[code.refuses].append(code.word)
+        elif code.does in codes.CYCLE_KEYS or code.does in ("set", "data"):
+            kinds["corrected in place"].append(code.word)
+        else:
+            kinds["followed"].append(code.word)
+    for number, reason in dialect.m_refuses.items():
+        if codes.EXPAND in reason:
+            kinds["needs --expand"].append(f"M{number}")
+        else:
+            refused[reason].append(f"M{number}")
+    rows = [(kind, _words(kinds[kind])) for kind in ("followed", "corrected in place", "needs --expand") if kinds[kind]]
+    rows += [(f"refused: {reason}", _words(words)) for reason, words in sorted(refused.items())]
+    rows.append(("a number without a point", "whole units" if dialect.integers == "units" else "least increments"))
+    rows.append(
+        ("`;`", dialect.grammar.semicolon + (f"; `{dialect.block_end}` ends a block" if dialect.block_end else ""))
+    )
+    rows.append(("`( )`", "comment" if dialect.grammar.parentheses else "arguments"))
+    rows.append(("increments", " ".join(f"{u}={x}" for u, x in dialect.increments.items()) or "by G91"))
+    rows.append(
+        (
+            "tool lengths",
+            "by T, with its offset"
+            if dialect.tool_offsets
+            else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter],
+        )
+    )
+    rows.append(("arc may miss its end by", _tolerance(dialect)))
+    rows.append(
+        ("variables and loops", f"`--expand`, {dialect.language}" if dialect.language else "none that are followed")
+    )
+    rows.append(("ends with", _words([f"M{n}" for n in dialect.ends]) or "the text"))
+    if dialect.carried:
+        rows.append(("carried along", " ".join(dialect.carried)))
+    table = "\n".join(f"| {what} | {which} |" for what, which in rows)
+    return f"## {dialect.name}\n\n{dialect.title}.\n\n| | |\n|---|---|\n{table}\n"
+
+
+def _tolerance(dialect: dialects.Dialect) -> str:
+    text = f"{dialect.arc_tolerance_mm:.3g} mm"
+    if dialect.arc_tolerance_relative:
+        text += f", or {100 * dialect.arc_tolerance_relative:g} % of the radius up to {dialect.arc_tolerance_most_mm:.3g} mm"
+    return text
+
+
+def _words(words: list[str]) -> str:
+    """Codes in their order, runs of them joined: "G54-G59"."""
+    order = sorted(
+        words,
+        key=lambda w: (
+            not re.fullmatch(r"[GM][\d.]+", w),
+            w[0],
+            float(w[1:]) if re.fullmatch(r"[GM][\d.]+", w) else 0,
+            w,
+        ),
+    )
+    runs: list[list[str]] = []
+    for word in order:
+        last = runs[-1][-1] if runs else ""
+        joins = (
+            re.fullmatch(r"[GM]\d+", word)
+            and re.fullmatch(r"[GM]\d+", last)
+            and word[0] == last[0]
+            and int(word[1:]) == int(last[1:]) + 1
+        )
+        runs[-1].append(word) if joins else runs.append([word])
+    return " ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else " ".join(run) for run in runs)
+
+
+def page() -> str:
+    return HEAD + "\n" + "\n".join(chapter(dialect) for dialect in every())
+
+
+if __name__ == "__main__":
+    DOC.write_text(page())

@@ -69,7 +69,7 @@ def places(lines: list[str]) -> np.ndarray:
 
 @pytest.mark.parametrize(
     "text, expected",
-    {
+    list({
         "1+2*3": 7, "[1+2]*3": 9, "2-3-4": -5, "24/4/3": 2, "-2+5": 3, "-[COS[0]]": -1, "2*-3": -6,
         "SIN[30]": 0.5, "COS[60]": 0.5, "TAN[45]": 1, "SIN[-90]": -1, "COS[720]": 1,
         "ACOS[0.5]": 60, "ACOS[-1]": 180, "ATAN[1]": 45, "ATAN[-1]": -45,
@@ -84,7 +84,7 @@ def places(lines: list[str]) -> np.ndarray:
         "BCD[12]": 18, "BIN[18]": 12,
         "3 GT 2": 1, "[3 GT 2] AND [1 EQ 2]": 0, "[3 GT 2] OR [1 EQ 2]": 1, "2 LE 2": 1, "2 GE 3": 0, "2 NE 2": 0, "1 LT 2": 1,
         "RO[0]+FU[1.1]+SI[90]": 3,  # first two letters of a function
-    }.items(),
+    }.items()),
 )  # fmt: skip
 def test_expressions(text, expected):
     assert value(text) == pytest.approx(expected, abs=5e-4)

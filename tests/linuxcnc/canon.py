@@ -11,7 +11,6 @@ import math
 import os
 import re
 import resource
-import signal
 import subprocess
 import sys
 
@@ -21,7 +20,7 @@ MM_PER_INCH = 25.4
 AXES = 9  # X Y Z A B C U V W, as the interpreter passes them
 LENGTH = (0, 1, 2, 6, 7, 8)  # which of them are lengths
 LINE_LENGTH = 252
-SECONDS = 10  # for one program
+SECONDS = 3  # of processor time, for one program
 MEMORY = 2 << 30
 PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}  # name; first, second, normal axis
 # A fresh interpreter takes its position as zero of the *program*, and a feed of 1 as given. Put the machine at
@@ -217,7 +216,7 @@ def run_in_child(job, home, rs274):
     child = os.fork()
     if child == 0:
         status = 1
-        signal.alarm(SECONDS)  # some programs never end
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))  # some programs never end
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         try:
             outcome = run({**job, "parameters": dict(job["parameters"])}, home, rs274)

@@ -27,6 +27,7 @@ PLANES = {"G17": "XYZ", "G18": "ZXY", "G19": "YZX"}  # first, second, normal
 CENTRE = {"X": "I", "Y": "J", "Z": "K"}
 TRIPLES = ((3, 4, 5), (5, 12, 13), (8, 15, 17), (7, 24, 25), (20, 21, 29), (0, 1, 1))
 ROTARY = "ABC"
+LONGEST = 200  # of a line; LinuxCNC takes 252
 
 
 def random_program(rng: random.Random, kind: str) -> str:
@@ -389,7 +390,8 @@ class _Words:
     def motion(self, names):
         code = self.rng.choice(("", "", "G0", "G1", "G90", "G91"))
         words = [letter + self.smooth(names) for letter in some(self.rng, "XYZ")]
-        self.lines.append(" ".join(word for word in (code, *words) if word))
+        text = " ".join(word for word in (code, *words) if word)
+        self.lines.append(text if len(text) < LONGEST else f"G0 X{self.exact(names)}")
 
     def assign(self, names):
         name = self.rng.choice(names)

@@ -102,6 +102,40 @@ def test_a_dwell_stays_where_it_is():
     assert dwell == Motion(2, "dwell", dwell.start, dwell.start, seconds=1.5) and dwell.end[0] == near(5)
 
 
+def test_a_probe_goes_to_its_end():
+    [probe, _] = motions("G92 Z5\nG38.2 Z2 F100\nG0 X#5063\nM2\n")
+    assert (probe.kind, probe.line) == ("probe", 2) and probe.end[:3] == near((0, 0, -3))
+
+
+def test_a_rigid_tap_comes_back():
+    """To where the machine stood, whatever zero has been moved since."""
+    made = motions("S100 M3\nG0 X5 A3\nG92 X0 A1\nG33.1 X3 Z-5 K1\nG0 Y1\nM2\n")
+    assert [(motion.line, motion.kind) for motion in made] == [(2, "rapid"), (4, "feed"), (4, "feed"), (5, "rapid")]
+    assert [motion.end[:4] for motion in made] == [
+        near((5, 0, 0, 3)),
+        near((8, 0, -5, 3)),
+        near((5, 0, 0, 3)),
+        near((5, 1, 0, 3)),
+    ]
+
+
+def test_what_a_turning_cycle_does_has_the_line_of_its_word():
+    made = motions("O1 sub\nG0 X10 Z0\nG1 Z-10\nO1 endsub\nG18 G0 X25 Z5\nG70 Q1 F100\nM2\n")
+    assert [motion.line for motion in made if motion.kind == "feed"] == [6]
+    assert {motion.line for motion in made} == {5, 6}
+
+
+def test_a_tilted_arc_is_not_told():
+    with pytest.raises(ProgramError, match="not covered") as caught:
+        motions("G10 L2 P1 R90\nG18 G0 X10\nG2 X10 Z10 K5 F100\nG0 X1\nM2\n")
+    assert caught.value.line == 3 and len(caught.value.before) == 1
+
+
+def test_a_program_without_end_is_stopped():
+    with pytest.raises(ProgramError, match="died"):
+        motions("O1 while [1]\nG0 X1\nO1 endwhile\nM2\n")
+
+
 def test_the_block_delete_switch():
     assert len(motions("G0 X1\n/X2\nM2\n")) == 2
     assert len(motions("G0 X1\n/X2\nM2\n", block_delete=True)) == 1

@@ -18,7 +18,9 @@ from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.threading import LinuxcncThread
 from postproc.nc.cycles.turning_fanuc import Repetitive, Stays, Turn
+from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
 from postproc.nc.dialects import Dialect
 
 
@@ -66,7 +68,9 @@ class Family:
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
     holes = LinuxcncDrilling(synchronised)
-    return Family(dict.fromkeys([*ACTIONS, *REFUSED], holes), LinuxcncRotation)
+    cycles: dict[int, Cycle] = dict.fromkeys([*ACTIONS, *REFUSED], holes)
+    turning = dict.fromkeys((700, 710, 711, 712, 720, 721, 722), LinuxcncTurning())
+    return Family(cycles | {760: LinuxcncThread()} | turning, LinuxcncRotation)
 
 
 def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:

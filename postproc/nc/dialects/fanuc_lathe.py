@@ -8,7 +8,7 @@ point: parameter 3401 bit 0 (DPI), B-64310EN.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, RETURN, SET, UNITS, rows
+from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, UNITS, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe",
@@ -28,12 +28,13 @@ DIALECT = Dialect(
             {
                 "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
                 "74": "end face pecking", "75": "grooving", "76": "threading cycle", "77": "turning cycle",
-                "78": "threading cycle", "79": "facing cycle", "81": "drilling", "82": "drilling with dwell",
+                "78": "threading cycle", "79": "facing cycle",
             },
             refuses=codes.CYCLE,
         ),
+        *rows("motion", {"81": "drilling", "82": "drilling with dwell"}, refuses=codes.WRITE_OUT),
         *rows("scaling", {"50": "no scaling"}),
-        *rows("scaling", {"51": "scaling"}, refuses=codes.FRAME),
+        *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
@@ -62,13 +63,12 @@ DIALECT = Dialect(
     one_code_per_group=False,
     letters="E",
     signs=(
+        *MACRO_SIGNS,
+        r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+\s*)?T(?!0000)\d{4}\b",
-        r"\bG92\s*S\d",
-        r"\bG7[1-6]\s*P\d+\s*Q\d+",
-        r"\bG7[78]\s*X",
-        r"^O\d{4,8}\b",
-        r"\bM98\s*P\d",
-        r"#\d+\s*=",
+        r"G92\s*S\d",
+        r"G7[1-6]\s*P\d+\s*Q\d+",
+        r"G7[78]\s*X",
     ),
     remarks=(r"\bFANUC\b", r"\bSTUDER\b"),
 )  # fmt: skip

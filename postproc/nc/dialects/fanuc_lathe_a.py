@@ -7,7 +7,7 @@ systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, FANUC_LATHE, UNITS, rows
+from postproc.nc.rows import CUTTER, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe-a",
@@ -48,16 +48,15 @@ DIALECT = Dialect(
     one_code_per_group=False,
     letters="E",
     signs=(
+        *MACRO_SIGNS,
+        r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+\s*)?(G0?0\s*)?T(?!0000)\d{4}\b",
-        r"\bG50\s*S\d",
-        r"\bG7[1-3]\s*[UW]-?[\d.]+",
-        r"\bG7[0-3]\s*P\d+\s*Q\d+",
-        r"\bG76\s*P\d{6}",
-        r"\bG9[024]\s*X-?[\d.]+\s*Z",
-        r"\bG99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
-        r"^O\d{4,8}\b",
-        r"\bM98\s*P\d",
-        r"#\d+\s*=",
+        r"G50\s*S\d",
+        r"G7[1-3]\s*[UW]-?[\d.]+",
+        r"G7[0-3]\s*P\d+\s*Q\d+",
+        r"G76\s*P\d{6}",
+        r"G9[024]\s*X-?[\d.]+\s*Z",
+        r"G99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
     ),
     remarks=(r"\bFANUC\b",),
 )  # fmt: skip

@@ -6,7 +6,7 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, RETURN, SET, THREAD, rows
+from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, THREAD, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe-c",
@@ -44,15 +44,14 @@ DIALECT = Dialect(
     one_code_per_group=False,
     letters="E",
     signs=(
+        *MACRO_SIGNS,
+        r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+\s*)?T(?!0000)\d{4}\b",
-        r"\bG92\s*S\d",
-        r"\bG7[2-5]\s*P\d+\s*Q\d+",
-        r"\bG24\s*X",
-        r"\bG2[01]\s*X-?[\d.]+\s*Z",
-        r"\bG7[01]\s*$",
-        r"^O\d{4,8}\b",
-        r"\bM98\s*P\d",
-        r"#\d+\s*=",
+        r"G92\s*S\d",
+        r"G7[2-5]\s*P\d+\s*Q\d+",
+        r"G24\s*X",
+        r"G2[01]\s*X-?[\d.]+\s*Z",
+        r"G7[01]\s*$",
     ),
     remarks=(r"\bFANUC\b",),
 )  # fmt: skip

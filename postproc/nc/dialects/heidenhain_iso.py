@@ -1,8 +1,9 @@
 """Heidenhain TNC in DIN/ISO: `*` ends a block, % NAME G71 * begins and ends a program, I J set a pole that stays.
 
 G functions: HEIDENHAIN TNC 640, iTNC 530 and TNC 426 user's manuals, ISO programming, "G functions" and "M functions".
-G17-G19 name the tool axis and so the plane, G70 G71 the unit, T the tool with its length, G54 a datum shift, G98 L a
-label. G05 G06 G07 and polar G10-G16 take their shape from what came before. Numbers without a point are whole units.
+G17-G19 name the tool axis and so the plane, G70 G71 the unit, T the tool with its length, G98 L a label;
+--offset G54= is the datum in force. G05 G06 G07 and polar G10-G16 take their shape from what came before. Numbers
+without a point are whole units.
 """
 
 from postproc.nc import codes
@@ -10,15 +11,13 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
-_LENGTH = "it comes and goes with the tool's call: write X Y Z of the tool centre path"
-_DATUM = "the datum comes from the control's tables: program in one datum, with --offset"
+_DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
 
 DIALECT = Dialect(
     name="heidenhain-iso",
     title="Heidenhain TNC, DIN/ISO",
     codes=(
         *MOTION, *PLANE, *DISTANCE, *CUTTER,
-        *rows("plane", {"20": "tool axis IV"}, refuses=codes.TRANSFORM),
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("motion", {"5": "arc, either way", "6": "arc, tangential"}, refuses="its circle follows from other places: write "
@@ -33,11 +32,10 @@ DIALECT = Dialect(
         *rows("", {"30": "blank, lower corner", "31": "blank, upper corner", "99": "tool definition", "51": "next tool",
               "98": "label", "29": "pole at the last place", "36": "spindle orientation", "38": "stop", "62": "tolerance",
               "50": "protection off", "37": "contours of the pocket", "39": "program to call"}, takes=True, does="words"),
-        *rows("shift", {"54": "datum shift"}, takes=True, does="trans", like="TRANS"),
-        *rows("datum", {"53": "datum from a table", "247": "preset"}, takes=True, refuses=_DATUM),
-        *rows("mirror", {"28": "mirror"}, refuses=codes.FRAME),
-        *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.FRAME),
-        *rows("scaling", {"72": "scaling"}, refuses=codes.FRAME),
+        *rows("datum", {"53": "datum from a table", "54": "datum shift", "247": "preset"}, takes=True, refuses=_DATUM),
+        *rows("mirror", {"28": "mirror"}, refuses=codes.UNTURNED),
+        *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.UNTURNED),
+        *rows("scaling", {"72": "scaling"}, refuses=codes.UNTURNED),
         *rows("tilt", {"80": "working plane"}, refuses=codes.TILTED, like="G68.2"),
         *rows("", {"55": "probe"}, takes=True, refuses=codes.PROBE),
         *rows("", {"79": "cycle call"}, refuses=codes.WRITE_OUT),
@@ -56,7 +54,7 @@ DIALECT = Dialect(
         89: codes.WRITE_OUT, 99: codes.WRITE_OUT,
         91: "its block is in machine coordinates, for which DIN/ISO has no word of its own here: write the block at the datum in force",
         92: _DATUM, 94: codes.ITSELF, 114: codes.TOOL_POINT, 118: codes.ITSELF, 124: codes.ITSELF, 128: codes.TOOL_POINT,
-        129: codes.TOOL_POINT, 130: codes.TILTED, 138: codes.TOOL_POINT, 140: codes.WRITE_OUT, 142: codes.STATE, 144: codes.TOOL_POINT,
+        129: codes.TOOL_POINT, 130: codes.TILTED, 138: codes.TOOL_POINT, 140: codes.WRITE_OUT, 142: codes.RESTORED, 144: codes.TOOL_POINT,
     },
     plane=170,
     dwell="F",
@@ -66,11 +64,11 @@ DIALECT = Dialect(
     signs=(
         r"^\s*%\s*[\w$.+-]+\s+G7[01]\s*\*",
         r"[\dA-Z]\s*\*\s*$",
-        r"\bG99\s*T\d+",
-        r"\bG79\b",
-        r"\bG98\s*L\d+",
+        r"G99\s*T\d+",
+        r"G79\b",
+        r"G98\s*L\d+",
         r"\bN9{8}\b",
-        r"\bG30\s*G17\b",
+        r"G30\s*G17\b",
         r"\bD0\d\s*Q\d",
         r"^\s*(N\d+\s+)?I[-+]?\d[\d.]*\s*J[-+]?\d",
     ),

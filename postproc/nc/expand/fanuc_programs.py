@@ -18,8 +18,8 @@ from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.lexer import COMMENTS
 
 MACRO = re.compile(  # what makes a text one that must be executed: not O numbers, and not the end of the program
-    rb"[#\[]|[Mm][ \t0]*(?:9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9])|[Gg][ \t0]*6[ \t]*[567]|[GgDd][ \t]*[Oo]|"
-    rb"[Oo](?![ \t]*[0-9])|[Ee][ \t]*[Nn]"
+    rb"[#\[MmGgDdOoEe](?:(?<=[#\[])|(?<=[Mm])[ \t0]*(?:9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9])|"
+    rb"(?<=[Gg])(?:[ \t0]*6[ \t]*[567]|[ \t]*[Oo])|(?<=[Dd])[ \t]*[Oo]|(?<=[Oo])(?![ \t]*[0-9])|(?<=[Ee])[ \t]*[Nn])"
 )
 MODAL = re.compile(rb"[Gg][ \t0]*6[ \t]*6")
 PROGRAM_HEAD = re.compile(rb"[ \t]*(?:/[1-9]?[ \t]*)?[Oo:][ \t]*([0-9][0-9 \t]*)")

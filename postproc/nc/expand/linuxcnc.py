@@ -25,13 +25,6 @@ from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
 from postproc.nc.expand.linuxcnc_parameters import Memory
 from postproc.nc.expand.tracker import Tracker
 
-# Lines that are more than plain words: expressions, signs in a row, O-words, the end, M70-M73 M98 M99, and what changes
-# things that parameters and the written numbers depend on (M61, G10, G20, G28.1, cycles); comments that act; "%".
-SPECIAL = re.compile(
-    rb"[\[#@^]|[-+][ \t]*[-+]|^[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?[Oo]|^[ \t]*%|\([ \t]*(?:[Aa][Bb]|[Pp][Yy])|^;py,"
-    rb"|[Mm][ \t0]*(?:2|3[ \t]*0|6[ \t]*1|7[ \t]*[0-3]|9[ \t]*[89])(?![ \t]*\d)"
-    rb"|[Gg][ \t0]*(?:(?:1[ \t]*0|2[ \t]*[01]|7[ \t]*[346]|8[ \t]*[1-9])(?![ \t]*\d)|(?:2[ \t]*8|3[ \t]*0)[ \t]*\.)"
-)
 WRITTEN = re.compile(rb"[\[#]|^[ \t]*/[ \t]*(?:[Nn][ \t\d.]+)?[Oo]")  # within a skipped line: not plain
 CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
 ENDS, STATES, CALLS = (2, 30), (70, 71, 72, 73), (98, 99)
@@ -57,20 +50,22 @@ class Run:
 
     def lines(self) -> Iterator[Line]:
         """Execute it."""
-        flow, search, steps = self.flow, SPECIAL.search, 0
+        flow, steps = self.flow, 0
         most = self.limits.steps + len(self.main.lines)  # a program without loops may be as long as it likes
         while True:
             file, at = flow.file, flow.at
-            if at >= len(file.lines):
+            special = file.special.find(1, at)
+            until = min(special if special >= 0 else len(file.lines), at + most - steps)
+            if until > at and flow.skip is None:
+                name = file.name
+                for number, text in enumerate(file.lines[at:until], at + 1):
+                    yield Line(text, number, name)
+            steps += until - at
+            if until >= len(file.lines):
                 self._run_out()
                 return
-            text = file.lines[at]
-            flow.at = at + 1
-            steps += 1
-            if steps <= most and not search(text):
-                if flow.skip is None:
-                    yield Line(text, at + 1, file.name)
-                continue
+            at, text = until, file.lines[until]
+            flow.at, steps = at + 1, steps + 1
             try:
                 if steps > most:
                     raise Refusal(

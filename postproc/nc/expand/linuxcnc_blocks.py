@@ -20,6 +20,14 @@ from postproc.nc.expand.linuxcnc_expressions import NUMBER, Code, Node, Reader, 
 from postproc.nc.expand.linuxcnc_parameters import LOCAL, Memory
 from postproc.nc.expand.tracker import number
 
+# What makes a line more than plain words: expressions, signs in a row, the end, M70-M73 M98 M99, what parameters and written
+# numbers depend on (M61, G10, G20, G28.1, cycles), comments that act; at the start of a line, an O-word or "%".
+SPECIAL = re.compile(
+    rb"[\[#@^+\-MmGg(;](?:(?<=[\[#@^])|(?<=[+-])[ \t]*[+-]|(?<=\()[ \t]*(?:[Aa][Bb]|[Pp][Yy])|(?<=;)[Pp][Yy],"
+    rb"|(?<=[Mm])[ \t0]*(?:2|3[ \t]*0|6[ \t]*1|7[ \t]*[0-3]|9[ \t]*[89])(?![ \t]*\d)|(?<=[Gg])[ \t0]*"
+    rb"(?:(?:1[ \t]*0|2[ \t]*[01]|7[ \t]*[346]|8[ \t]*[1-9])(?![ \t]*\d)|(?:2[ \t]*8|3[ \t]*0)[ \t]*\.))"
+)
+SPECIAL_START = re.compile(rb"\n[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?[Oo%]")
 KEYWORD = re.compile(
     "sub|endsub|call|do|while|repeat|if|elseif|else|endif|break|continue|endwhile|endrepeat|return"  # in LinuxCNC's order
 )
@@ -32,6 +40,18 @@ MOST_DIGITS = 17
 ACTIVE = re.compile(rb"\(\s*(?:msg|print|debug|log\w*|probe(?:open|close))\s*[,)]")  # comments that do something
 STOPS = re.compile(rb"\(\s*abort\s*,\s*([^)]*)\)")
 PYTHON = re.compile(rb"\(\s*py(?:run|reload)?\s*[,)]|;py,")
+
+
+def special_lines(text: bytes, lines: int) -> bytearray:
+    """For each line of a program, 1 where it may be more than plain words."""
+    special = bytearray(lines + 1)
+    for pattern, code in ((SPECIAL, text), (SPECIAL_START, b"\n" + text)):
+        line, counted = 0, 0
+        for found in pattern.finditer(code):
+            line += code.count(b"\n", counted, found.start())
+            counted = found.start()
+            special[line] = 1
+    return special[:lines]
 
 
 class Edit(NamedTuple):

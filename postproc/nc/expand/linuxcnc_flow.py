@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from postproc.nc.expand import Program
-from postproc.nc.expand.linuxcnc_blocks import Block, Control
+from postproc.nc.expand.linuxcnc_blocks import Block, Control, special_lines
 from postproc.nc.expand.linuxcnc_expressions import CORRECT, Refusal, whole
 from postproc.nc.expand.linuxcnc_parameters import Memory
 
@@ -23,14 +23,17 @@ MOST_REPEATS = 2**31
 
 @dataclass
 class File:
-    """A program's lines; which ones have been looked at, and what those are that are met again."""
+    """A program's lines. name: "" for the main program. special: which lines may be more than plain words; met: which of
+    them have been looked at; read: what those are that were met again."""
 
-    name: str  # "": the main program
-    lines: list[bytes]
+    name: str
+    program: Program
     read: dict[int, Block | Control] = field(default_factory=dict)
-    met: bytearray = field(default_factory=bytearray)
 
     def __post_init__(self) -> None:
+        found = self.program.lines()
+        self.lines = found if found[-1] else found[:-1]
+        self.special = special_lines(self.program.text, len(self.lines))
         self.met = bytearray(len(self.lines))
 
 
@@ -66,7 +69,7 @@ class Flow:
 
     def __init__(self, program: Program, memory: Memory, depth: int):
         self.program, self.memory, self.depth = program, memory, depth
-        self.file = self.main = File("", split(program))
+        self.file = self.main = File("", program)
         self.files: dict[str, File | None] = {}
         self.at = 0  # the line that is read next
         self.labels: dict[str, Place] = {}
@@ -288,7 +291,7 @@ class Flow:
     def _load(self, name: str) -> File | None:
         if name not in self.files:
             text = self.program.library(name)
-            self.files[name] = None if text is None else File(f"{name}.ngc", split(Program(name, text)))
+            self.files[name] = None if text is None else File(f"{name}.ngc", Program(name, text))
         return self.files[name]
 
     def _go(self, place: Place) -> None:
@@ -313,12 +316,6 @@ class Flow:
         self.left.pop()
         self.memory.leave(call.numbers)
         self._go(call.back)
-
-
-def split(program: Program) -> list[bytes]:
-    """The lines without their ends, none behind the last line end."""
-    found = program.lines()
-    return found if found[-1] else found[:-1]
 
 
 def base(name: str) -> str:

@@ -26,11 +26,14 @@ class Tracker:
 
     @property
     def state(self) -> ModalState:
-        """The modal state behind the last line taken."""
+        """The modal state behind the last line taken. Raises BlockFault for one that is no plain block."""
         if self._waiting:
             text = b"\n".join(self._waiting) + b"\n"
             self._waiting = []
-            self._state = self.interpreter.run(lex(text, self.dialect.grammar), self._state)[1]
+            words = lex(text, self.dialect.grammar)
+            self._state = self.interpreter.run(words, self._state)[1]
+            if words.fault and not self._state.ended:
+                raise words.fault
         return self._state
 
     def code(self, group: str) -> int:
@@ -51,7 +54,7 @@ class Tracker:
     def work(self, axis: str) -> float | None:
         """The programmed coordinate (program's unit, diameter where such) at which the axis stands, None: not known."""
         state, row = self.state, self.setup.axes.index(axis)
-        if not state.known[row] or state.origin is None:
+        if not state.known[row] or state.origin is None or not state.zero_known:
             return None
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
             2 if self.is_diameter(axis) else 1

@@ -1,0 +1,166 @@
+"""LinuxCNC's G70, G71 and G72 over a shape in a subroutine, for shapes without pockets, as measured on its interpreter 2.9.
+
+LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape, leaves it
+at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one the tool goes
+along the shape and out to the depth it started from, and stays there. Refused: pockets and the codes that choose them
+(G71.1 G71.2 G72.1 G72.2), a distance to the shape (D, E), which rounds corners, and a first block that moves both axes.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.profile import Element, Profile, shape
+from postproc.nc.cycles.scene import CLOCKWISE, Scene
+
+LETTERS = "XZPQDERIUW"
+MOST_PASSES = 10_000
+NEAR = 1e-6
+
+
+class LinuxcncTurning:
+    """G70, G71, G72."""
+
+    modal = False
+
+    def end(self) -> None:
+        return
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        return False
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        """The plain lines of the block. Raises ProgramError."""
+        self._check(scene, block, code)
+        profile = self._subroutine(scene, block)
+        for axis in "XZ":
+            word = block.word(axis)
+            if word and scene.differs(axis, word.value or 0.0):
+                raise scene.fault(f"a start point {axis}{word.raw} elsewhere", f"go there before: G0 {axis}{word.raw}", word)
+        elements = shape(scene, profile, (scene.at("Z"), scene.at("X")), scene.code("motion"))
+        if len(elements) < 2:
+            raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
+        m = Moves(scene, own_words(block, LETTERS, {code}))
+        if code == 700:
+            self._finish(scene, block, elements, m)
+        else:
+            self._rough(scene, block, elements, m, deep=1 if code == 710 else 0)
+        return Outcome(m.finish())
+
+    def _check(self, scene: Scene, block: Block, code: int) -> None:
+        name = f"G{code / 10:g}"
+        if code not in (700, 710, 720):
+            raise scene.fault(f"{name} chooses pockets", "only G70, G71 and G72 over a shape without pockets are written out")
+        if scene.incremental:
+            raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
+        if scene.code("plane") != 180:
+            raise scene.fault(f"{name} outside the ZX plane", "write G18 before")
+        if scene.is_diameter("X"):
+            raise scene.fault(f"{name} with X as a diameter (G7)", "this is not written out: program it in G8")
+        if scene.code("cutter") in (410, 411, 420, 421):
+            raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
+        beside = next((w for w in block.words if w.letter in "DEUW" and w.value), None)
+        if beside:
+            raise scene.fault(
+                f"{beside.letter}{beside.raw} keeps a distance to the shape", "this is not written out: give the shape itself",
+                beside,
+            )  # fmt: skip
+
+    def _subroutine(self, scene: Scene, block: Block) -> Profile:
+        """The blocks of the subroutine that Q names."""
+        q = block.get("Q")
+        if q is None or q != int(q):
+            raise scene.fault("a turning cycle without the subroutine of its shape", "write Q and its number")
+        lines = scene.lines()
+        name = rb"[ \t]*[oO][ \t]*<?[ \t]*%d[ \t]*>?[ \t]*" % int(q)
+        begin = next((i for i, text in enumerate(lines) if re.match(name + rb"[sS][uU][bB]", text)), None)
+        end = next((i for i, text in enumerate(lines) if re.match(name + rb"[eE][nN][dD][sS][uU][bB]", text)), None)
+        if begin is None or end is None or end < begin:
+            raise scene.fault(f"there is no subroutine O{q:g} in this file", "write the shape as O.. sub to O.. endsub")
+        texts = []
+        for text in lines[begin + 1 : end]:
+            part = Block.of(text, scene.dialect.grammar)
+            if not part.plain:
+                raise scene.fault(
+                    f"the shape has more than words and numbers: {text[:40].decode('latin-1')!r}", "write it out in the subroutine"
+                )
+            texts.append(part)
+        return Profile(texts, begin + 2, end)
+
+    def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
+        """G70: along the shape, once."""
+        times = block.get("P")
+        if times not in (None, 1.0):
+            raise scene.fault(f"G70 P{times:g} cuts the shape more than once", "write the block as often instead")
+        self._to(m, "G0", elements[0].start)
+        self._to(m, "G0", elements[0].end)
+        for e in elements[1:]:
+            self._element(m, e)
+
+    def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, deep: int) -> None:
+        """G71, and G72 with Z and X changed over."""
+        along = 1 - deep
+        first, rest = elements[0], elements[1:]
+        start = first.start
+        if first.is_arc or abs(first.end[along] - start[along]) > NEAR:
+            raise scene.fault(
+                f"the first block of the shape must move {'ZX'[deep]} alone", "others begin a pocket, which is not written out"
+            )
+        sense = 1 if first.end[deep] > start[deep] else -1
+        side = 1 if rest[-1].end[along] > start[along] else -1
+        for e in rest:
+            if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
+                raise scene.fault("an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer")
+            out = (e.end[deep] - e.start[deep]) * sense
+            if out > NEAR or (e.end[along] - e.start[along]) * side < -NEAR or not e.monotonic:
+                raise scene.fault("the shape turns back, or has a pocket", "only shapes without pockets are written out")
+        if abs(rest[-1].end[deep] - first.end[deep]) < NEAR and (deep == 0 or sense > 0):
+            raise scene.fault("the shape has one depth alone", "LinuxCNC takes the wrong side of it: write it out")
+        if (start[deep] - rest[-1].end[deep]) * sense < -NEAR:
+            out_end = list(rest[-1].end)
+            out_end[deep] = start[deep]
+            rest = [*rest, Element(10, rest[-1].end, (out_end[0], out_end[1]))]
+        step = block.get("I")
+        retract = block.get("R")
+        step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract
+        if step <= 0 or retract <= 0 or abs(first.end[deep] - start[deep]) / step > MOST_PASSES:
+            raise scene.fault(f"I{step:g} R{retract:g}", f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)")
+        self._to(m, "G0", start)
+        level = start[deep]
+        while (first.end[deep] - level) * sense > NEAR:
+            stop = next((v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along])
+            here = self._point(deep, level, start[along])
+            self._to(m, "G0", here)
+            length = abs(stop - start[along])
+            if length >= NEAR:
+                self._to(m, "G1", self._point(deep, level, stop))
+                share = min(1.0, length / 2 / retract) * retract
+                self._to(m, "G0", self._point(deep, level - sense * share, stop - side * share))
+                self._to(m, "G0", self._point(deep, level - sense * share, start[along] + side * share))
+                self._to(m, "G0", here)
+            level += sense * step
+        self._to(m, "G0", first.end)
+        for e in rest:
+            self._element(m, e)
+
+    @staticmethod
+    def _point(deep: int, level: float, other: float) -> tuple[float, float]:
+        return (other, level) if deep == 1 else (level, other)
+
+    @staticmethod
+    def _to(m: Moves, code: str, to: tuple[float, float]) -> None:
+        m.move(code, {"X": to[1], "Z": to[0]})
+
+    def _element(self, m: Moves, e: Element) -> None:
+        if not e.is_arc:
+            self._to(m, "G1", e.end)
+            return
+        e = replace(e, words=())
+        scene, (z, x) = m.scene, (e.centre[0] - e.start[0], e.centre[1] - e.start[1])
+        words = [scene.text("I", x), scene.text("K", z)]
+        m.move("G2" if e.code == CLOCKWISE else "G3", {"X": e.end[1], "Z": e.end[0]}, *words)

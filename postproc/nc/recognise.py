@@ -1,0 +1,167 @@
+"""Which control a program is written for, told by what stands in it.
+
+Every dialect says what its programs show and others do not (`signs`, `remarks`). Beside these count codes that a dialect
+has not, letters that mean nothing to it, and how `;` and ( ) are used. Programs of plain G0 and G1 fit many dialects,
+and then many names come back, with nothing for any of them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+
+from postproc.nc import dialects
+from postproc.nc.codes import code_number
+from postproc.nc.dialects import Dialect
+
+HEAD = 65_536  # bytes that are looked at
+MOST = 60  # characters of evidence shown
+COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*")
+CODE = re.compile(r"(?<![A-Z0-9_$#<.\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
+EXTRUDES = re.compile(r"^\s*(?:N\d+\s*)?G0?[01]\b[^\n]*(?<![A-Z0-9._])E-?\.?\d", re.MULTILINE)
+BLOCK_ENDS = re.compile(r";[ \t\r]*$", re.MULTILINE)
+REMARK = re.compile(r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t]*;[ \t]*\S", re.MULTILINE)
+ROUND = re.compile(r"(?:^|[ \t])\([^()\n]*[A-Z][^()\n]*\)", re.MULTILINE)
+BARE = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?[XYZ][ \t]*[-+]?\.?\d", re.MULTILINE)
+ACROSS = re.compile(r"(?<![A-Z0-9_])Y[ \t]*[-+]?\.?\d|(?<=\d|\.)Y[ \t]*[-+]?\.?\d")
+FEW, MOST_NAMED = 2, 5  # M codes that a machine's builder may have added; unknown ones that are named
+MANY = 0.5  # share of lines that end in ; where it is the end of a block
+
+
+class Text:
+    """A program's first part, upper case, and without its comments."""
+
+    def __init__(self, text: bytes):
+        head = text[:HEAD].decode("latin-1").upper().replace("\r", "")
+        if len(text) > HEAD:
+            head = head[: head.rfind("\n") + 1]
+        self.whole = head
+        self.code = COMMENT.sub(" ", COMMENT.sub(_blank, head))
+        self.remarks = "\n".join(COMMENT.findall(head))
+        self.lines = max(1, sum(1 for line in head.split("\n") if line.strip()))
+        self.codes: dict[str, list[tuple[int, int, str]]] = {"G": [], "M": []}
+        self.found: dict[tuple[str, str], re.Match[str] | None] = {}
+        seen: set[tuple[str, int]] = set()
+        for match in CODE.finditer(self.code):
+            letter, number = match[1], code_number("G" + match[2])
+            if (letter, number) not in seen:
+                seen.add((letter, number))
+                self.codes[letter].append((number, match.start(), f"{letter}{match[2]}"))
+
+    def search(self, pattern: re.Pattern[str], part: str = "code") -> re.Match[str] | None:
+        """The first place of a pattern; several dialects ask for the same one."""
+        key = (part, pattern.pattern)
+        if key not in self.found:
+            self.found[key] = pattern.search(getattr(self, part))
+        return self.found[key]
+
+    def line(self, offset: int, text: str = "") -> int:
+        """The number of the line, from 1, at an offset into a text."""
+        return (text or self.whole).count("\n", 0, offset) + 1
+
+
+def _blank(comment: re.Match[str]) -> str:
+    return " " if comment[0].startswith("(") else ""
+
+
+def recognise(text: bytes) -> list[tuple[str, list[str]]]:
+    """Names of the dialects that a program may be written in, most likely first, with the evidence for each. Several with
+    as much evidence as the first can not be told apart. Empty: this shows no program of any."""
+    shown = Text(text)
+    if not shown.codes["G"] and not shown.codes["M"] and b"\0" in text[:HEAD]:
+        return []
+    found = []
+    for name in dialects.names():
+        dialect = dialects.load(name)
+        evidence = [*_signs(shown, dialect), *_layout(shown, dialect)]
+        found.append((len(evidence) - len(list(against(shown, dialect))), name, evidence))
+    best = max(score for score, _, _ in found)
+    winners = [(name, evidence) for score, name, evidence in found if score == best]
+    if best <= 0 and not any(evidence for _, evidence in winners) and not (shown.codes["G"] or shown.codes["M"]):
+        return []
+    winners.sort(key=lambda row: (-len(row[1]), row[0]))
+    most = len(winners[0][1])
+    others = [(score, name, evidence) for score, name, evidence in found if 0 < score < best and len(evidence) < most]
+    others.sort(key=lambda row: (-row[0], row[1]))
+    return winners + [(name, evidence) for _, name, evidence in others]
+
+
+def between(text: bytes) -> list[str]:
+    """The dialects that a program fits equally well: one name where it is clear, several where it can not be told."""
+    found = recognise(text)
+    return [name for name, evidence in found if len(evidence) == len(found[0][1])]
+
+
+def verdict(text: bytes) -> str:
+    """A sentence on the result."""
+    names = between(text)
+    if not names:
+        return "this shows no program of any control that is known here"
+    if len(names) > 1:
+        return f"can not tell between {', '.join(names[:-1])} and {names[-1]}"
+    evidence = dict(recognise(text))[names[0]]
+    return f"{names[0]}: {'; '.join(evidence)}" if evidence else f"{names[0]}: nothing speaks against it"
+
+
+def against(shown: Text, dialect: Dialect) -> Iterator[str]:
+    """What speaks against a dialect."""
+    has = _spelled(dialect.name)
+    for number, at, word in shown.codes["G"]:
+        if number not in has:
+            yield f"it has no {word} (line {shown.line(at, shown.code)})"
+    strange = [
+        word
+        for number, _, word in shown.codes["M"]
+        if number // 10 not in dialect.m_codes and number // 10 not in dialect.m_refuses
+    ]
+    if len(strange) > FEW:
+        yield f"it knows no {', '.join(strange[:MOST_NAMED])}"
+    for pattern, what, speaks in (
+        (EXTRUDES, "E in a motion", not dialect.carried),
+        (BARE, "a motion without its code", not dialect.modal_motion),
+        (ACROSS, "Y", dialect.plane == 180),
+    ):
+        match = shown.search(pattern) if speaks else None
+        if match:
+            yield f"{what} (line {shown.line(match.start(), shown.code)})"
+    if dialect.block_end and not re.search(rf"{re.escape(dialect.block_end)}[ \t]*$", shown.code, re.MULTILINE):
+        yield f"no block ends in {dialect.block_end}"
+    if dialect.grammar.semicolon != "comment":
+        remark = shown.search(REMARK, "whole")
+        if remark:
+            yield f"; begins a remark (line {shown.line(remark.start())})"
+    if not dialect.grammar.parentheses and ROUND.search(shown.whole):
+        yield "( ) are comments"
+
+
+def _signs(shown: Text, dialect: Dialect) -> Iterator[str]:
+    for pattern in _patterns(dialect.signs):
+        match = shown.search(pattern)
+        if match:
+            yield f"{_short(match[0])} in line {shown.line(match.start() + len(match[0]) - len(match[0].lstrip()), shown.code)}"
+    for pattern in _patterns(dialect.remarks):
+        match = shown.search(pattern, "remarks")
+        if match:
+            yield f"{_short(match[0])} in a remark"
+
+
+def _layout(shown: Text, dialect: Dialect) -> Iterator[str]:
+    if dialect.grammar.semicolon != "comment" and len(BLOCK_ENDS.findall(shown.whole)) > MANY * shown.lines:
+        yield "lines end in ;"
+
+
+def _short(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= MOST else text[: MOST - 3] + "..."
+
+
+@lru_cache
+def _patterns(texts: tuple[str, ...]) -> tuple[re.Pattern[str], ...]:
+    return tuple(re.compile(text, re.MULTILINE) for text in texts)
+
+
+@lru_cache
+def _spelled(name: str) -> frozenset[int]:
+    """Ten times the G numbers that a dialect has, as written."""
+    return frozenset(code_number(code.word) for code in dialects.load(name).codes)
