@@ -44,7 +44,7 @@ class Case:
 MAP = True
 CASES = [
     # letters and codes that mean nothing, or two things at once
-    Case("E5", "the letter E has no meaning", 1, "E5"),
+    Case("@5", "'@'", 1, "@"),
     Case("G1 X30. e5. F100", "the letter E has no meaning", 1, "e5."),
     Case("G1 X1e5", "the letter E has no meaning", 1, "e5"),
     Case("G1 X30. E5", "the letter E has no meaning", 1, "E5", LINUXCNC),
@@ -232,6 +232,8 @@ def test_an_axis_that_the_machine_has_not(letter, text):
 @pytest.mark.parametrize("dialect", dialects.names())
 @pytest.mark.parametrize("text", ["X20. Z5.", "N5\nX20."])
 def test_no_motion_code_is_in_force(dialect, text):
+    if dialects.load(dialect).motion >= 0:
+        return  # a control that starts with G1
     error = refusal(GRINDER, Case("", "", dialect=dialect), text + "\n")
     assert "no motion code (G0 G1 G2 G3) is in force" in error.message
     assert error.place.line == text.count("\n") + 1

@@ -28,6 +28,7 @@ from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
     check_points,
+    idle_letters,
     m_codes,
     refuse_motions,
     refused_groups,
@@ -141,6 +142,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    if b.dialect.letters:
+        idle_letters(b, motion, moving)
     if not b.dialect.modal_motion:
         unnamed_motions(b, moving)
     straight = (motion == 0) | (motion == 10)

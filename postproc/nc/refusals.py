@@ -142,6 +142,20 @@ def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
     )
 
 
+def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
+    """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without one."""
+    plain = moving & (motion >= 0) & (motion <= 30)
+    plain[b.words.block[b.places.get("M", np.zeros(0, np.int64))]] = False
+    for letter in b.dialect.letters:
+        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = place[plain[b.words.block[place]]]
+        if len(place):
+            raise b.fault(
+                place[0], f"the letter {letter} has no meaning in a motion of {b.dialect.title}",
+                "it could move an axis: use another --dialect, or take it out",
+            )  # fmt: skip
+
+
 def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndarray) -> None:
     """I J K R in a block that is no arc: round a corner on some controls, an error on others. straight (B,) bool."""
     for letter, place in centre_words.items():

@@ -238,9 +238,11 @@ Generated from the tables by `python -m tests.contracts.test_dialects`; a test c
 `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
 machine.toml chooses it, `--dialect auto` looks at the program.
 
-- **followed**: the code is obeyed, and motions under it are corrected.
+- **followed**: the code is obeyed, and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
+  programmed place, and the bound of that error is said.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, coordinates given to the place where the machine stands.
+- **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.
 - **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first.
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
 
@@ -259,6 +261,8 @@ def chapter(dialect: dialects.Dialect) -> str:
             refused[code.refuses].append(code.word)
         elif code.does in codes.CYCLE_KEYS or code.does in ("set", "data"):
             kinds["corrected in place"].append(code.word)
+        elif code.takes and not code.does:
+            kinds["passed"].append(code.word)
         else:
             kinds["followed"].append(code.word)
     for number, reason in dialect.m_refuses.items():
@@ -266,7 +270,11 @@ def chapter(dialect: dialects.Dialect) -> str:
             kinds["needs --expand"].append(f"M{number}")
         else:
             refused[reason].append(f"M{number}")
-    rows = [(kind, _words(kinds[kind])) for kind in ("followed", "corrected in place", "needs --expand") if kinds[kind]]
+    rows = [
+        (kind, _words(kinds[kind]))
+        for kind in ("followed", "corrected in place", "passed", "needs --expand")
+        if kinds[kind]
+    ]
     rows += [(f"refused: {reason}", _words(words)) for reason, words in sorted(refused.items())]
     rows.append(("a number without a point", "whole units" if dialect.integers == "units" else "least increments"))
     rows.append(

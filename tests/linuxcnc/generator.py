@@ -89,8 +89,8 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
     def mode():
         choice = rng.randrange(4)
         if choice == 0:
-            modes["inch"] = not modes["inch"]
-            return line(rng, "G20" if modes["inch"] else "G21")
+            modes["inch"] = not modes["inch"]  # G49 first: LinuxCNC forgets to convert a tool length in force
+            return "G49\n" + line(rng, "G20" if modes["inch"] else "G21")
         if choice == 1:
             return line(rng, rng.choice(("G7", "G8")))
         modes["incremental"] = not modes["incremental"]
@@ -268,7 +268,7 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
             line(rng, "G90 G0", depth + number(rng, level * factor[depth]), across[0] + number(rng, size(-20, 20)))
         ]
         incremental = rng.random() < 0.35
-        code = rng.choice(("G73", "G81", "G81", "G82", "G83", "G84", "G74", "G85", "G86", "G87", "G88", "G89"))
+        code = rng.choice(("G73", "G81", "G81", "G82", "G83", "G84", "G74", "G85", "G86", "G88", "G89"))
         if code == "G74":
             lines.append("M4")
         lines.append(first(across, depth, factor, code, incremental, level))
@@ -292,11 +292,6 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
             words.append("Q" + number(rng, max(0.04, size(1, 6))))
         if code in ("G82", "G86", "G88", "G89") or (code in ("G84", "G74") and rng.random() < 0.5):
             words.append("P" + rng.choice(("0", ".5", "1")))
-        if code == "G87":
-            sideways = {"XY": "IJ", "ZX": "IK", "YZ": "JK"}[across]
-            words += [letter + number(rng, size(0.5, 2)) for letter in sideways]
-            upward = CENTRE[depth] + number(rng, size(0.5, 1) if incremental else (bottom + size(0.5, 1)))
-            words.append(upward)
         words += [f"L{rng.randint(1, 3)}"] if rng.random() < 0.2 and code != "G74" else []
         words += [f"F{rng.randint(50, 300)}"] if rng.random() < 0.3 else []
         return line(rng, *words)

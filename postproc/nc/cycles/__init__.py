@@ -16,6 +16,7 @@ from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDr
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
+from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.threading import LinuxcncThread
@@ -101,10 +102,15 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 }
 
 
+def siemens(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(control=SiemensFrames)
+
+
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
     "linuxcnc": linuxcnc,
     "fanuc": fanuc_mill,
     "fanuc-lathe": fanuc_lathe,
+    "siemens": siemens,
     "haas": haas,
     "haas-lathe": fanuc_lathe,
 }

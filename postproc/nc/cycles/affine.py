@@ -20,7 +20,9 @@ class Affine:
     shift: Point = (0.0, 0.0, 0.0)
 
     def __call__(self, p: Point) -> Point:
-        return tuple(sum(m * x for m, x in zip(row, p, strict=True)) + t for row, t in zip(self.matrix, self.shift, strict=True))  # type: ignore[return-value]
+        return tuple(
+            sum(m * x for m, x in zip(row, p, strict=True)) + t for row, t in zip(self.matrix, self.shift, strict=True)
+        )  # type: ignore[return-value]
 
     def turned(self, v: Point) -> Point:
         """A distance."""
@@ -29,7 +31,9 @@ class Affine:
     def after(self, first: Affine) -> Affine:
         """This map behind another one."""
         columns = list(zip(*first.matrix, strict=True))
-        matrix = tuple(tuple(sum(a * b for a, b in zip(row, col, strict=True)) for col in columns) for row in self.matrix)
+        matrix = tuple(
+            tuple(sum(a * b for a, b in zip(row, col, strict=True)) for col in columns) for row in self.matrix
+        )
         return Affine(matrix, self(first.shift))  # type: ignore[arg-type]
 
     @property
@@ -77,9 +81,7 @@ class Affine:
 
 
 def _det(a, b, c) -> float:
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 
 
 def exact_turn(degrees: float) -> tuple[float, float]:

@@ -11,6 +11,8 @@ from postproc.nc.lexer import Grammar
 
 _DIGITS = rb"[0-9](?:[ \t]*[0-9])*"
 _NUMBER = rb"[+-]?[ \t]*(?:" + _DIGITS + rb"(?:[ \t]*\.(?:[ \t]*" + _DIGITS + rb")?)?|\.[ \t]*" + _DIGITS + rb")"
+_ARGUMENTS = rb"(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
+_STRING = re.compile(rb"(?<![A-Za-z0-9_])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8"
 _HIDDEN = b"\x01"  # in place of a comment's characters: no number goes on behind it
 _HELD = rb"(?P<held>AC|IC)[ \t]*\([ \t]*(?P<inner>" + _NUMBER + rb")[ \t]*\)"
 _BLANK = b" \t\r"
@@ -37,12 +39,21 @@ def _patterns(grammar: Grammar) -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
     if grammar.semicolon == "comment":
         comments.append(rb";[^\n]*")
     names = [re.escape(name.encode()) for name in sorted(grammar.keywords, key=len, reverse=True)]
-    keyword = rb"(?P<keyword>(?:" + b"|".join(names) + rb")(?![A-Za-z0-9_=]))|" if names else rb"(?P<keyword>(?!))|"
-    name = rb"(?P<name>[A-Za-z]+)[ \t]*=[ \t]*(?:" + _HELD + rb"|(?P<assigned>" + _NUMBER + rb"))|"
+    keyword = rb"(?P<keyword>(?:" + b"|".join(names) + rb"))(?![A-Za-z0-9_=])" + _ARGUMENTS + b"|"
+    if not names:
+        keyword = rb"(?P<keyword>(?!))|"
+    name = rb"(?P<name>[A-Za-z]+[0-9]?)[ \t]*=[ \t]*(?:" + _HELD + rb"|(?P<assigned>" + _NUMBER + rb"))|"
     if not grammar.assigns:
         name = rb"(?P<name>(?!))(?P<held>(?!))(?P<inner>(?!))(?P<assigned>(?!))|"
     word = rb"(?P<letter>[A-Za-z])[ \t]*(?P<number>" + _NUMBER + rb")"
     return re.compile(b"|".join(comments) or rb"(?!)"), re.compile(keyword + name + word, re.IGNORECASE)
+
+
+@lru_cache
+def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
+    """What holds no words of a motion, though it looks like some."""
+    ignored = [re.compile(text.encode(), re.IGNORECASE) for text in grammar.ignores]
+    return (*ignored, _STRING) if grammar.assigns else tuple(ignored)
 
 
 def blocks(text: bytes, grammar: Grammar) -> list[bytes]:
@@ -70,6 +81,8 @@ class Block:
         """Cut a block into words. Never raises."""
         comment, word = _patterns(grammar)
         hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
+        for pattern in _ignored(grammar):
+            hidden = pattern.sub(lambda m: _HIDDEN * len(m[0]), hidden)
         words, at, plain = [], 0, True
         skip = hidden.lstrip(_BLANK + _HIDDEN).startswith(b"/")
         if skip:
@@ -106,7 +119,9 @@ class Block:
         """Whether words stand apart."""
         return any(self.text[b.start - 1] in _BLANK for b in self.words[1:]) or len(self.words) < 2
 
-    def written(self, out: set[int], new: bytes = b"", at: int | None = None, changed: dict[int, bytes] | None = None) -> bytes:
+    def written(
+        self, out: set[int], new: bytes = b"", at: int | None = None, changed: dict[int, bytes] | None = None
+    ) -> bytes:
         """The text without the words numbered in `out`, words in `changed` written anew, and `new` put in before word
         `at` (None: where the first word that goes out stood, else behind the last word)."""
         changed = changed or {}

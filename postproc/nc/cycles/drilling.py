@@ -224,6 +224,8 @@ class Drilling:
             return 1
         if word.value != int(word.value) or not least <= word.value <= MOST_HOLES:
             raise scene.fault(
-                f"{word.letter}{word.raw} is no number of holes ({least} to {MOST_HOLES:,})", "write a whole number", word
+                f"{word.letter}{word.raw} is no number of holes ({least} to {MOST_HOLES:,})",
+                "write a whole number",
+                word,
             )
         return int(word.value)

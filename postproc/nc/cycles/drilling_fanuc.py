@@ -92,7 +92,9 @@ class FanucDrilling(Drilling):
         )  # fmt: skip
         place = [w for w in block.words if self.is_place(scene, w, axis)]
         gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
-        return Job(code, hole, self.times(scene, block, self.repeats, 0), place, codes=gone, drops=self.drops(scene, axis))
+        return Job(
+            code, hole, self.times(scene, block, self.repeats, 0), place, codes=gone, drops=self.drops(scene, axis)
+        )
 
     dwells: tuple[int, ...] = DWELLS
 
@@ -109,7 +111,9 @@ class FanucDrilling(Drilling):
         if r:
             if depth is None and "relative" in self.held:
                 raise scene.fault(
-                    f"a new R behind a {axis} that counts from R (G91)", f"controls differ on the bottom: write {axis} too", r
+                    f"a new R behind a {axis} that counts from R (G91)",
+                    f"controls differ on the bottom: write {axis} too",
+                    r,
                 )
             self.held["R"] = self.r_level(scene, r, axis)
         if depth:

@@ -44,7 +44,9 @@ class LinuxcncDrilling(Drilling):
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
         if code in STOPS and scene.spindle not in (3, 4):
-            raise scene.fault("G86 starts the spindle as it turned before, and it does not turn", "start it before: S, M3")
+            raise scene.fault(
+                "G86 starts the spindle as it turned before, and it does not turn", "start it before: S, M3"
+            )
         strange = next((w for w in block.words if w.letter in "ABCUVW"), None)
         if strange:
             raise scene.fault(f"{strange.letter} in a drilling cycle", "LinuxCNC moves X, Y and Z alone here", strange)
@@ -70,7 +72,9 @@ class LinuxcncDrilling(Drilling):
             bottom += r
         if r < bottom:
             raise scene.fault(
-                f"R is at {r * half:g}, below the bottom of the hole at {bottom * half:g}", "R must lie above it", block.word("R")
+                f"R is at {r * half:g}, below the bottom of the hole at {bottom * half:g}",
+                "R must lie above it",
+                block.word("R"),
             )
         up = scene.code("return") == INITIAL_LEVEL
         here = scene.at(axis) / half

@@ -15,6 +15,7 @@ from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
 SWAPPED = {20: b"G3", 30: b"G2", 410: b"G42", 420: b"G41"}
 SIDES = (410, 420)
+CORNERS = ("RND", "RNDM", "CHF", "CHR")
 FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)  # motion codes whose axis words are places
 
 
@@ -32,6 +33,7 @@ class Frames:
     motion: int = -1  # the motion code as programmed
     written: int = -1  # and as the output has it
     why: str = "turned or scaled coordinates"
+    strict: bool = False  # whether a distance from a place that is not defined is refused too
 
     @property
     def active(self) -> bool:
@@ -111,7 +113,8 @@ class Frames:
         for x in mixed:
             if x in self.loose and (self.scene.incremental or words[x][1].mode == "IC"):
                 raise self.scene.fault(
-                    f"the first {x} behind {self.why} is a distance", f"controls differ on where {x} stands: name it in G90"
+                    f"the first {x} behind {self.why} is a distance",
+                    f"controls differ on where {x} stands: name it in G90",
                 )
             self.loose.discard(x)
             self.at.pop(x, None)
@@ -129,7 +132,7 @@ class Frames:
         """The words of axes that belong together."""
         scene = self.scene
         distance = {x: w.mode == "IC" or (scene.incremental and w.mode != "AC") for x, w in words.items()}
-        if scene.incremental and all(distance.values()):
+        if scene.incremental and all(distance.values()) and not (self.strict and self.loose & set(mixed)):
             by = tuple(words[x].value or 0.0 if x in words else 0.0 for x in AXES)
             for x in mixed:
                 if x in self.at:
@@ -137,10 +140,16 @@ class Frames:
             return {x: self._by(x, self.map.turned(by)[AXES.index(x)]) for x in mixed}  # type: ignore[arg-type]
         before = {x: self.known(x) for x in mixed}
         unnamed = [x for x in mixed if x not in words or distance[x]]
+        sized = next((w for w in scene.block.words if w.letter in CORNERS), None)
+        if sized and self._factor() not in (1.0, -1.0):
+            raise scene.fault(
+                f"{sized.letter} within {self.why}", "a corner does not keep its size: write it out", sized
+            )
         for x in unnamed:
             if x in self.loose:
+                given = "a distance" if scene.incremental else f"{' and '.join(words)} alone"
                 raise scene.fault(
-                    f"the first block behind {self.why} names {' and '.join(words)} alone",
+                    f"the first block behind {self.why} names {given}",
                     f"controls differ on where {x} stands then: name {' and '.join(mixed)} in it, in G90",
                 )
             if before[x] is None:
@@ -227,8 +236,10 @@ class Frames:
         sep = b" " if block.spaced else b""
         if moves and not named and wanted != self.written and wanted in (CLOCKWISE, COUNTER):
             at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), 0)
-            changed[at] = f"G{wanted // 10}".encode() + sep + changed.get(
-                at, block.text[block.words[at].start : block.words[at].stop]
+            changed[at] = (
+                f"G{wanted // 10}".encode()
+                + sep
+                + changed.get(at, block.text[block.words[at].start : block.words[at].stop])
             )
             named = True
         if named:

@@ -21,7 +21,16 @@ from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.polar import Polar
 from postproc.nc.cycles.scene import Scene
 
-MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = 501, 511, 500, 510, 680, 690, 150, 160
+MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = (
+    501,
+    511,
+    500,
+    510,
+    680,
+    690,
+    150,
+    160,
+)
 CODES = (MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON)
 LENGTHS = ("length", "length words", "length more", "length minus", "no length")
 ONE = 0.001  # what 1 without a point means as a factor
@@ -152,10 +161,14 @@ class FanucFrames:
         if angle is None or angle.value is None:
             raise scene.fault("G68 without its angle R", "the control takes it from a parameter or a setting: write R")
         if self.turn and scene.incremental:
-            raise scene.fault("G68 in G91 within a rotation", "whether R adds up is a parameter: write G69 or G90 before")
+            raise scene.fault(
+                "G68 in G91 within a rotation", "whether R adds up is a parameter: write G69 or G90 before"
+            )
         given = [w for w in block.words if w.letter in (first, second)]
         if len(given) == 1:
-            raise scene.fault(f"G68 with {given[0].letter} alone", "name both coordinates of the centre, or none", given[0])
+            raise scene.fault(
+                f"G68 with {given[0].letter} alone", "name both coordinates of the centre, or none", given[0]
+            )
         centre = {w.letter: scene.length(w, w.letter) for w in given}
         if given:
             point = _point(centre)

@@ -23,7 +23,9 @@ class Moves:
         self._code = ""
         self._sep = b" " if self.block.spaced else b""
         later = END_OF_PROGRAM_OR_STOP + late
-        self._last = [i for i, w in enumerate(self.block.words) if w.letter == "M" and w.value in later and i not in own]
+        self._last = [
+            i for i, w in enumerate(self.block.words) if w.letter == "M" and w.value in later and i not in own
+        ]
         self._out = own | set(self._last)
         self._place = min(own) if own else None
 

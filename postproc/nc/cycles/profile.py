@@ -11,7 +11,21 @@ from dataclasses import dataclass, replace
 from postproc.nc.cycles.block import Block, Word, blocks
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
-IGNORED = (40, 400, 410, 420, 960, 970, 990, 980, 940, 950, 610, 640, 90)  # G codes of a profile that a roughing cycle skips
+IGNORED = (
+    40,
+    400,
+    410,
+    420,
+    960,
+    970,
+    990,
+    980,
+    940,
+    950,
+    610,
+    640,
+    90,
+)  # G codes of a profile that a roughing cycle skips
 NEAR = 1e-9
 
 
@@ -157,7 +171,9 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)
     if chord / 2 > abs(r) + 1e-3:
-        raise scene.fault(f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}", "check R and the end point")
+        raise scene.fault(
+            f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}", "check R and the end point"
+        )
     height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * (1 if (element.code == COUNTER) == (r > 0) else -1)
     normal = (-(x1 - x0) / chord, (z1 - z0) / chord)
     centre = ((z0 + z1) / 2 + normal[0] * height, (x0 + x1) / 2 + normal[1] * height)

@@ -32,7 +32,9 @@ class Scene:
         self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
-        self.unsure: set[str] = set()  # axes whose zero was moved, nobody knows how far, and that no block has named since
+        self.unsure: set[str] = (
+            set()
+        )  # axes whose zero was moved, nobody knows how far, and that no block has named since
         self._codes: dict[str, int] = {}
         self._places: dict[str, float] = {}
         self._decimals: dict[str, int] = {}
@@ -99,7 +101,9 @@ class Scene:
         """A block has chosen a shift of the coordinates and named these axes in it."""
         state, stated = self.tracker.state, {**self.tracker.setup.offsets, **self.tracker.state.offsets}
         work = self.table.get(state.codes.get("work offset", -1))
-        unknown = bool(state.frame is not None and state.frame.unknown) or (work is not None and work.word not in stated)
+        unknown = bool(state.frame is not None and state.frame.unknown) or (
+            work is not None and work.word not in stated
+        )
         if self.dialect.tool_offsets and state.tool and state.tool not in stated:
             unknown = True
         if unknown:

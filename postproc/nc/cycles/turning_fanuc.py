@@ -213,7 +213,9 @@ class Repetitive:
         words = [block.get(x) for x in "IKD"]
         x, z, times = (w if w is not None else kept.get(c) for w, c in zip(words, "UWR", strict=True))
         if times is None or times != int(times) or not 1 <= times <= MOST_PASSES:
-            raise scene.fault("how often the shape is cut is not in the program", "write R in the block before: a whole number")
+            raise scene.fault(
+                "how often the shape is cut is not in the program", "write R in the block before: a whole number"
+            )
         for k in range(int(times)):
             share = (times - 1 - k) / (times - 1) if times > 1 else 0.0
             by = (allowance[0] + share * (z or 0.0), allowance[1] + share * (x or 0.0))
@@ -245,7 +247,9 @@ class Repetitive:
         shift = block.word("R")
         if shift and shift.value:
             raise scene.fault(
-                f"R{shift.raw} draws the tool aside at the bottom", "whether at the first cut too differs: take it out", shift
+                f"R{shift.raw} draws the tool aside at the bottom",
+                "whether at the first cut too differs: take it out",
+                shift,
             )
         deep, over = ("Z", "X") if role == "peck" else ("X", "Z")
         start = {x: scene.at(x) for x in "XZ"}
@@ -304,7 +308,9 @@ def _steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
         return [start, end] if start != end else [start]
     count = int(abs(end - start) / by + 1e-9)
     if count > MOST_PASSES:
-        raise scene.fault(f"{count:,} steps of {by:g} (limit {MOST_PASSES:,})", "check P and Q: they count least increments")
+        raise scene.fault(
+            f"{count:,} steps of {by:g} (limit {MOST_PASSES:,})", "check P and Q: they count least increments"
+        )
     sense = 1 if end > start else -1
     places = [start + sense * by * k for k in range(count + 1)]
     return [*places, end] if abs(places[-1] - end) > 1e-9 else places

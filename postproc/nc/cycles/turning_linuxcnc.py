@@ -41,7 +41,9 @@ class LinuxcncTurning:
         for axis in "XZ":
             word = block.word(axis)
             if word and scene.differs(axis, word.value or 0.0):
-                raise scene.fault(f"a start point {axis}{word.raw} elsewhere", f"go there before: G0 {axis}{word.raw}", word)
+                raise scene.fault(
+                    f"a start point {axis}{word.raw} elsewhere", f"go there before: G0 {axis}{word.raw}", word
+                )
         elements = shape(scene, profile, (scene.at("Z"), scene.at("X")), scene.code("motion"))
         if len(elements) < 2:
             raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
@@ -55,7 +57,9 @@ class LinuxcncTurning:
     def _check(self, scene: Scene, block: Block, code: int) -> None:
         name = f"G{code / 10:g}"
         if code not in (700, 710, 720):
-            raise scene.fault(f"{name} chooses pockets", "only G70, G71 and G72 over a shape without pockets are written out")
+            raise scene.fault(
+                f"{name} chooses pockets", "only G70, G71 and G72 over a shape without pockets are written out"
+            )
         if scene.incremental:
             raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
         if scene.code("plane") != 180:
@@ -87,7 +91,8 @@ class LinuxcncTurning:
             part = Block.of(text, scene.dialect.grammar)
             if not part.plain:
                 raise scene.fault(
-                    f"the shape has more than words and numbers: {text[:40].decode('latin-1')!r}", "write it out in the subroutine"
+                    f"the shape has more than words and numbers: {text[:40].decode('latin-1')!r}",
+                    "write it out in the subroutine",
                 )
             texts.append(part)
         return Profile(texts, begin + 2, end)
@@ -109,16 +114,21 @@ class LinuxcncTurning:
         start = first.start
         if first.is_arc or abs(first.end[along] - start[along]) > NEAR:
             raise scene.fault(
-                f"the first block of the shape must move {'ZX'[deep]} alone", "others begin a pocket, which is not written out"
+                f"the first block of the shape must move {'ZX'[deep]} alone",
+                "others begin a pocket, which is not written out",
             )
         sense = 1 if first.end[deep] > start[deep] else -1
         side = 1 if rest[-1].end[along] > start[along] else -1
         for e in rest:
             if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
-                raise scene.fault("an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer")
+                raise scene.fault(
+                    "an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer"
+                )
             out = (e.end[deep] - e.start[deep]) * sense
             if out > NEAR or (e.end[along] - e.start[along]) * side < -NEAR or not e.monotonic:
-                raise scene.fault("the shape turns back, or has a pocket", "only shapes without pockets are written out")
+                raise scene.fault(
+                    "the shape turns back, or has a pocket", "only shapes without pockets are written out"
+                )
         if abs(rest[-1].end[deep] - first.end[deep]) < NEAR and (deep == 0 or sense > 0):
             raise scene.fault("the shape has one depth alone", "LinuxCNC takes the wrong side of it: write it out")
         if (start[deep] - rest[-1].end[deep]) * sense < -NEAR:
@@ -129,7 +139,9 @@ class LinuxcncTurning:
         retract = block.get("R")
         step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract
         if step <= 0 or retract <= 0 or abs(first.end[deep] - start[deep]) / step > MOST_PASSES:
-            raise scene.fault(f"I{step:g} R{retract:g}", f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)")
+            raise scene.fault(
+                f"I{step:g} R{retract:g}", f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)"
+            )
         self._to(m, "G0", start)
         level = start[deep]
         while (first.end[deep] - level) * sense > NEAR:

@@ -36,7 +36,7 @@ DIALECT = Dialect(
         *rows("mirror", {"28": "mirror"}, refuses=codes.UNTURNED),
         *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.UNTURNED),
         *rows("scaling", {"72": "scaling"}, refuses=codes.UNTURNED),
-        *rows("tilt", {"80": "working plane"}, refuses=codes.TILTED, like="G68.2"),
+        *rows("rotation", {"80": "working plane"}, refuses=codes.TILTED, like="G68.2"),
         *rows("", {"55": "probe"}, takes=True, refuses=codes.PROBE),
         *rows("", {"79": "cycle call"}, refuses=codes.WRITE_OUT),
         *rows("", {str(n): "cycle, defined" for n in (56, 57, 58, 59, 74, 75, 76, 77, 78, 83, 84, 85, 86, *range(120, 130),

@@ -311,11 +311,15 @@ class Reader:
         start = self.at
         self.need("#", "before the parameter")
         name = self.name() if self.next == "<" else None
+        literal = NUMBER.match(self.text, self.at) if name is None else None
         index = self.value() if name is None else None
+        fixed = int(literal[0]) if literal and len(literal[0]) < 10 and literal[0].isdigit() else None
         span = self.code.span(start, self.at)
 
         def evaluate(scope: Scope) -> float:
             try:
+                if fixed is not None:
+                    return scope.number(fixed)
                 if name is not None:
                     return scope.named(name)
                 assert index

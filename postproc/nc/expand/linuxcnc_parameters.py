@@ -28,6 +28,7 @@ AXES = "XYZABCUVW"  # in the order of the parameters
 PROBE, FIRST_REFERENCE, SECOND_REFERENCE = range(5061, 5071), range(5161, 5170), range(5181, 5190)
 PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = range(5210, 5220), range(5220, 5391), 5399, range(5400, 5410), range(5410, 5414)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
+SAY = "say it with --start or --offset, or write the value itself in its place"
 WRITE_VALUE = "write the value itself in its place: gcomp knows the program, not what the machine finds while it runs"
 
 
@@ -47,6 +48,8 @@ class Memory:
 
     def notice(self, g: list[float], m: list[float], letters: str) -> None:
         """A block was executed: its G and M numbers, and the letters of its words."""
+        if not (g or m):
+            return
         codes = {round(10 * value) for value in g}
         self.noticed |= {kind for kind, numbers in NOTICED.items() if codes & numbers}
         if 100 in codes and "r" in letters:
@@ -66,6 +69,8 @@ class Memory:
 
     def number(self, index: int) -> float:
         """#index. Raises Refusal where it is none, or nobody knows."""
+        if 1 <= index < PROBE.start:
+            return self.numbers.get(index, 0.0)
         _check(index)
         read = next((read for numbers, read in NUMBERED if index in numbers), None)
         if read is not None:
@@ -118,7 +123,7 @@ class Memory:
         except (BlockFault, GcompError) as e:
             raise Refusal(f"{what} is not known, because of a line before: {e.message}", e.advice) from None
         if value is None:
-            raise Refusal(f"{what} is not known: nothing in the program before this line says it", WRITE_VALUE)
+            raise Refusal(f"{what} is not known: nothing in the program before this line says it", SAY)
         return value
 
     # -- writing
@@ -142,7 +147,7 @@ class Memory:
 
     def give_back(self, values: list[Node], defining: bool = False) -> None:
         """endsub or return is read, perhaps with a value; LinuxCNC reads it in a definition too: unset names are 0 then."""
-        self.value_returned, self.defining = float(bool(values)), defining
+        self.defining = defining
         try:
             self.value = values[0](self) if values else 0.0
         except Refusal:
@@ -151,6 +156,7 @@ class Memory:
             self.value = math.nan
         finally:
             self.defining = False
+        self.value_returned = float(bool(values))
 
     def enter(self, values: list[float] | None) -> list[float] | None:
         """A call begins, with names of its own, and values for #1 to #30 unless None; gives what these were."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from postproc.errors import BlockFault, ProgramError
-from postproc.nc.codes import FRAME_KEYS, KEYWORD
+from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS
 from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drilling import UNDEFINED
@@ -45,7 +45,9 @@ class Resolver:
         self.scene.asked = self.heard.clear
         self.scene.fault_at, self.scene.lines = self._fault, self._lines
         table = self.scene.table
-        self.shifts = {n for n, c in table.items() if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD}
+        self.shifts = {
+            n for n, c in table.items() if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD
+        }
         ours = {*self.family.cycles, *(self.control.codes if self.control else ())}
         self.interest = _interest(sorted(ours | self.shifts) if ours else [], tracker.dialect.tool_offsets)
 
@@ -223,7 +225,9 @@ class Resolver:
         control, lines = self.control, []
         for text in texts:
             block = Block.of(text, self.grammar)
-            if control is not None and (control.active or any(c in control.codes for c in block.codes)):
+            if control is not None and (
+                control.active or any(c in control.codes for c in block.codes) or _polar(block)
+            ):
                 if places is False:
                     self.scene.note(block)
                 lines += self._tell(control.take(block), False)
@@ -278,14 +282,21 @@ class Resolver:
         return fault(self.program.name, self.line.source, self.line.text, message, advice, start, stop)
 
 
+def _polar(block: Block) -> bool:
+    """Whether a block has polar words of their own (Sinumerik)."""
+    return any(w.letter in ("AP", "RP") for w in block.words)
+
+
 def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
     """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned), a tool's offset."""
-    codes = []
-    for number in numbers:
+    codes, names = [], [rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])" for n in numbers if n >= KEYWORD]
+    names += [r"[AR]P[ \t]*="] if names else []
+    for number in (n for n in numbers if n < KEYWORD):
         whole, tenth = divmod(number, 10)
         point = rf"\.0*{tenth}0*" if tenth else r"(?:\.0*)?"
         codes.append(r"[ \t]*".join(str(whole)) + point)
     if not codes:
         return re.compile(rb"(?!)")
-    found = rf"[Gg][ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|[Mm][ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
-    return re.compile((found + (r"|[Tt][ \t]*[0-9]" if tools else "")).encode())
+    found = rf"G[ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|M[ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
+    found = "|".join([found, *names, *([r"T[ \t]*[0-9]"] if tools else [])])
+    return re.compile(found.encode(), re.IGNORECASE)

@@ -1,0 +1,207 @@
+"""ROT, MIRROR, SCALE and their additive kin of Sinumerik, and polar words: AP= RP= about a pole of G110 G111 G112.
+
+Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar coordinates". ROT, MIRROR,
+SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR, ASCALE and ATRANS go on in the coordinates that hold.
+TRANS stays in the text while nothing is turned; within turned coordinates ATRANS becomes part of the map.
+
+Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in one block, and axes left
+unnamed in the first block behind a change.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from postproc.nc.codes import code_number
+from postproc.nc.cycles.affine import AXES, Affine, exact_turn, rotation, scaling
+from postproc.nc.cycles.block import Block, number_of
+from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.scene import Scene
+
+TURNS = {"X": ("Y", "Z"), "Y": ("Z", "X"), "Z": ("X", "Y")}  # about an axis: from one to the other
+NAMES = ("TRANS", "ATRANS", "ROT", "AROT", "MIRROR", "AMIRROR", "SCALE", "ASCALE")
+FRAMES = {code_number(name): name for name in NAMES}
+SHIFTS = ("TRANS", "ATRANS")
+FROM_HERE, POLE, FROM_POLE = 1100, 1110, 1120
+POLES = (FROM_HERE, POLE, FROM_POLE)
+CYCLES = re.compile(rb"\b(?:MCALL|CYCLE(?!832\b)[0-9]+|HOLES[0-9]|POCKET[0-9]|SLOT[0-9]|LONGHOLE)\b", re.IGNORECASE)
+CANCEL = "end it before: TRANS or ROT without words"
+
+
+class SiemensFrames:
+    """The programmable frame but for a shift that stays in the text, and the pole."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.frames = scene, Frames(scene, why="the programmed frame", strict=True)
+        self.codes: tuple[int, ...] = (*FRAMES, *POLES)
+        self.takers: tuple[int, ...] = (*FRAMES, *POLES)
+        self.pole: dict[str, float] = {}
+        self.polar: dict[str, float] = {}
+
+    @property
+    def active(self) -> bool:
+        return self.frames.active or bool(self.polar)
+
+    def known(self, axis: str) -> float | None:
+        return self.frames.known(axis)
+
+    def snapshot(self) -> Any:
+        f = self.frames
+        return dict(f.at), dict(f.residue), set(f.loose), f.motion, f.written, dict(self.polar)
+
+    def restore(self, kept: Any) -> None:
+        f = self.frames
+        f.at, f.residue, f.loose, f.motion, f.written, self.polar = kept
+
+    def take(self, block: Block) -> list[bytes]:
+        """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
+        own = [c for c in block.codes if c in FRAMES]
+        if own:
+            return self._frame(block, FRAMES[own[-1]])
+        pole = [c for c in block.codes if c in POLES]
+        if pole:
+            return self._set_pole(block, pole[-1])
+        polar = [w for w in block.words if w.letter in ("AP", "RP")]
+        if not polar and any(w.letter in self.scene.plane[:2] for w in block.words):
+            self.polar = {}
+        if not polar and not self.frames.active:
+            return [block.text]
+        self._check(block)
+        if polar:
+            block = self._right_angled(block)
+        if any(c in self.scene.table and self.scene.table[c].number == 530 for c in block.codes):
+            self.frames.forget()
+            return [block.text]
+        return self.frames.take(block)
+
+    def _check(self, block: Block) -> None:
+        """Codes that a frame can not hold together with."""
+        if self.frames.map.identity:
+            return
+        call = CYCLES.search(block.text)
+        if call:
+            text = call[0].decode("latin-1")
+            raise self.scene.fault(
+                f"{text} within {self.frames.why}", "a cycle can not be written out here: write its motions"
+            )
+        named = [w.letter for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)]
+        for code in block.codes:
+            row = self.scene.table.get(code)
+            if row is None:
+                continue
+            if row.group == "units":
+                raise self.scene.fault(f"{row.word} within {self.frames.why}", CANCEL)
+            if row.refuses or ((row.takes or row.number == 530) and (named or row.takes)):
+                raise self.scene.fault(f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL)
+
+    # -- the frame -------------------------------------------------------------------------------------------------------
+
+    def _frame(self, block: Block, name: str) -> list[bytes]:
+        """A frame instruction: the text that stays of it."""
+        scene, frames = self.scene, self.frames
+        out = {i for i, w in enumerate(block.words) if w.letter != "N"}
+        strange = next(
+            (w for w in block.words if w.letter not in (*AXES, "RPL", "N") and number_of(w) not in FRAMES), None
+        )
+        if strange:
+            raise scene.fault(
+                f"{strange.letter} beside {name}", "Sinumerik wants a frame in a block of its own", strange
+            )
+        if name in SHIFTS and (frames.map.identity or name == "TRANS"):
+            if not frames.map.identity:
+                self._hold(Affine())
+            frames.forget()
+            return [block.text]
+        part = self._part(block, name)
+        if name.startswith("A"):
+            self._hold(frames.map.after(part))
+            rest = block.written(out)
+            return [rest] if rest.strip(b" \t\r/") else []
+        self._hold(part)  # what stands in the text of an older shift ends with it
+        return [block.written(out, b"TRANS")]
+
+    def _part(self, block: Block, name: str) -> Affine:
+        """What the words of an instruction do."""
+        scene = self.scene
+        values = {w.letter: w.value or 0.0 for w in block.words if w.letter in (*AXES, "RPL")}
+        kind = name.removeprefix("A")
+        if "RPL" in values and kind != "ROT":
+            raise scene.fault(f"RPL in {name}", "it is the angle of ROT and AROT")
+        if kind == "TRANS":
+            x, y, z = (values.get(axis, 0.0) for axis in AXES)
+            return Affine(shift=(x, y, z))
+        if kind == "MIRROR":
+            return scaling(dict.fromkeys(values, -1.0))
+        if kind == "SCALE":
+            zero = next((x for x, v in values.items() if v == 0.0), None)
+            if zero:
+                raise scene.fault(f"{name} {zero}0", "nothing would be left of the axis")
+            return scaling(values)
+        if len(values) > 1:
+            raise scene.fault(
+                f"{name} about {len(values)} axes", "one at a time: how they follow each other is machine data"
+            )
+        if not values:
+            return Affine()
+        ((axis, degrees),) = values.items()
+        first, second = scene.plane[:2] if axis == "RPL" else TURNS[axis]
+        return rotation(first, second, degrees)
+
+    def _hold(self, new: Affine) -> None:
+        frames = self.frames
+        mixed = {x for old in (frames.map, new) for x in AXES if len(old.partners(x)) > 1}
+        frames.set_map(new)
+        frames.loose |= mixed
+
+    # -- polar words -----------------------------------------------------------------------------------------------------
+
+    def _set_pole(self, block: Block, code: int) -> list[bytes]:
+        """G110, G111, G112: no motion."""
+        scene = self.scene
+        names = scene.plane[:2]
+        given = {w.letter: w.value or 0.0 for w in block.words if w.letter in names}
+        if any(w.letter in ("AP", "RP") for w in block.words):
+            raise scene.fault("a pole in polar words", "write the pole with the axes of the plane")
+        for axis in names:
+            base = 0.0 if code == POLE else self.pole.get(axis, 0.0) if code == FROM_POLE else self._stands(axis)
+            self.pole[axis] = base + given.get(axis, 0.0)
+        self.polar = {}
+        out = {i for i, w in enumerate(block.words) if w.letter in names or number_of(w) == code}
+        rest = block.written(out)
+        return [rest] if rest.strip(b" \t\r/") else []
+
+    def _right_angled(self, block: Block) -> Block:
+        """The block with X and Y (Z and X, Y and Z) in the place of AP and RP."""
+        scene = self.scene
+        first, second, _ = scene.plane
+        both = next((w for w in block.words if w.letter in (first, second)), None)
+        if both:
+            raise scene.fault(f"{both.letter} beside polar words", "the place in the plane is AP and RP alone", both)
+        for word in block.words:
+            if word.letter in ("AP", "RP") and word.value is not None:
+                if word.mode == "IC" and word.letter not in self.polar:
+                    raise scene.fault(f"{word.letter}=IC without a value before", "write it as a place first", word)
+                self.polar[word.letter] = word.value + (self.polar[word.letter] if word.mode == "IC" else 0.0)
+        missing = [x for x in ("AP", "RP") if x not in self.polar]
+        if missing:
+            raise scene.fault(f"polar words without {missing[0]}", "name RP and AP in the first block")
+        cosine, sine = exact_turn(self.polar["AP"])
+        at = {first: self.pole.get(first, 0.0) + self.polar["RP"] * cosine,
+              second: self.pole.get(second, 0.0) + self.polar["RP"] * sine}  # fmt: skip
+        scene.extra_decimals = 0 if self.frames.map.identity else 4
+        texts: list[bytes] = []
+        for axis, value in at.items():
+            text = scene.text(axis, value)
+            texts.append(axis.encode() + b"=AC(" + text[1:] + b")" if scene.incremental else text)
+        scene.extra_decimals = 0
+        out = {i for i, w in enumerate(block.words) if w.letter in ("AP", "RP")}
+        if self.frames.map.identity:
+            self.frames.loose -= {first, second}
+        return Block.of(block.written(out, b" ".join(texts)), scene.dialect.grammar)
+
+    def _stands(self, axis: str) -> float:
+        value = self.frames.known(axis)
+        if value is None:
+            value = self.scene.at(axis)
+        return value
