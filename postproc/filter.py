@@ -170,7 +170,7 @@ class Filter:
         if self.modal.ended:
             self.summary.lines += text.count(b"\n")
             return text
-        words = lex(text, self.dialect.grammar)
+        words = lex(text, self.dialect.grammar, self.setup.block_delete)
         if words.tape < 0:
             return self._batch(words)
         # A "%" line: what stands before it, then the line itself, then the rest.
@@ -243,9 +243,9 @@ class Filter:
         before = b""
         if line_start:
             try:
-                before = self._pass(lex(words.text[:line_start], self.dialect.grammar))
+                before = self._pass(lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete))
             except BlockFault as earlier:
-                return self._deliver(lex(words.text[:line_start], self.dialect.grammar), earlier)
+                return self._deliver(lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete), earlier)
         columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
         error = self._error(words.text[line_start:], fault.message, fault.advice, *columns)
         error.delivered = before

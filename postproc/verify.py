@@ -51,7 +51,7 @@ class Verifier:
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
-        again = lex(output, self.interpreter.dialect.grammar)
+        again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
         try:
             if again.fault and not self.state.ended:
                 raise again.fault

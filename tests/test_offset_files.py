@@ -498,7 +498,7 @@ def test_an_offset_may_be_written_so(text, name, place):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "G54", "G54=", "T\u0661=X1", "G54=X\u0661", "G53=X1", "G60=X1", "G504=X1", "G600=X1", "G54.1=X1", "G54.2=X1", "G54.1P0=X1", "H0=Z1", "D1=X5",
+    ["", "G54", "G54=", "T\u0661=X1", "G54=X\u0661", "G53=X1", "G60=X1", "G504=X1", "G600=X1", "G54.1=X1", "G54.2=X1", "G54.1P0=X1", "H0=Z1",
      "G54=R1", "H1=R1", "G54=X1,X2", "G54=X", "G54=Q1", "G54=X1;Z2", "G54=X1mm", "=X1", "G54=X" + "9" * 400],
 )  # fmt: skip
 def test_an_offset_may_not_be_written_so(text):

@@ -67,6 +67,10 @@ AXES = "XYZABCUVWEIJK"
 SPELLED = bytes(
     [KEYWORD_LETTER, PARAMETER, *range(RELATIVE, RELATIVE + len(AXES)), *range(ABSOLUTE, ABSOLUTE + len(AXES))]
 )
+SKIPPED = {
+    "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
+    "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
+}
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
@@ -139,8 +143,9 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     return bytes(table)
 
 
-def lex(text: bytes, grammar: Grammar) -> Words:
-    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the dialect's.
+def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
+    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the dialect's; `drop`: blocks
+    that begin with "/" are not executed, so that it does not matter what stands in them.
 
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
@@ -150,6 +155,8 @@ def lex(text: bytes, grammar: Grammar) -> Words:
         code = COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
     elif comments and semicolon == "comment":
         code = AFTER_SEMICOLON.sub(_blank, text)
+    if drop and b"/" in code:
+        code = SKIPPED[semicolon].sub(_only_slash, code)
     if grammar.is_respelled:
         from postproc.nc.spellings import respelled
 
@@ -236,6 +243,11 @@ def _blank(comment: re.Match[bytes]) -> bytes:
     if NUMBER_FOLLOWS.match(comment.string, end):
         return comment[0]
     return b" " * (end - comment.start())
+
+
+def _only_slash(block: re.Match[bytes]) -> bytes:
+    """A skipped block without what stands in it."""
+    return block[1] + b" " * (block.end() - block.end(1))
 
 
 def _block_at(words: Words, offset: int) -> int:

@@ -317,7 +317,7 @@ def test_alarm_and_message():
         ("#5221=1", "work offset"), ("#2001=1", "tool offset"), ("#1100=1", "interface signal"), ("#3003=1", "state of the control"),
         ("#5001=1", "no variable"), ("X#4016", "no G code for 'rotation'"), ("G81 X1. Z-1. R1. F1\nX#4001", "canned cycles"),
         ("G28 X0\nX#5001", "where X stands is not known"), ("G68 X0 Y0 R30.\nX#5001", "turned"),
-        ("X1 X2\nX#5001", "two X words"), ("G43 H1\nX#5043", "a tool's length"), ("G43 H1\nX#5023", "where Z stands"), ("G55\nX#5021", "where X stands"), ("#100=1/0", "division of 1 by zero"), ("X[3 MOD 0]", "division of 3 by zero"), ("X[SQRT[-4]]", "SQRT[-4] has no value"),
+        ("X1 X2\nX#5001", "two X words"), ("G43 H1\nX#5043", "where Z stands"), ("G43 H1\nX#5023", "where Z stands"), ("G55\nX#5021", "where X stands"), ("#100=1/0", "division of 1 by zero"), ("X[3 MOD 0]", "division of 3 by zero"), ("X[SQRT[-4]]", "SQRT[-4] has no value"),
         ("X[LN[0]]", "LN[0]"), ("X[ASIN[1.5]]", "ASIN[1.5]"), ("X[TAN[90]]", "TAN[90]"), ("X[EXP[1000]]", "EXP[1000]"),
         ("X[ATAN[0]/[0]]", "ATAN[0, 0]"), ("X[1.5 AND 1]", "operand of AND is 1.5"), ("X[FOO[1]]", "'FOO' is no function"),
         ("X[ADP[#1]]", "'ADP' is no function"), ("X[1+]", "a value is missing"), ("X[1", "is not closed"), ("X[1]]", "']'"),

@@ -124,7 +124,11 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
         return line(rng, "G43", f"H{rng.choice(tuple(TOOLS))}", *(words() if rng.random() < 0.3 else ()))
 
     def change():
-        return line(rng, f"T{rng.choice((0, 1, 2, 3))}", rng.choice(("", "M6", "M6")), rng.choice(("", "G43")))
+        """A motion first: the oracle overlooks what was changed since the last one (README.md)."""
+        tool = f"T{rng.choice((0, 1, 2, 3))}"
+        if rng.random() < 0.3:
+            return tool
+        return "\n".join((line(rng, rng.choice(("G0", "G1")), *words()), line(rng, tool, "M6")))
 
     def machine():
         modes["incremental"] = False
@@ -268,7 +272,8 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
             line(rng, "G90 G0", depth + number(rng, level * factor[depth]), across[0] + number(rng, size(-20, 20)))
         ]
         incremental = rng.random() < 0.35
-        code = rng.choice(("G73", "G81", "G81", "G82", "G83", "G84", "G74", "G85", "G86", "G88", "G89"))
+        codes = ("G73", "G81", "G81", "G82", "G83", "G85", "G86", "G88", "G89")
+        code = rng.choice((*codes, "G84", "G74") if depth == "Z" else codes)  # LinuxCNC taps wrongly along X and Y
         if code == "G74":
             lines.append("M4")
         lines.append(first(across, depth, factor, code, incremental, level))

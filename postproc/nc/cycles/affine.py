@@ -40,6 +40,10 @@ class Affine:
     def identity(self) -> bool:
         return self == Affine()
 
+    @property
+    def can_be_undone(self) -> bool:
+        return 1e-18 < abs(_det(*self.matrix)) < 1e18
+
     def partners(self, axis: str) -> list[str]:
         """The axes that a word of this axis moves, and those that its coordinate depends on: itself at least."""
         i = AXES.index(axis)

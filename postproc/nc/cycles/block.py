@@ -16,6 +16,7 @@ _STRING = re.compile(rb"(?<![A-Za-z0-9_])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"
 _HIDDEN = b"\x01"  # in place of a comment's characters: no number goes on behind it
 _HELD = rb"(?P<held>AC|IC)[ \t]*\([ \t]*(?P<inner>" + _NUMBER + rb")[ \t]*\)"
 _BLANK = b" \t\r"
+LARGEST = 1e9  # a greater number is none that a control reads
 LONGEST_WORD = 100  # characters; a longer one is no number that a control reads
 
 
@@ -92,10 +93,11 @@ class Block:
                 at += 1
                 continue
             found = word.match(hidden, at)
-            if not found or len(found[0]) > LONGEST_WORD:
+            one = _word(found) if found and len(found[0]) <= LONGEST_WORD else None
+            if found is None or one is None or abs(one.value or 0.0) > LARGEST:
                 plain = False
                 break
-            words.append(_word(found))
+            words.append(one)
             at = found.end()
         return Block(text, tuple(words), plain, skip)
 

@@ -201,6 +201,8 @@ class Drilling:
     def lines(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """G0 to the place and to R level, and the cycle's own motions, as often as L or K says."""
         hole = job.hole
+        if job.times * len(hole.depths(scene)) > MOST_PECKS * 10:
+            raise scene.fault(f"{job.times:,} holes of {len(hole.depths(scene)):,} pecks each", "check L, K, Q and Z")
         letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
         m = Moves(scene, own_words(block, letters, {job.code, *job.codes}), self.late)
         for level in job.first:

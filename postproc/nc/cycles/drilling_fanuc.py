@@ -136,7 +136,7 @@ class FanucDrilling(Drilling):
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """With the words that the control would still hold, and from the initial level it would still know."""
-        if self.stays or not self.code:
+        if self.stays or not self.code or "R" not in self.held or "depth" not in self.held:
             return [block.text]
         axis, lines, add = job.hole.axis, [], []
         slash = b"/" if block.skip else b""

@@ -33,6 +33,7 @@ MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_
 )
 CODES = (MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON)
 LENGTHS = ("length", "length words", "length more", "length minus", "no length")
+SMALLEST = 1e-6  # of factors that can be undone
 ONE = 0.001  # what 1 without a point means as a factor
 CANCEL = "end it before (G69, G50, G50.1)"
 
@@ -219,8 +220,8 @@ class FanucFrames:
                     f"the factor {word.letter}{word.raw} has no decimal point", f"write {word.letter}{word.raw}.", word
                 )
             value *= ONE
-        if value == 0.0:
-            raise self.scene.fault("a factor of 0", "nothing would be left of the axis", word)
+        if not SMALLEST <= abs(value) <= 1 / SMALLEST:
+            raise self.scene.fault(f"a factor of {value:g}", f"factors are {SMALLEST:g} to {1 / SMALLEST:g}", word)
         return value
 
     def _no_scale(self, block: Block) -> None:

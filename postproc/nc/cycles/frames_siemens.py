@@ -26,6 +26,7 @@ SHIFTS = ("TRANS", "ATRANS")
 FROM_HERE, POLE, FROM_POLE = 1100, 1110, 1120
 POLES = (FROM_HERE, POLE, FROM_POLE)
 CYCLES = re.compile(rb"\b(?:MCALL|CYCLE(?!832\b)[0-9]+|HOLES[0-9]|POCKET[0-9]|SLOT[0-9]|LONGHOLE)\b", re.IGNORECASE)
+SMALLEST = 1e-3
 CANCEL = "end it before: TRANS or ROT without words"
 
 
@@ -134,9 +135,11 @@ class SiemensFrames:
         if kind == "MIRROR":
             return scaling(dict.fromkeys(values, -1.0))
         if kind == "SCALE":
-            zero = next((x for x, v in values.items() if v == 0.0), None)
-            if zero:
-                raise scene.fault(f"{name} {zero}0", "nothing would be left of the axis")
+            wrong = next((x for x, v in values.items() if not SMALLEST <= abs(v) <= 1 / SMALLEST), None)
+            if wrong:
+                raise scene.fault(
+                    f"{name} {wrong}{values[wrong]:g}", f"factors are {SMALLEST:g} to {1 / SMALLEST:g}, in one step"
+                )
             return scaling(values)
         if len(values) > 1:
             raise scene.fault(
@@ -152,6 +155,8 @@ class SiemensFrames:
         frames = self.frames
         mixed = {x for old in (frames.map, new) for x in AXES if len(old.partners(x)) > 1}
         frames.set_map(new)
+        if not frames.map.can_be_undone:
+            raise self.scene.fault("the frames together leave nothing of an axis", CANCEL)
         frames.loose |= mixed
 
     # -- polar words -----------------------------------------------------------------------------------------------------

@@ -265,6 +265,8 @@ class Repetitive:
         escape = self.held.get(role, {}).get("R", RETRACT[scene.inch]) * (_half(scene) if deep == "X" else 1.0)
         places = _steps(scene, start[over], to[over], by[over])
         depths = _steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
+        if len(places) * len(depths) > 10 * MOST_PASSES:
+            raise scene.fault(f"{len(places):,} cuts of {len(depths):,} pecks each", "check P and Q")
         back = escape if to[deep] < start[deep] else -escape
         for k, place in enumerate(places):
             if k:

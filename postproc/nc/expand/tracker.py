@@ -30,7 +30,7 @@ class Tracker:
         if self._waiting:
             text = b"\n".join(self._waiting) + b"\n"
             self._waiting = []
-            words = lex(text, self.dialect.grammar)
+            words = lex(text, self.dialect.grammar, self.setup.block_delete)
             self._state = self.interpreter.run(words, self._state)[1]
             if words.fault and not self._state.ended:
                 raise words.fault
