@@ -19,7 +19,7 @@ HEAD = 65_536  # bytes that are looked at
 MOST = 60  # characters of evidence shown
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*")
 CODE = re.compile(r"(?<![A-Z0-9_$#<.\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
-EXTRUDES = re.compile(r"^\s*(?:N\d+\s*)?G0?[01]\b[^\n]*(?<![A-Z0-9._])E-?\.?\d", re.MULTILINE)
+EXTRUDES = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?G0?[01]\b[^\n]*(?<![A-Z0-9._])E-?\.?\d", re.MULTILINE)
 BLOCK_ENDS = re.compile(r";[ \t\r]*$", re.MULTILINE)
 REMARK = re.compile(r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t]*;[ \t]*\S", re.MULTILINE)
 ROUND = re.compile(r"(?:^|[ \t])\([^()\n]*[A-Z][^()\n]*\)", re.MULTILINE)

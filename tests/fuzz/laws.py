@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import random
+import re
 import signal
 import sys
 import tempfile
@@ -23,6 +24,7 @@ from postproc.compensate import Options
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import OWN_OUTPUT, Filter, setup_of
 from postproc.machine import places
+from postproc.motions import ENTRY, FREE
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
@@ -171,6 +173,21 @@ def filter_of(case: Case) -> Filter:
 # -- what comes out --------------------------------------------------------------------------------------------------------
 
 
+class Watch(Verifier):
+    """The Verifier, and which lines lead into or out of cutter radius compensation, or lie inside."""
+
+    def __init__(self, filter_: Filter):
+        super().__init__(filter_)
+        self.leading: set[int] = set()
+        self.beside = False
+
+    def check(self, words, motions, pieces, output, first_line) -> None:
+        lines = first_line + words.line[motions.block] + 1
+        self.leading.update(lines[motions.cutter == ENTRY].tolist())
+        self.beside |= bool((motions.cutter != FREE).any())
+        super().check(words, motions, pieces, output, first_line)
+
+
 def parts(text: bytes, cuts) -> list[bytes]:
     edges = [0, *sorted(min(at, len(text)) for at in cuts), len(text)]
     return [text[a:b] for a, b in zip(edges, edges[1:], strict=False)]
@@ -250,7 +267,7 @@ def _broken_expanded(case: Case) -> str:
     plain, fault, long = expanded(case)
     if not long:
         filter_ = filter_of(case)
-        verifier = Verifier(filter_)
+        verifier = Watch(filter_)
         written = Written(Program("program", case.text), Interpreter(filter_.dialect, filter_.setup), LIMITS)
         out, seen = b"", ""
         try:
@@ -260,7 +277,7 @@ def _broken_expanded(case: Case) -> str:
             seen = str(error)
         if fault and not seen:
             return f"order: --expand refuses ({fault.splitlines()[0]}), and the whole does not"
-        told = _verified(case, verifier, out, plain)
+        told = _verified(case, verifier)
         if told and not seen:
             return told
         if not seen and plain == case.text:
@@ -278,7 +295,7 @@ def _broken_expanded(case: Case) -> str:
 
 def _broken_plain(case: Case) -> str:
     filter_ = filter_of(case)
-    verifier = Verifier(filter_)
+    verifier = Watch(filter_)
     text = case.text
     out, fault = outcome(filter_, [text])
     if REPORT in fault:
@@ -293,7 +310,7 @@ def _broken_plain(case: Case) -> str:
         return f"zero map: bytes changed: {_difference(text, out)}"
     if fault:
         return ""
-    told = _verified(case, verifier, out, text)
+    told = _verified(case, verifier)
     if told:
         return told
     if out != text:
@@ -311,11 +328,13 @@ def _cuts(text: bytes, cuts) -> Iterator[list[int]]:
         yield list(range(len(text)))
 
 
-def _verified(case: Case, verifier: Verifier, out: bytes, text: bytes) -> str:
-    """Inside cutter radius compensation reversals are spread: there, only of maps that have none."""
-    upper = text.upper().replace(b" ", b"").replace(b"\t", b"").replace(b"G0", b"G")
-    beside = b"G41" in upper or b"G42" in upper
-    if case.mode in ("mean", "step") and not (beside and case.map == "two-way") and not verifier.passed:
+def _verified(case: Case, verifier: Watch) -> str:
+    """Inside cutter radius compensation reversals are spread: there, only of maps that have none; blocks that lead into
+    and out of it are one piece, and bend as the map does."""
+    beside = verifier.leading or verifier.beside
+    if verifier.corrected.line in verifier.leading or (beside and case.map == "two-way"):
+        return ""
+    if case.mode in ("mean", "step") and not verifier.passed:
         deviation = verifier.corrected.deviation / UM
         return f"verifier: {deviation:.2f} um left in line {verifier.corrected.line}"
     return ""
@@ -362,8 +381,6 @@ def smallest(case: Case, tries: int = 600) -> Case:
             case = other
             if "mode" in change:
                 break
-    import re
-
     for pattern in (rb"[^\n]*\n|[^\n]+", rb"[A-Za-z#$<][^A-Za-z#$<\n]*|\n|.", rb"."):
         pieces = [m[0] for m in re.finditer(pattern, case.text, re.DOTALL)]
         size = max(1, len(pieces) // 2)

@@ -43,12 +43,12 @@ class Frames:
     def known(self, axis: str) -> float | None:
         """The programmed coordinate at which an axis stands."""
         if axis not in AXES or self.map.identity:
-            return self.scene.tracker.work(axis)
+            return self.scene.work(axis)
         if axis in self.loose:
             return None
         if axis not in self.at:
             mixed = self.map.partners(axis)
-            places = {x: self.scene.tracker.work(x) for x in mixed}
+            places = {x: self.scene.work(x) for x in mixed}
             if any(value is None for value in places.values()):
                 return None
             q = tuple(places.get(x) or 0.0 for x in AXES)

@@ -244,7 +244,7 @@ class FanucFrames:
         self._hold()
 
     def _stands(self, axis: str) -> float:
-        value = self.scene.tracker.work(axis)
+        value = self.scene.work(axis)
         if value is None:
             raise self.scene.fault(
                 f"the centre is where the tool stands, and {axis} is not known",

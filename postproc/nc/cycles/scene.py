@@ -90,12 +90,16 @@ class Scene:
         if axis not in self._places:
             if self.tracker.state.origin is None:
                 self.tracker.take(b"")  # before the first block the tracker does not know its zeros
-            value = self.frame(axis) if self.frame else self.tracker.work(axis)
+            value = self.frame(axis) if self.frame else self.work(axis)
             self.asked()
             if value is None:
                 return None
             self._places[axis] = value
         return self._places[axis]
+
+    def work(self, axis: str) -> float | None:
+        """The coordinate beneath any frame, as the tracker has it; None: not known, or no axis of the machine."""
+        return self.tracker.work(axis) if axis in self.tracker.setup.axes else None
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""

@@ -65,10 +65,10 @@ DIALECT = Dialect(
     signs=(
         *MACRO_SIGNS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
-        r"^(N\d+\s*)?T(?!0000)\d{4}\b",
-        r"G92\s*S\d",
-        r"G7[1-6]\s*P\d+\s*Q\d+",
-        r"G7[78]\s*X",
+        r"^(N\d+[ \t]*)?T(?!0000)\d{4}\b",
+        r"G92[ \t]*S\d",
+        r"G7[1-6][ \t]*P\d+[ \t]*Q\d+",
+        r"G7[78][ \t]*X",
     ),
     remarks=(r"\bFANUC\b", r"\bSTUDER\b"),
 )  # fmt: skip

@@ -46,12 +46,12 @@ DIALECT = Dialect(
     signs=(
         *MACRO_SIGNS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
-        r"^(N\d+\s*)?T(?!0000)\d{4}\b",
-        r"G92\s*S\d",
-        r"G7[2-5]\s*P\d+\s*Q\d+",
-        r"G24\s*X",
-        r"G2[01]\s*X-?[\d.]+\s*Z",
-        r"G7[01]\s*$",
+        r"^(N\d+[ \t]*)?T(?!0000)\d{4}\b",
+        r"G92[ \t]*S\d",
+        r"G7[2-5][ \t]*P\d+[ \t]*Q\d+",
+        r"G24[ \t]*X",
+        r"G2[01][ \t]*X-?[\d.]+[ \t]*Z",
+        r"G7[01][ \t]*$",
     ),
     remarks=(r"\bFANUC\b",),
 )  # fmt: skip

@@ -47,6 +47,6 @@ DIALECT = Dialect(
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
     letters="E",
-    signs=(r"^\s*\$[HJXCIGNS#$/]", r"^\s*\$(SD|LOCALFS|MACROS?)/", r"#\d+\s*=", r"G38\.[6-9]\b"),
+    signs=(r"^[ \t]*\$[HJXCIGNS#$/]", r"^[ \t]*\$(SD|LOCALFS|MACROS?)/", r"#\d+[ \t]*=", r"G38\.[6-9]\b"),
     remarks=(r"\bFLUIDNC\b",),
 )  # fmt: skip

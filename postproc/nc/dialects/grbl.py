@@ -39,6 +39,6 @@ DIALECT = Dialect(
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
-    signs=(r"^\s*\$[HJXCIGNS#$]", r"^\s*\$\d+\s*="),
+    signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"^[ \t]*\$\d+[ \t]*="),
     remarks=(r"(?<![A-Z])GRBL(?!HAL)\b",),
 )  # fmt: skip

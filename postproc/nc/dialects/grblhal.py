@@ -64,6 +64,6 @@ DIALECT = Dialect(
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
     letters="E",
-    signs=(r"^\s*\$[HJXCIGNS#$]", r"#\d+\s*=", r"G65\s*P\d"),
+    signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"#\d+[ \t]*=", r"G65[ \t]*P\d"),
     remarks=(r"\bGRBLHAL\b",),
 )  # fmt: skip

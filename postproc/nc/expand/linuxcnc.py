@@ -25,7 +25,6 @@ from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
 from postproc.nc.expand.linuxcnc_parameters import Memory
 from postproc.nc.expand.tracker import Tracker
 
-WRITTEN = re.compile(rb"[\[#]|^[ \t]*/[ \t]*(?:[Nn][ \t\d.]+)?[Oo]")  # within a skipped line: not plain
 CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
 ENDS, STATES, CALLS = (2, 30), (70, 71, 72, 73), (98, 99)
 
@@ -92,7 +91,7 @@ class Run:
         if text.strip() == b"%":
             return self._mark(file, at)
         if self.tracker.setup.block_delete and text.lstrip()[:1] == b"/":
-            return None if flow.skip is not None or WRITTEN.search(text) else text
+            return text if flow.skip is None else None
         if flow.skip is not None and not CONTROL.match(text):
             return None
         found = file.read.get(at) or read(text)
