@@ -124,7 +124,10 @@ class Filter:
         self.interpreter = Interpreter(self.dialect, self.setup)
         mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
         self.compensator = Compensator(self.machine, replace(self.options, arc_mismatch=mismatch))
-        self.emitter = Emitter(self.dialect, self.setup, marker_of(self.machine, self.compensator.tolerance))
+        marker = marker_of(self.machine, self.compensator.tolerance)
+        if not self.dialect.grammar.parentheses or self.dialect.carried:  # ( ) is no comment there, or not on every firmware
+            marker = "; " + marker
+        self.emitter = Emitter(self.dialect, self.setup, marker)
         self.modal: ModalState = self.interpreter.initial()
         self.carry = self.compensator.initial()
         self.written = Written()
