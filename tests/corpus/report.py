@@ -62,18 +62,21 @@ class Row:
 
     @property
     def result(self) -> str:
-        return result_of(self.plain, self.expanded)
+        return BROKEN if self.table.startswith("differs") else result_of(self.plain, self.expanded)
 
     @property
     def best(self) -> Outcome:
         """The run that the row is about."""
-        return self.plain if self.plain.good else self.expanded
+        named = "--expand" in f"{self.plain.message}\n{self.plain.advice}"
+        return self.plain if self.plain.good or not (self.expanded.good or named) else self.expanded
 
     @property
     def reason(self) -> str:
         """The class of the refusal."""
         if self.program.name in run.FRAGMENTS:
             return run.FRAGMENT
+        if self.best is self.expanded and self.best.reason == run.NEEDS:
+            return run.OTHER  # --expand was given
         return self.best.reason
 
     @property

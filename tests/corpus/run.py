@@ -43,7 +43,7 @@ NO_PROGRAMS = {"LICENSE", "README.md"}
 XYZ, ROTARY = "XYZ", "ABC"
 FAR = 3000.0  # mm: tables reach from -FAR to FAR
 MAX_STEPS, MAX_DEPTH = 200_000, 50
-LONGEST_S = 60
+LONGEST_S = 20
 
 # -- programs ----------------------------------------------------------------------------------------------------------
 
@@ -287,6 +287,7 @@ def offsets() -> dict[str, dict[str, float]]:
 
 # -- one run -----------------------------------------------------------------------------------------------------------
 
+NEEDS = "--expand is needed"
 REASONS = (  # what a refusal is about, by what its message or advice says; the first that fits
     ("an offset that nobody stated", ("is not stated",)),
     (
@@ -305,7 +306,7 @@ REASONS = (  # what a refusal is about, by what its message or advice says; the 
             "is not defined in this program",
         ),
     ),
-    ("--expand is needed", ("--expand",)),
+    (NEEDS, ("--expand",)),
 )
 OTHER = "a construct that is not followed"
 FRAGMENT = "not a program for a control"
@@ -595,10 +596,10 @@ def table_of(program: Program) -> list[tuple[float, ...]] | None:
     return _changing(program, rows)
 
 
-def places_of(machines: Machines, program: Program, text: bytes) -> list[tuple[float, ...]]:
-    """The same, as the program written out takes the machine there. Raises GcompError where it is refused."""
+def places_of(machines: Machines, program: Program, text: bytes, expand: bool) -> list[tuple[float, ...]]:
+    """The same, as the program takes the machine there. Raises GcompError or BlockFault where it is refused."""
     filter_ = make_filter(machines.zero(), program, start=TABLE_BEGINS.get(program.name))
-    plain = b"".join(output(filter_, text, expand=True))
+    plain = b"".join(output(filter_, text, expand))
     target = whole(filter_, plain).target / TICKS_PER_MM
     rows = [filter_.machine.letters.index(x) for x in XYZ + ROTARY]
     return _changing(program, [tuple(map(float, place[rows])) for place in target.T])
@@ -614,12 +615,18 @@ def _changing(program: Program, rows: list[tuple[float, ...]]) -> list[tuple[flo
 
 
 def table_fault(machines: Machines, program: Program) -> str:
-    """Where the places of a program first differ from those of its table, "" if nowhere or if there is no table."""
+    """Where the places of a program, as it is and written out, first differ from those of its table; "" if nowhere, if
+    there is no table, or if the program is refused."""
     table = table_of(program)
-    if table is None:
-        return ""
-    found = places_of(machines, program, program.text)
-    for number, (a, b) in enumerate(zip(found, table, strict=False)):
-        if max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-3:
-            return f"place {number} is {a}, the table says {b}"
-    return "" if len(found) == len(table) else f"{len(found)} places, the table has {len(table)}"
+    for expand in (False, True) if table else ():
+        try:
+            found = places_of(machines, program, program.text, expand)
+        except (GcompError, BlockFault):
+            continue
+        how = "written out" if expand else "as it is"
+        for number, (a, b) in enumerate(zip(found, table, strict=False)):
+            if max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-3:
+                return f"{how}, place {number} is {a}, the table says {b}"
+        if len(found) != len(table):
+            return f"{how}, {len(found)} places, the table has {len(table)}"
+    return ""

@@ -113,7 +113,7 @@ max_slope = 0.005
 SQUARE = {"mill": "[squareness]\nC0Y = 25.0\nA0Z = -15.0\nB0Z = 20.0\n", "lathe": "[squareness]\nB0X = -90.0\n"}
 AXIS = """
 [axes.{axis}]
-travel = [-20000.0, 20000.0]
+travel = [-3000.0, 3000.0]
 least_increment = 0.0001
 table  = "{axis}.csv"
 measured_at = {{ {others} }}

@@ -83,7 +83,7 @@ class FanucDrilling(Drilling):
         back = r if scene.code("return") == R_LEVEL else self.start(scene, axis)
         half = 2 if scene.is_diameter(axis) else 1
         q = self.held.get("Q", 0.0) * half
-        if code in (730, 830) and q <= 0 and "I" not in self.held:
+        if code in self.pecking and q <= 0 and "I" not in self.held:
             raise scene.fault(f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q"))
         hole = Hole(
             axis, r, bottom, back, p=self.p if self.p and code in self.dwells else "",
@@ -97,6 +97,7 @@ class FanucDrilling(Drilling):
         )
 
     dwells: tuple[int, ...] = DWELLS
+    pecking: tuple[int, ...] = (730, 830)
 
     def drops(self, scene: Scene, axis: str) -> str:
         return ""
@@ -175,6 +176,7 @@ class LatheDrilling(FanucDrilling):
     least increments where it has no point; U V W H are distances."""
 
     dwells = tuple(LATHE)
+    pecking = ()  # without Q they drill in one go
 
     def __init__(self, synchronised: bool = False):
         Drilling.__init__(self, LATHE, LATHE_TAPPING, {}, "RPQKL", AFTER_MOTION, synchronised)

@@ -8,6 +8,7 @@ from postproc.errors import ProgramError
 from postproc.nc.codes import Code, code_number
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.expand.tracker import Tracker, number
+from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
 Fault = Callable[[str, str, bytes], ProgramError]  # message, advice, and what to point at in the line
 CLOCKWISE, COUNTER = 20, 30
@@ -99,7 +100,13 @@ class Scene:
 
     def work(self, axis: str) -> float | None:
         """The coordinate beneath any frame, as the tracker has it; None: not known, or no axis of the machine."""
-        return self.tracker.work(axis) if axis in self.tracker.setup.axes else None
+        axes, state = self.tracker.setup.axes, self.tracker.state
+        if axis not in axes or axis in self.unsure or state.origin is None or not state.known[axes.index(axis)]:
+            return None
+        row = axes.index(axis)
+        unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (2 if self.is_diameter(axis) else 1)
+        # An offset that nobody has stated is in neither of the two, and a block has named the axis behind it.
+        return float((state.position[row] - state.origin[row]) / unit)
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""

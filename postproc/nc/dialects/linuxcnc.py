@@ -6,6 +6,7 @@ rs274ngc's constants of these names, measured on the interpreter (tests/linuxcnc
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
 from postproc.nc.rows import (
     ARC_CENTRE,
     BACK_BORE,
@@ -61,6 +62,7 @@ DIALECT = Dialect(
         68: "analog output", 70: "save modal state", 71: "forget modal state",
     },
     m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
+    grammar=Grammar(ignores=(r"\$[ \t]*[0-9]+",)),  # $0 names a spindle
     language="linuxcnc",
     expand_decimals=4,
     plane=170,

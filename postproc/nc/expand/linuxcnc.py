@@ -79,6 +79,8 @@ class Run:
                 raise self._fault(Place("", file, at), before) from None
             if plain is not None:
                 yield Line(plain, at + 1, file.name)
+                if at == self.opening and file is self.main:
+                    _ = self.tracker.state  # read alone: of what stands behind "%" in the same text, nothing is read
             if self.ended:
                 yield from self._closing(file, at)
                 return

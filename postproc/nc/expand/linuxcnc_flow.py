@@ -291,6 +291,8 @@ class Flow:
     def _load(self, name: str) -> File | None:
         if name not in self.files:
             text = self.program.library(name)
+            if text is None and base(name) != name:
+                text = self.program.library(base(name))
             self.files[name] = None if text is None else File(f"{name}.ngc", Program(name, text))
         return self.files[name]
 

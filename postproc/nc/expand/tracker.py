@@ -18,11 +18,12 @@ class Tracker:
         self.interpreter = interpreter
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
-        self._waiting: list[bytes] = []
+        self._waiting: list[bytes] = [b""]  # a first block, so that the zero in force is known from the start
 
     def take(self, line: bytes) -> None:
-        """A plain line (without its end) that the control executes now."""
-        self._waiting.append(line)
+        """A plain line (without its end) that the control executes now. A "%" line is no block."""
+        if not line.lstrip().startswith(b"%"):
+            self._waiting.append(line)
 
     @property
     def state(self) -> ModalState:
