@@ -33,7 +33,7 @@ UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefine
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}
 NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}  # where the cycle begins; later ones hold
 STOPS = (860,)
-DWELLS = (820, 860, 890)
+DWELLS = (740, 820, 840, 860, 890)
 RETRACT = {False: 0.254, True: 0.010}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
 
 
