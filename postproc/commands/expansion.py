@@ -82,6 +82,10 @@ def _by_source(error: ProgramError, written: Written) -> ProgramError:
     if place is None or not place.line:
         return error
     line, file = written.source(place.line)
+    own = written.program.lines()[line - 1].decode("latin-1") if not file else ""
+    if own.rstrip() == place.text.rstrip():
+        error.place = Place(place.file, line, place.text, place.start, place.stop)
+        return error
     other = ProgramError(
         f"{error.message} (in the block that was written out: {place.text.strip()[:80]})", error.advice,
         Place(file or place.file, line),

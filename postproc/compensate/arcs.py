@@ -114,6 +114,7 @@ class Fitter:
     needed: Needed
     round_to: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start
+    step: np.ndarray  # (A, n) ticks of a least increment of each axis' word
 
     def samples(self, rows: Rows) -> np.ndarray:
         """(R,) how many steps make each part's samples dense enough: between two of them at most an eighth of the
@@ -146,7 +147,8 @@ class Fitter:
                 break
             good, straight, rows, middle = self.fit_all(rows)
             good &= ~force
-            short = (self._short(rows) & straight) | (halving == HALVINGS)
+            tiny, flat = self._short(rows)
+            short = tiny | (flat & straight) | (halving == HALVINGS)
             done.append(rows.pick(good))
             done.append(replace(rows.pick(~good & short), chord=np.ones(int((~good & short).sum()), bool)))
             rows, middle = rows.pick(~good & ~short), middle[:, ~good & ~short]
@@ -159,12 +161,13 @@ class Fitter:
             force = wide & np.concatenate([force[~good & ~short]] * 2)
         return Rows(**{f: np.concatenate([getattr(r, f) for r in done], axis=-1) for f in Rows.__dataclass_fields__})
 
-    def _short(self, rows: Rows) -> np.ndarray:
+    def _short(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
+        """(R,) parts not to be halved again: shorter than the control resolves well, and flatter than a share of the tolerance."""
         sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = self.arcs.radius[rows.arc]
         sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
         tiny = sweep * radius < SHORTEST * self.arcs.grid[:, rows.arc].max(axis=0) / TICKS_PER_MM
-        return tiny | (sagitta < self.tolerance / 8)
+        return tiny, sagitta < self.tolerance / 8
 
     def fit_all(self, rows: Rows) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
         """(R,) whether an arc will do, and whether the axes across the plane are straight enough for either arc or chord;
@@ -246,7 +249,8 @@ class Fitter:
         straight = np.ones(len(rows), bool)
         for axis in self.machine.corrected:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
-            linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across
+            half = self.step[axis, rows.arc] / TICKS_PER_MM / 2  # the ends are rounded already
+            linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across + half
             straight &= linear | (a == axis) | (b == axis)
         good &= straight
         middle = first + (count - 1) // 2

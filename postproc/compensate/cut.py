@@ -63,7 +63,10 @@ def straight_pieces(b: Batch):
     end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
     end[:, place_cut] = b.grid(cut, exact)
     nominal[:, place_cut] = np.rint(b.nominal(motion[cut], t) * TICKS_PER_MM).astype(np.int64)
-    end[b.fixed] = nominal[b.fixed]
+    whole = (
+        place_end  # axes that are only carried along end where they were told, and pass the cuts on whole increments
+    )
+    end[np.ix_(b.fixed, whole)] = nominal[np.ix_(b.fixed, whole)]
     # An axis that stands still keeps still in the middle too; a piece of no length is none.
     first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
     start = _starts(b, stroke, first, end)
@@ -157,7 +160,7 @@ def arc_pieces(b: Batch):
     written = written_centre(m)
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
-        tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written,
+        tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
     )  # fmt: skip

@@ -122,9 +122,9 @@ class Batch:
         fallback = w.block_stop[m.block]
         if n and not some.all():  # behind the block's last word, before a comment
             last_word = np.searchsorted(w.block, m.block, side="right") - 1
-            fallback = np.where(w.block[np.maximum(last_word, 0)] == m.block, w.stop[last_word], fallback)
+            fallback = np.where(w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback)
         self.head = np.where(some, w.start[np.minimum(first, n - 1)], fallback) if n else fallback
-        self.at = np.where(some, w.stop[np.minimum(np.maximum(last, 0), n - 1)], fallback) if n else fallback
+        self.at = np.where(some, self.tail(np.minimum(np.maximum(last, 0), n - 1)), fallback) if n else fallback
         blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
         self.spaced = blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
 
@@ -286,9 +286,16 @@ class Batch:
             leads |= moves | plane
         return leads
 
+    def tail(self, word: np.ndarray) -> np.ndarray:
+        """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
+        stop = self.w.stop[word].copy()
+        for k in np.flatnonzero(self.w.letter[word] >= RELATIVE):
+            stop[k] = self.w.text.find(b")", int(stop[k])) + 1 or stop[k]
+        return stop
+
     def delete(self, word: np.ndarray, motion: np.ndarray) -> None:
         """Take words out, with the blank before them (after them, for the first word)."""
-        start, stop = self.w.start[word], self.w.stop[word]
+        start, stop = self.w.start[word], self.tail(word)
         leads = start <= self.head[motion]
         start = start - ((self.byte[np.maximum(start - 1, 0)] == ord(" ")) & ~leads)
         stop = stop + ((self.byte[stop] == ord(" ")) & leads)

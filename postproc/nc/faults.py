@@ -13,6 +13,10 @@ STATEMENT = re.compile(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,
 )  # fmt: skip
+STATEMENT_WORD = re.compile(
+    rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
+    rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>", re.IGNORECASE,
+)  # fmt: skip
 LETTER_O = re.compile(rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)")
 CORNER = re.compile(rb",[ \t]*[RCArca]")
 COMMA = re.compile(rb"[0-9],[0-9]")
@@ -48,6 +52,9 @@ def advice_at(code: bytes, offset: int) -> str:
 
 def bare(code: bytes, offset: int) -> tuple[str, str]:
     """A letter without a number."""
+    word = STATEMENT_WORD.match(code, offset)
+    if word:
+        return f"{word[0].decode('ascii').strip()!r} is a statement, not a plain block", ADVICE_EXPRESSION
     return f"the letter {chr(code[offset])} has no number", advice_at(code, offset)
 
 

@@ -36,6 +36,7 @@ from postproc.nc.refusals import (
     unnamed_motions,
 )
 from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
+from postproc.nc.zeros import offset_columns
 from postproc.units import TICKS_PER_MM
 
 PARAMETERS = "NOGMFSTDHLPQ"
@@ -52,7 +53,14 @@ class Interpreter:
             u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows and u not in self.rows
         }
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
-        self.letters = set(PARAMETERS) | set(self.rows) | set(self.increment_rows) | {"I", "J", "K", "R"} | centres | set(dialect.letters)
+        self.letters = (
+            set(PARAMETERS)
+            | set(self.rows)
+            | set(self.increment_rows)
+            | {"I", "J", "K", "R"}
+            | centres
+            | set(dialect.letters)
+        )
 
     def initial(self) -> ModalState:
         """The state before the first block."""
@@ -126,7 +134,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     single_codes(b)
     frames.event(b, axis_words)
     refused_groups(b)
-    frames.offset_columns(b)
+    offset_columns(b)
     m_codes(b)
     check_points(b)
     centre_words = {c: b.one_of(c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": b.once("R")}

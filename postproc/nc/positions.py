@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from postproc.nc import frames
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.lexer import ABSOLUTE
+from postproc.nc.zeros import stated
 from postproc.units import TICKS_PER_MM
 
 
@@ -103,7 +103,7 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             if number in b.single:
                 gone = drop.copy()
                 _reference(b, number, letter, gone)
-                reference = frames.stated(b, f"G{number // 10}")
+                reference = stated(b, f"G{number // 10}")
                 if reference is None or letter not in reference:
                     drop = gone
                     continue

@@ -1,6 +1,7 @@
 """Which control a program is written for, told by what stands in it.
 
-Every dialect says what its programs show and others do not (`signs`, `remarks`). Beside these count codes that a dialect
+Every dialect says what its programs show and others do not (`signs`,
+    `remarks`). Beside these count codes that a dialect
 has not, letters that mean nothing to it, and how `;` and ( ) are used. Programs of plain G0 and G1 fit many dialects,
 and then many names come back, with nothing for any of them.
 """
@@ -66,8 +67,8 @@ def _blank(comment: re.Match[str]) -> str:
 
 
 def recognise(text: bytes) -> list[tuple[str, list[str]]]:
-    """Names of the dialects that a program may be written in, most likely first, with the evidence for each. Several with
-    as much evidence as the first can not be told apart. Empty: this shows no program of any."""
+    """Names of the dialects that a program may be written in, most likely first, with the evidence for each. Several
+    with as much evidence as the first can not be told apart. Empty: this shows no program of any."""
     shown = Text(text)
     if not shown.codes["G"] and not shown.codes["M"] and b"\0" in text[:HEAD]:
         return []
@@ -139,7 +140,7 @@ def _signs(shown: Text, dialect: Dialect) -> Iterator[str]:
     for pattern in _patterns(dialect.signs):
         match = shown.search(pattern)
         if match:
-            yield f"{_short(match[0])} in line {shown.line(match.start() + len(match[0]) - len(match[0].lstrip()), shown.code)}"
+            yield f"{_short(match[0])} in line {shown.line(match.start(), shown.code)}"
     for pattern in _patterns(dialect.remarks):
         match = shown.search(pattern, "remarks")
         if match:

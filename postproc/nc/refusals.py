@@ -27,7 +27,7 @@ def check_letters(b: Batch) -> None:
             letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
         if letter in b.interpreter.letters:
             continue
-        if letter in "ABCUVWXYZ" or letter in b.dialect.carried:
+        if letter in "ABCUVWXYZ" or letter in b.dialect.carried or (letter == "E" and b.dialect.grammar.assigns):
             raise b.fault(
                 place[0],
                 f"the machine has no axis {letter}",

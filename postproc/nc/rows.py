@@ -48,7 +48,9 @@ SET_OFF = [
     *rows("shift", {"92.3": "position shift back"}, does="set back"),
 ]
 REFERENCE = rows("", {"28": "to the reference point", "30": "to the second reference point"}, takes=True)
-STORE_REFERENCE = rows("", {"28.1": "store the reference point", "30.1": "store the second reference point"}, does="store")
+STORE_REFERENCE = rows(
+    "", {"28.1": "store the reference point", "30.1": "store the second reference point"}, does="store"
+)
 MACHINE_FRAME = rows("", {"53": "this block in machine coordinates"})
 DWELL = rows("", {"4": "dwell"})
 RETURN = rows("return", {"98": "cycles return to the initial level", "99": "cycles return to R"})
@@ -86,7 +88,7 @@ MACRO = [
 # What every control for cutting has here; each adds its units, frames and cycles.
 COMMON = [*MOTION, *PLANE, *DISTANCE, *WORK, *REFERENCE, *MACHINE_FRAME, *DWELL]
 
-# -- Fanuc: what mills and lathes share, and what the lathes of all three G-code systems share ------------------------------
+# -- Fanuc: what mills and lathes share, and what the lathes of all three G-code systems share -----------------------
 
 FANUC = [
     *rows("", {"9": "exact stop in this block", "11": "end of data input"}),

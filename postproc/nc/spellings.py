@@ -31,7 +31,9 @@ ASSIGNED = re.compile(
 )
 NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8": a name, no number
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
-HOMING = re.compile(rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?:28|29|30)(?![0-9.])|[Mm])[^\n]*")
+HOMING = re.compile(
+    rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
+)
 BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
 MARKS = bytes(range(0x80, 0x100))
 REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))

@@ -234,11 +234,12 @@ def test_an_unknown_name_is_answered_with_the_names(name):
 
 HEAD = """# Dialects
 
-Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of data,
-`postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
+Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of
+data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
 machine.toml chooses it, `--dialect auto` looks at the program.
 
-- **followed**: the code is obeyed, and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
+- **followed**: the code is obeyed,
+    and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
   programmed place, and the bound of that error is said.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, coordinates given to the place where the machine stands.
@@ -246,7 +247,8 @@ machine.toml chooses it, `--dialect auto` looks at the program.
 - **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first.
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
 
-Which axis words are diameters is said by machine.toml (`diameter`), by G7 G8 or DIAMON DIAMOF where there are such codes.
+Which axis words are diameters is said by machine.toml (`diameter`),
+    by G7 G8 or DIAMON DIAMOF where there are such codes.
 """
 
 
@@ -304,7 +306,8 @@ def chapter(dialect: dialects.Dialect) -> str:
 def _tolerance(dialect: dialects.Dialect) -> str:
     text = f"{dialect.arc_tolerance_mm:.3g} mm"
     if dialect.arc_tolerance_relative:
-        text += f", or {100 * dialect.arc_tolerance_relative:g} % of the radius up to {dialect.arc_tolerance_most_mm:.3g} mm"
+        most = dialect.arc_tolerance_most_mm
+        text += f", or {100 * dialect.arc_tolerance_relative:g} % of the radius up to {most:.3g} mm"
     return text
 
 

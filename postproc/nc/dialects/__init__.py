@@ -25,35 +25,35 @@ class Dialect:
     """How one family of controls reads a program.
 
     `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason why not.
-    `plane`: G code in force at the start.
-    `increments`: letter of an incremental word to its axis. `dwell`: letters of the dwell time in a G4 block.
-    `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end
-    radius of an arc may differ by the former, and by more only within the latter, never by more than
-    `arc_tolerance_most_mm`; a smaller radius than
-    `radius_tolerance_mm` is none, and R may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell who
-    writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one block are
-    an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module of
-    postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`: decimals beyond the least
-    increment that a written-out number may have. `integers`: a coordinate without a decimal point counts "units" or
-    "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`: regular
-    expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where G92 is.
-    `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `repeats`: letters that say how
-    often a canned cycle is run. `letters`: further letters that are parameters of codes. `motion`: ten times the motion code that holds before a
-    program names one. `increments_travel_shifts`: the first increment after
-    TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
+    `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis. `dwell`: letters
+    of the dwell time in a G4 block. `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and
+    `arc_tolerance_relative`: start and end radius of an arc may differ by the former, and by more only within the
+    latter, never by more than `arc_tolerance_most_mm`; a smaller radius than `radius_tolerance_mm` is none, and R
+    may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell
+    who writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one
+    block are an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module
+    of postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`: decimals beyond
+    the least increment that a written-out number may have. `integers`: a coordinate without a decimal point counts
+    "units" or "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`:
+    regular expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where
+    G92 is. `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external
+    one. `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are parameters
+    of codes. `motion`: ten times the motion code that holds before a program names one. `increments_travel_shifts`:
+    the first increment after TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
 
-    `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for outside
-    of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its motion code out; if
-    not, every block and every added one must name it. `one_command`: a line is one command, its first G or M or T word,
-    and all other words are its parameters. `m_takes`: what stands behind an M word in its line is that code's own affair
-    (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M numbers behind which even a G or M begins
-    no other command (M117 G1 is done). `bare_letters`: letters without a number are legal (G28 X Y).
-    `first_turn`: P of an arc that has no further turns. `arc_centre`: how I J K are meant without G90.1 or G91.1:
-    "incremental"; "pole": absolute, and kept from block to block. `length_letter`: whose number names the tool's length
-    offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain, printers). `carried_codes`: M codes that make
-    the carried axes absolute and incremental; `carried_by_distance`: whether G90 and G91 do so too, the last one counts.
-    `block_end`: a character that ends a block besides the line's end (* of DIN/ISO).
+    `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
+    outside of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
+    motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
+    first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
+    line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
+    numbers behind which even a G or M begins no other command (M117 G1 is done). `bare_letters`: letters without a
+    number are legal (G28 X Y). `first_turn`: P of an arc that has no further turns. `arc_centre`: how I J K are
+    meant without G90.1 or G91.1: "incremental"; "pole": absolute, and kept from block to block. `length_letter`:
+    whose number names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
+    printers). `carried_codes`: M codes that make the carried axes absolute and incremental; `carried_by_distance`:
+    whether G90 and G91 do so too, the last one counts. `block_end`: a character that ends a block besides the
+    line's end (* of DIN/ISO).
     """
 
     name: str
@@ -168,7 +168,8 @@ class Dialect:
 
     @cached_property
     def begins_segment(self) -> np.ndarray:
-        """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or end."""
+        """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or
+        end."""
         table = np.zeros(LARGEST_G, dtype=bool)
         cycles = any(code.does in ("drill", "tap") for code in self.codes)
         for code in self.codes:

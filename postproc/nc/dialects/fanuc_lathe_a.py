@@ -1,4 +1,4 @@
-"""Fanuc lathes in G-code system A: U W H V are increments and there is no G90 G91; G98 G99 are feed per minute and turn.
+"""Fanuc lathes in G-code system A: U W H V are increments, without G90 G91; G98 G99 are feed per minute and turn.
 
 Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column A; G90 G92 G94 are the cycles that
 systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
@@ -43,8 +43,8 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="KL",
     exact_stops=(90, 610),
-    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on a "
-    "control that reads them as least increments the program means something else",
+    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on "
+    "a control that reads them as least increments the program means something else",
     one_code_per_group=False,
     letters="E",
     signs=(

@@ -1,4 +1,5 @@
-"""GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no program.
+"""GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no
+program.
 
 Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """

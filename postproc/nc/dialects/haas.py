@@ -1,8 +1,10 @@
-"""Haas mills: Fanuc's words, G154 P and G110-G129 work offsets, G12 G13 G150 pockets, G70-G72 bolt holes, M97 local calls.
+"""Haas mills: Fanuc's words, G154 P and G110-G129 work offsets, G12 G13 G150 pockets, G70-G72 bolt holes, M97 local
+calls.
 
-Codes: Haas Mill Operator's Manual (Next Generation Control, 96-8210), "G-codes" and "M-codes". `;` is the end of block as
-that manual prints it; comments are in ( ). A coordinate without a decimal point is a number of least increments, unless
-setting 162 (Default To Float) is on, says the same manual; G52 and G92 as with setting 33 (Coordinate System) FANUC.
+Codes: Haas Mill Operator's Manual (Next Generation Control, 96-8210), "G-codes" and "M-codes". `;` is the end of
+block as that manual prints it; comments are in ( ). A coordinate without a decimal point is a number of least
+increments, unless setting 162 (Default To Float) is on, says the same manual; G52 and G92 as with setting 33
+(Coordinate System) FANUC.
 """
 
 from postproc.nc import codes
@@ -44,11 +46,16 @@ DIALECT = Dialect(
         *rows("motion", {"87": "boring, out by hand"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"88": "boring, dwell, out by hand"}, does="drill"),
         *rows("motion", {"156": "broaching"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {"153": "five-axis cycle", "155": "five-axis cycle", **{str(n): "five-axis cycle" for n in range(161, 170) if n != 167}}, refuses=codes.TOOL_POINT),
-        *rows("motion", {"174": "tapping across the spindle", "184": "tapping across the spindle"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {"31": "skip", "35": "tool diameter, measured", "36": "work offset, measured", "37": "tool length, measured", "136": "work centre, measured"}, refuses=codes.PROBE),
-        *rows("", {"12": "circular pocket, clockwise", "13": "circular pocket, counter-clockwise", "150": "pocket", "47": "engraving"}, takes=True, refuses=codes.WRITE_OUT),
-        *rows("", {"70": "bolt holes on a circle", "71": "bolt holes on an arc", "72": "bolt holes on a line"}, refuses=codes.WRITE_OUT),
+        *rows("motion", {"153": "five-axis cycle", "155": "five-axis cycle",
+            **{str(n): "five-axis cycle" for n in range(161, 170) if n != 167}}, refuses=codes.TOOL_POINT),
+        *rows("motion", {"174": "tapping across the spindle", "184": "tapping across the spindle"},
+            refuses=codes.WRITE_OUT),
+        *rows("motion", {"31": "skip", "35": "tool diameter, measured", "36": "work offset, measured",
+            "37": "tool length, measured", "136": "work centre, measured"}, refuses=codes.PROBE),
+        *rows("", {"12": "circular pocket, clockwise", "13": "circular pocket, counter-clockwise", "150": "pocket",
+            "47": "engraving"}, takes=True, refuses=codes.WRITE_OUT),
+        *rows("", {"70": "bolt holes on a circle", "71": "bolt holes on an arc", "72": "bolt holes on a line"},
+            refuses=codes.WRITE_OUT),
         *rows("mirror", {"100": "no mirror"}),
         *rows("mirror", {"101": "mirror"}, refuses=codes.UNTURNED),
         *rows("cylinder", {"107": "cylindrical mapping"}, refuses=codes.TRANSFORM),
@@ -59,7 +66,8 @@ DIALECT = Dialect(
         *rows("feature", {"269": "no feature coordinates"}),
         *rows("feature", {"268": "feature coordinates", "253": "spindle across the feature"}, refuses=codes.TILTED),
         *rows("path", {"61": "exact stop", "64": "no exact stop"}),
-        *rows("", {"9": "exact stop in this block", "60": "positioning from one direction", "103": "blocks looked ahead", "167": "change a setting", "187": "smoothness"}),
+        *rows("", {"9": "exact stop in this block", "60": "positioning from one direction",
+            "103": "blocks looked ahead", "167": "change a setting", "187": "smoothness"}),
         *rows("", {"29": "from the reference point"}, takes=True),
         *rows("", {"266": "rapid of the axes at a rate"}),
     ),
@@ -71,7 +79,8 @@ DIALECT = Dialect(
         10: "fourth axis brake on", 11: "fourth axis brake off", 12: "fifth axis brake on", 13: "fifth axis brake off",
         16: "tool change", 17: "unclamp and open", 18: "clamp and close", 31: "chips out", 33: "chips stop",
         34: "coolant nozzle", 35: "coolant nozzle", 36: "pallet ready", 39: "turn the turret", 41: "gear", 42: "gear",
-        50: "pallet change", 59: "output on", 69: "output off", 73: "air on", 74: "air off", 75: "reference for G35 G136",
+        50: "pallet change", 59: "output on", 69: "output off", 73: "air on", 74: "air off",
+            75: "reference for G35 G136",
         78: "alarm if skipped", 79: "alarm if not skipped", 80: "door opens", 81: "door closes", 82: "tool unclamp",
         83: "air gun on", 84: "air gun off", 86: "tool clamp", 88: "coolant through the spindle", 89: "coolant off",
         90: "fixture clamp", 91: "fixture clamp", 95: "sleep", 104: "probe arm", 105: "probe arm", 109: "ask the user",
@@ -84,8 +93,8 @@ DIALECT = Dialect(
     plane=170,
     dwell="P",
     integers="least increments",
-    integer_notice="coordinates without a decimal point are read as least increments (setting 162 off); with setting 162 "
-    "on the program means whole millimetres or inches",
+    integer_notice="coordinates without a decimal point are read as least increments (setting 162 off); with setting "
+    "162 on the program means whole millimetres or inches",
     one_code_per_group=False,
     extended_by_p=True,
     repeats="L",

@@ -1,4 +1,4 @@
-"""Haas lathes: Fanuc's system A with codes of their own; T words select the offset, U W are increments, no G90 G91 modes.
+"""Haas lathes: Fanuc's system A with codes of their own; T words select the offset, U W are increments.
 
 Codes: Haas Lathe Operator's Manual (Next Generation Control, 96-8900), "G-codes" and "M-codes". `;` is the end of block
 as that manual prints it; comments are in ( ). A coordinate without a decimal point is a number of least increments,
@@ -71,7 +71,8 @@ DIALECT = Dialect(
             refuses=codes.WRITE_OUT,
         ),
         *rows("motion", {"95": "tapping with the live tool"}, refuses=codes.WRITE_OUT, like="G84.2"),
-        *rows("motion", {"31": "skip", "211": "tool offset by hand", "212": "tool offset, measured"}, refuses=codes.PROBE),
+        *rows("motion", {"31": "skip", "211": "tool offset by hand", "212": "tool offset, measured"},
+            refuses=codes.PROBE),
         *rows("mirror", {"100": "no mirror"}),
         *rows("mirror", {"101": "mirror"}, refuses=codes.UNTURNED),
         *rows("cylinder", {"107": "cylindrical mapping"}, refuses=codes.TRANSFORM),
@@ -81,7 +82,8 @@ DIALECT = Dialect(
         *rows("spindle", {"14": "second spindle, Z mirrored"}, refuses=codes.UNTURNED),
         *rows("", {"200": "index while moving"}, takes=True, refuses=codes.WRITE_OUT),
         *rows("path", {"61": "exact stop", "64": "no exact stop"}),
-        *rows("", {"9": "exact stop in this block", "103": "blocks looked ahead", "187": "smoothness", "198": "spindles apart", "199": "spindles together"}),
+        *rows("", {"9": "exact stop in this block", "103": "blocks looked ahead", "187": "smoothness",
+            "198": "spindles apart", "199": "spindles together"}),
         *rows("", {"29": "from the reference point"}, takes=True),
         *rows("", {"266": "rapid of the axes at a rate"}),
     ),
@@ -95,11 +97,16 @@ DIALECT = Dialect(
         20: "ask for the second spindle", 21: "tailstock advances", 22: "tailstock retracts", 23: "chamfering on",
         24: "chamfering off", 30: "end of program, rewind", 31: "chips out", 33: "chips stop", 36: "parts catcher on",
         37: "parts catcher off", 38: "speed variation on", 39: "speed variation off", 41: "gear", 42: "gear",
-        43: "turret unlocks", 44: "turret locks", 59: "output on", 69: "output off", 70: "bar feeder", 76: "program display off",
-        77: "program display on", 78: "alarm if skipped", 79: "alarm if not skipped", 85: "door opens", 86: "door closes",
-        88: "high pressure coolant", 89: "coolant off", 90: "fixture clamp", 91: "fixture clamp", 95: "sleep", 104: "probe arm",
-        105: "probe arm", 109: "ask the user", 110: "second chuck clamps", 111: "second chuck unclamps", 119: "orient the second spindle",
-        121: "output", 122: "output", 123: "output", 124: "output", 125: "output", 126: "output", 127: "output", 128: "output",
+        43: "turret unlocks", 44: "turret locks", 59: "output on", 69: "output off", 70: "bar feeder",
+            76: "program display off",
+        77: "program display on", 78: "alarm if skipped", 79: "alarm if not skipped", 85: "door opens",
+            86: "door closes",
+        88: "high pressure coolant", 89: "coolant off", 90: "fixture clamp", 91: "fixture clamp", 95: "sleep",
+            104: "probe arm",
+        105: "probe arm", 109: "ask the user", 110: "second chuck clamps", 111: "second chuck unclamps",
+            119: "orient the second spindle",
+        121: "output", 122: "output", 123: "output", 124: "output", 125: "output", 126: "output", 127: "output",
+            128: "output",
         133: "live tool forward", 134: "live tool back", 135: "live tool stops", 143: "second spindle forward",
         144: "second spindle back", 145: "second spindle stops", 154: "C axis engages", 155: "C axis disengages",
     },
@@ -111,8 +118,8 @@ DIALECT = Dialect(
     dwell="P",
     tool_offsets=True,
     integers="least increments",
-    integer_notice="coordinates without a decimal point are read as least increments (setting 162 off); with setting 162 "
-    "on the program means whole millimetres or inches",
+    integer_notice="coordinates without a decimal point are read as least increments (setting 162 off); with setting "
+    "162 on the program means whole millimetres or inches",
     one_code_per_group=False,
     extended_by_p=True,
     repeats="L",

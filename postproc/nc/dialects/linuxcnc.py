@@ -51,7 +51,8 @@ DIALECT = Dialect(
         *rows("motion", {"33.1": "rigid tapping"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
-        *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"), refuses=codes.CYCLE),
+        *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
+            refuses=codes.CYCLE),
         *rows("plane", {"17.1": "UV plane", "18.1": "WU plane", "19.1": "VW plane"}, refuses=codes.TRANSFORM),
         *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
     ),
@@ -76,7 +77,7 @@ DIALECT = Dialect(
     exact_stops=(611,),
     letters="E",
     signs=(
-        r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)[ \t]*(SUB|ENDSUB|CALL|IF|ELSE|ELSEIF|ENDIF|WHILE|ENDWHILE|DO|REPEAT|ENDREPEAT|RETURN)\b",
+        r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)[ \t]*((END)?(SUB|IF|WHILE|REPEAT)|ELSE(IF)?|DO|CALL|RETURN)\b",
         r"#<_?[A-Z]",
         r"#\d+[ \t]*=",
         r"G33\.1\b",

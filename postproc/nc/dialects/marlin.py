@@ -1,8 +1,9 @@
 """Marlin 2: printers and laser cutters. A line is one command; E is the filament; M codes take words of every letter.
 
-Codes, one command a line, text behind M117 and its kin: MarlinFirmware/Marlin, Marlin/src/gcode/gcode.h (list of codes),
-parser.cpp (parse), queue.cpp (N and * checksums). A motion code is not modal unless GCODE_MOTION_MODES is built in; G90
-and G91 hold for E too, until M82 or M83 (gcode.h, set_relative_mode). M30 deletes a file; no M code ends the program.
+Codes, one command a line, text behind M117 and its kin: MarlinFirmware/Marlin, Marlin/src/gcode/gcode.h (list of
+codes), parser.cpp (parse), queue.cpp (N and * checksums). A motion code is not modal unless GCODE_MOTION_MODES is
+built in; G90 and G91 hold for E too, until M82 or M83 (gcode.h, set_relative_mode). M30 deletes a file; no M code
+ends the program.
 """
 
 from postproc.nc import codes
@@ -24,33 +25,50 @@ from postproc.nc.rows import (
 )
 
 _M = {
-    0: "stop", 1: "stop", 3: "spindle or laser on", 4: "spindle or laser on", 5: "spindle or laser off", 7: "mist coolant",
+    0: "stop", 1: "stop", 3: "spindle or laser on", 4: "spindle or laser on", 5: "spindle or laser off",
+        7: "mist coolant",
     8: "coolant or air", 9: "coolant off", 10: "vacuum on", 11: "vacuum off", 12: "closed loop", 16: "printer check",
     17: "motors on", 18: "motors off", 20: "list files", 21: "media in", 22: "media out", 23: "select a file",
-    24: "start printing", 25: "pause", 26: "set the file's place", 27: "report", 28: "write a file", 29: "end of writing",
-    30: "delete a file", 31: "print time", 33: "long name", 34: "sort files", 42: "set a pin", 43: "watch pins", 73: "progress",
+    24: "start printing", 25: "pause", 26: "set the file's place", 27: "report", 28: "write a file",
+        29: "end of writing",
+    30: "delete a file", 31: "print time", 33: "long name", 34: "sort files", 42: "set a pin", 43: "watch pins",
+        73: "progress",
     75: "timer", 76: "timer", 77: "timer", 78: "statistics", 80: "power on", 81: "power off", 82: "E absolute",
-    83: "E incremental", 84: "motors off", 85: "idle time", 92: "steps per unit", 100: "memory", 104: "hotend temperature",
+    83: "E incremental", 84: "motors off", 85: "idle time", 92: "steps per unit", 100: "memory",
+        104: "hotend temperature",
     105: "report temperatures", 106: "fan on", 107: "fan off", 108: "stop waiting", 109: "hotend temperature, wait",
-    110: "line number", 111: "debug", 112: "emergency stop", 113: "keepalive", 114: "report the position", 115: "report the firmware",
-    117: "message", 118: "message to the host", 119: "report endstops", 120: "endstops on", 121: "endstops off", 122: "drivers",
-    123: "fan speeds", 126: "valve", 127: "valve", 128: "valve", 129: "valve", 140: "bed temperature", 141: "chamber temperature",
+    110: "line number", 111: "debug", 112: "emergency stop", 113: "keepalive", 114: "report the position",
+        115: "report the firmware",
+    117: "message", 118: "message to the host", 119: "report endstops", 120: "endstops on", 121: "endstops off",
+        122: "drivers",
+    123: "fan speeds", 126: "valve", 127: "valve", 128: "valve", 129: "valve", 140: "bed temperature",
+        141: "chamber temperature",
     143: "cooler temperature", 145: "material", 149: "temperature unit", 150: "light", 154: "report", 155: "report",
     163: "mix", 164: "mix", 165: "mix", 166: "mix", 190: "bed temperature, wait", 191: "chamber temperature, wait",
-    192: "probe temperature, wait", 193: "cooler temperature, wait", 200: "filament diameter", 201: "acceleration limits",
+    192: "probe temperature, wait", 193: "cooler temperature, wait", 200: "filament diameter",
+        201: "acceleration limits",
     202: "acceleration", 203: "feed limits", 204: "acceleration", 205: "jerk", 207: "retraction", 208: "recovery",
-    209: "retraction by itself", 211: "software endstops", 217: "filament swap", 220: "feed percentage", 221: "flow percentage",
-    226: "wait for a pin", 240: "photo", 250: "contrast", 255: "display sleeps", 256: "brightness", 260: "I2C", 261: "I2C",
-    280: "servo", 281: "servo", 282: "servo", 300: "beep", 301: "PID", 302: "cold extrusion", 303: "PID tuning", 304: "bed PID",
+    209: "retraction by itself", 211: "software endstops", 217: "filament swap", 220: "feed percentage",
+        221: "flow percentage",
+    226: "wait for a pin", 240: "photo", 250: "contrast", 255: "display sleeps", 256: "brightness", 260: "I2C",
+        261: "I2C",
+    280: "servo", 281: "servo", 282: "servo", 300: "beep", 301: "PID", 302: "cold extrusion", 303: "PID tuning",
+        304: "bed PID",
     305: "thermistor", 306: "model tuning", 309: "chamber PID", 350: "microsteps", 351: "microsteps", 355: "case light",
     380: "solenoid", 381: "solenoid", 400: "finish motions", 401: "probe out", 402: "probe in", 403: "filament type",
     404: "filament width", 405: "filament sensor", 406: "filament sensor", 407: "filament width", 410: "quick stop",
-    412: "runout", 413: "power loss", 414: "language", 420: "levelling", 421: "mesh point", 422: "alignment", 425: "backlash",
-    430: "power", 486: "objects", 500: "store settings", 501: "load settings", 502: "factory settings", 503: "report settings",
-    504: "check settings", 510: "lock", 511: "unlock", 512: "password", 524: "abort", 540: "abort at endstop", 552: "network",
-    553: "network", 554: "network", 569: "stealth", 575: "baud rate", 592: "extrusion", 593: "input shaping", 603: "filament change",
-    672: "effector", 851: "probe offset", 862: "printer check", 871: "probe temperature", 876: "prompt", 900: "pressure advance",
-    906: "motor current", 907: "motor current", 908: "motor current", 909: "motor current", 910: "motor current", 911: "drivers",
+    412: "runout", 413: "power loss", 414: "language", 420: "levelling", 421: "mesh point", 422: "alignment",
+        425: "backlash",
+    430: "power", 486: "objects", 500: "store settings", 501: "load settings", 502: "factory settings",
+        503: "report settings",
+    504: "check settings", 510: "lock", 511: "unlock", 512: "password", 524: "abort", 540: "abort at endstop",
+        552: "network",
+    553: "network", 554: "network", 569: "stealth", 575: "baud rate", 592: "extrusion", 593: "input shaping",
+        603: "filament change",
+    672: "effector", 851: "probe offset", 862: "printer check", 871: "probe temperature", 876: "prompt",
+        900: "pressure advance",
+    906: "motor current", 907: "motor current", 908: "motor current", 909: "motor current", 910: "motor current",
+        911: "drivers",
     912: "drivers", 913: "threshold", 914: "stall", 919: "chopper", 928: "log to a file", 951: "parking extruder",
     993: "backup", 994: "backup", 995: "touch screen", 997: "firmware", 999: "go on",
 }  # fmt: skip
@@ -76,7 +94,8 @@ DIALECT = Dialect(
         32: codes.INLINE, 48: codes.PROBE, 125: codes.WRITE_OUT, 206: _SHIFTS, 218: _SHIFTS, 290: _SHIFTS, 428: _SHIFTS,
         360: codes.TRANSFORM, 361: codes.TRANSFORM, 362: codes.TRANSFORM, 363: codes.TRANSFORM, 364: codes.TRANSFORM,
         600: codes.WRITE_OUT, 605: _SHIFTS, 665: codes.TRANSFORM, 666: codes.TRANSFORM, 701: codes.WRITE_OUT,
-        702: codes.WRITE_OUT, 808: codes.INLINE, 852: "the firmware leans the axes against each other: take the squareness of "
+        702: codes.WRITE_OUT, 808: codes.INLINE,
+            852: "the firmware leans the axes against each other: take the squareness of "
         "machine.toml or M852, not both", **dict.fromkeys(range(810, 820), codes.INLINE),
     },
     grammar=Grammar(checksums=True),

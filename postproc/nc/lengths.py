@@ -1,0 +1,121 @@
+"""Tool lengths: G43 and its kin, D and T where they act at once, and G10 where it writes them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.nc.batch import Batch
+from postproc.nc.zeros import (
+    changed,
+    note_presets,
+    number_of,
+    stated,
+    stated_tool,
+    ticks_of,
+    values_of,
+    with_known,
+    work_columns,
+)
+from postproc.units import TICKS_PER_MM
+
+
+def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
+    """G10 L1 L10 L11 P: the offsets of a tool; what G43 has in force stays until the next G43."""
+    if b.dialect.tool_offsets:
+        b.frame = with_known(b.frame, "data", ("G10 sets a tool offset", "state the tool offsets with --offset T0101=X..,Z.., "
+                         "and take the block out"))  # fmt: skip
+        return
+    name = f"H{p}"
+    radius = number_of(b, "R")
+    if not values and b.dialect.extended_by_p and radius is not None and line in (10, 11):
+        unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
+        values = {"Z": (round(radius * int(unit)), False)} if "Z" in b.rows else {}
+    place = dict(stated_tool(b, "H", p) or {})
+    if line in (10, 11) and not b.dialect.extended_by_p:
+        note_presets(b, axis_words, values)
+    for letter, (value, _) in values.items():
+        row = b.rows[letter]
+        if line in (10, 11) and not b.dialect.extended_by_p:  # so that the axis stands at this coordinate
+            if line == 10:
+                base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
+            else:  # in G59.3, without G92
+                base = ticks_of(b, stated(b, "G59.3") or {})[row]
+            value = int(b.state.position[row]) - value - int(base)
+        place[letter] = value / TICKS_PER_MM
+    b.offsets = {**b.offsets, name: place}
+
+
+def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
+    """G43 H: the tool's length shifts the coordinates. Without H: the tool in use, or no tool at all."""
+    number = number_of(b, "H")
+    if number is None or (number == 0 and b.dialect.local_is_preset and not add):
+        number = float(_tool_in_spindle(b))
+    if _units_changed(b):
+        return
+    if number == 0:
+        length: np.ndarray | None = np.zeros_like(b.frame.length)
+    else:
+        place = stated_tool(b, "H", int(number)) if number > 0 else None
+        length = None if place is None else sign * ticks_of(b, place)
+    if length is None:
+        name = f"H{int(number)}" if number > 0 else "H"
+        reason = (f"the tool length {name} is not stated", f"say it in mm: --offset {name if number > 0 else 'H1'}=Z0 "
+                  "or --offsets FILE with the control's tool table")  # fmt: skip
+        b.frame = with_known(b.frame, "length", reason)
+        return
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    length = b.frame.length + length if add else length
+    b.frame = with_known(replace(b.frame, length=length, length_units=units), "length")
+
+
+def _tool_in_spindle(b: Batch) -> int:
+    """The tool that the first block's M6 brings, or that is there already."""
+    change = b.places.get("M", np.zeros(0, np.int64))
+    called = number_of(b, "T")
+    if (b.words.block[change[b.words.mantissa[change] == 6]] == 0).any():
+        return int(called) if called is not None else b.state.next_tool
+    return b.state.tool_number
+
+
+def _units_changed(b: Batch) -> bool:
+    """LinuxCNC keeps the number of a length when G20 or G21 changes its unit, and so thinks that it stands elsewhere when
+    the length changes next: the next motion goes astray, as measured."""
+    if not b.dialect.local_is_preset or not b.frame.length.any():
+        return False
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    if units == b.frame.length_units:
+        return False
+    reason = ("the tool length changes in other units than it was set in", "this control then takes every axis to a wrong "
+              "place: write G49 before G20 or G21")  # fmt: skip
+    b.frame = with_known(b.frame, "units", reason)
+    return True
+
+
+def length_by(b: Batch, letter: str) -> None:
+    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none."""
+    number = int(number_of(b, letter) or 0)
+    name = f"{letter}{number}"
+    place = stated_tool(b, letter, number) if number else {}
+    reason = None
+    if place is None:
+        reason = (
+            f"the tool length {name} is not stated",
+            f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
+        )
+    b.frame = with_known(replace(b.frame, length=ticks_of(b, place or {})), "length", reason)
+
+
+def length_words(b: Batch, axis_words, word: str) -> None:
+    """G43.1: the words are the offset; axes without a word keep theirs."""
+    values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
+    if _units_changed(b):
+        return
+    units = int(np.broadcast_to(b.held("units"), b.n)[0])
+    b.frame = with_known(replace(b.frame, length=changed(b.frame.length, values), length_units=units), "length")
+
+
+def no_length(b: Batch, axis_words, word: str) -> None:
+    if not _units_changed(b):
+        b.frame = with_known(replace(b.frame, length=np.zeros_like(b.frame.length)), "length")

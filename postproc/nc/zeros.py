@@ -1,0 +1,161 @@
+"""Where zero lies: work and tool offsets by name, shifts that the program has set, and what a block says of them.
+
+What is not stated and not known becomes a reason beside the motions: it matters only where a correction depends on the
+place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.motions import Presets
+from postproc.nc.batch import Batch
+from postproc.nc.columns import changes
+from postproc.nc.state import NONE, Frame
+from postproc.units import TICKS_PER_MM
+
+EXTERNAL = "EXT"
+
+
+def offset_columns(b: Batch) -> None:
+    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become reasons."""
+    before = b.reason.copy()
+    b.offset = work_columns(b) + b.frame.shift[:, None]
+    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before[-1])
+    for reason in b.frame.unknown.values():
+        b.reason[:] = b.because(*reason)
+    rotary = [row for x, row in b.rows.items() if x in "ABC"]
+    if b.machine.any() and b.dialect.local_is_preset and b.frame.shift[rotary].any():
+        b.blame(
+            np.flatnonzero(b.machine), "G53 while a rotary axis has an offset",
+            "this control takes the rotary axis along by the offset, as measured: name it in the block, or take the offset out",
+        )  # fmt: skip
+
+
+def work_columns(b: Batch) -> np.ndarray:
+    """(A, B) or (A, 1) ticks of work and tool offsets alone."""
+    total = np.zeros((len(b.rows), 1), np.int64)
+    if EXTERNAL in b.setup.offsets or EXTERNAL in b.offsets:
+        total = total + offset_of(b, EXTERNAL, True)
+    work = b.held("work offset")
+    for number in sorted(set(np.asarray(work).ravel()[changes(work)].tolist())):
+        name = "" if number == NONE else b.dialect.by_number[int(number)].word
+        if (
+            b.frame.extended
+            and number != NONE
+            and (name == "G54.1" or (b.frame.extended.startswith("G54") and number == 540))
+        ):
+            name = b.frame.extended
+        total = total + offset_of(b, name, work == number)
+    tool_place = b.places.get("T") if b.dialect.tool_offsets else None
+    if tool_place is None:
+        return total + offset_of(b, b.tool, True)
+    edges = [0, *b.words.block[tool_place].tolist(), b.n]
+    names = [b.tool] + [_tool_name(b, int(p)) for p in tool_place]
+    for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
+        within = np.zeros(b.n, dtype=bool)
+        within[first:stop] = True
+        total = total + offset_of(b, name, within)
+    b.tool_after = names[-1]
+    return total
+
+
+def _tool_name(b: Batch, place: int) -> str:
+    number = int(b.words.mantissa[place])
+    return f"T{number:04d}" if number >= 100 and number % 100 else ""
+
+
+def stated(b: Batch, name: str) -> dict[str, float] | None:
+    """mm by axis: an offset as the program has set it, or as it was stated; None: neither."""
+    found = b.offsets.get(name)
+    return b.setup.offsets.get(name) if found is None else found
+
+
+def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
+    """mm by axis: the length that H, D or T names; a tool table knows tools by T."""
+    for name in (f"{letter}{number}", f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}"):
+        place = stated(b, name)
+        if place is not None:
+            return place
+    return None
+
+
+def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
+    """The reason that asks for an offset by its name."""
+    known = ", ".join(sorted({*b.setup.offsets, *b.offsets})) or "none"
+    axes = ",".join(x + "0" for x in b.setup.axes if x in "XYZ") or "X0"
+    return (
+        f"the {kind} offset {name} is not stated",
+        f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes} (stated: {known})",
+    )
+
+
+def offset_of(b: Batch, name: str, where) -> np.ndarray:
+    """(A, B) or (A, 1) ticks of one offset where it holds."""
+    if not name or not np.any(where):
+        return np.zeros((len(b.rows), 1), np.int64)
+    place = stated(b, name)
+    if place is None and name == "G500":
+        place = {}  # no work offset, unless one is stated for it
+    if place is None:
+        number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
+        b.reason = np.where(where, number, b.reason)
+        return np.zeros((len(b.rows), 1), np.int64)
+    shift = ticks_of(b, place)
+    return shift[:, None] * np.atleast_1d(np.asarray(where, np.int64))
+
+
+def ticks_of(b: Batch, place: dict[str, float]) -> np.ndarray:
+    """(A,) ticks of mm by axis."""
+    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in b.setup.axes], np.int64)
+
+
+# -- what the first block says -------------------------------------------------------------------------------------------
+
+
+def values_of(b: Batch, axis_words) -> dict[str, tuple[int, bool]]:
+    """Axis to its word's ticks in the first block, and whether it is an incremental letter."""
+    result = {}
+    for letter, words in axis_words.items():
+        for is_inc, place in enumerate(words):
+            if len(place) and b.words.block[place[0]] == 0:
+                scale = np.broadcast_to(b.unit_scale(letter)[0], b.n)[0] // np.broadcast_to(b.halves(letter), b.n)[0]
+                result[letter] = (int(b.ticks(place[:1], np.array([scale]))[0]), bool(is_inc))
+    return result
+
+
+def number_of(b: Batch, letter: str) -> float | None:
+    """The value of a letter in the first block."""
+    place = b.places.get(letter)
+    if place is None or not len(place) or b.words.block[place[0]] != 0:
+        return None
+    return float(b.numbers(place[:1])[0])
+
+
+def note_presets(b: Batch, axis_words, letters) -> None:
+    """Note the words that name the place where the machine stands: it stands beside it by the correction."""
+    rows, words, scales, places = [], [], [], []
+    for letter in letters:
+        place = axis_words[letter][0]
+        half = np.broadcast_to(b.halves(letter), b.n)[0]
+        unit, grid = (np.broadcast_to(x, b.n)[0] // half for x in b.unit_scale(letter))
+        rows.append(b.rows[letter])
+        words.append(int(place[0]))
+        scales.append(int(unit))
+        places.append(round(float(np.log10(unit / grid))))
+    b.presets = Presets(np.zeros(len(rows), np.int64), *(np.array(c, np.int64) for c in (rows, words, scales, places)))
+
+
+def changed(part: np.ndarray, values: dict[int, int]) -> np.ndarray:
+    part = part.copy()
+    for row, value in values.items():
+        part[row] = value
+    return part
+
+
+def with_known(frame: Frame, part: str, reason: tuple[str, str] | None = None) -> Frame:
+    """The frame with a part known again, or unknown for a reason."""
+    rest = {k: v for k, v in frame.unknown.items() if k != part}
+    return replace(frame, unknown=rest if reason is None else {**rest, part: reason})
