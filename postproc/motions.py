@@ -68,7 +68,7 @@ class Presets:
     """The n words by which a block gives the place where the machine stands a new coordinate (G92 X).
 
     motion (n,): how many motions come before it; axis (n,): row; word (n,): index of the word; scale (n,): ticks of one
-    whole unit of it; places (n,): decimals of a least increment.
+    whole unit of it; places (n,): decimals of a least increment; nominal (n,): ticks where the axis stands by the program.
     """
 
     motion: np.ndarray
@@ -76,6 +76,7 @@ class Presets:
     word: np.ndarray
     scale: np.ndarray
     places: np.ndarray
+    nominal: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)
@@ -90,7 +91,7 @@ def no_holes() -> Holes:
 def no_presets() -> Presets:
     """None."""
     i = np.zeros(0, np.int64)
-    return Presets(i, i, i, i, i)
+    return Presets(i, i, i, i, i, i)
 
 
 @dataclass(frozen=True)

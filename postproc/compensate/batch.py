@@ -45,6 +45,8 @@ class Batch:
         self.known: np.ndarray = np.all(motions.target_known[self.rows], axis=0)
         self.start_known: np.ndarray = np.all(motions.start_known[self.rows], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
+        last = np.concatenate([carry.nominal[:, None], motions.target[:, :-1]], axis=1)
+        self.jumped = (motions.start != last) & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
     def strokes(self) -> None:
@@ -160,9 +162,17 @@ class Batch:
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
+        if self.jumped.any():
+            self.before = np.where(self._jumps(), m.start[:, motion], self.before)
         self.sure_after = free & (m.code[motion] != HOLE)
         self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) if n else free
+        if self.jumped.any():
+            self.sure &= ~self._jumps().any(axis=0)
         self.known_before = self.start_known[motion] | (self.t0 > 0)
+
+    def _jumps(self) -> np.ndarray:
+        """(A, S) bool: strokes that begin where the last one did not end, since something else has moved the axis."""
+        return self.jumped[:, self.motion] & (self.t0 == 0)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
@@ -204,7 +214,7 @@ class Batch:
                 still = np.flatnonzero(rests | left[row])
                 end[still] = self._held(row, still, end, left[row, still])
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
-            known_here = self.m.start_known[row, self.motion] | (self.t0 > 0)
+            known_here = (self.m.start_known[row, self.motion] & ~self.jumped[row, self.motion]) | (self.t0 > 0)
             before = np.where(known_here, before, self._nominal_begin(row))
             self.before[row] = before
             differs = self.turning & (np.abs(self.wanted[row] - before) > hold)
@@ -215,12 +225,14 @@ class Batch:
         """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it.
         left (K,): strokes that do not move the axis at all."""
         hold = self.c.hold * TICKS_PER_MM
-        before = np.where(still > 0, end[still - 1], self.carry.issued[row]).tolist()
+        before = np.where(still > 0, end[still - 1], self.carry.issued[row])
+        jumped = self._jumps()[row, still]
+        before = np.where(jumped, self.m.start[row, self.motion[still]], before).tolist()
         value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
         wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
         stays, last = left.tolist(), -2
         for k, i in enumerate(still.tolist()):
-            here = value[k - 1] if i == last + 1 else before[k]
+            here = value[k - 1] if i == last + 1 and not jumped[k] else before[k]
             if turning[k] and abs(wanted[k] - here) > hold:
                 here = wanted[k]
             if stays[k] or abs(exact[k] - here) <= hold:

@@ -63,7 +63,9 @@ def straight_pieces(b: Batch):
     end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
     end[:, place_cut] = b.grid(cut, exact)
     nominal[:, place_cut] = np.rint(b.nominal(motion[cut], t) * TICKS_PER_MM).astype(np.int64)
-    for row in b.fixed:  # axes that are only carried along end where they were told, and pass the cuts on whole increments
+    for (
+        row
+    ) in b.fixed:  # axes that are only carried along end where they were told, and pass the cuts on whole increments
         end[row, place_end] = nominal[row, place_end]
     # An axis that stands still keeps still in the middle too; a piece of no length is none.
     first = np.concatenate([[True], stroke[1:] != stroke[:-1]])

@@ -47,7 +47,8 @@ def settle(b: Batch) -> None:
         b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
     b.bottom[holes.motion[~free]] = holes.bottom[~free]
     if len(holes):
-        b.before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
+        before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
+        b.before = np.where(b._jumps(), b.m.start[:, b.motion], before)
 
 
 def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:

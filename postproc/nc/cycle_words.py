@@ -27,7 +27,9 @@ def hole_words(b: Batch) -> None:
     for k in np.flatnonzero(use):
         row, motion, word = int(holes.axis[k]), int(holes.motion[k]), int(holes.word[k])
         beside = int(p.start[row, piece[k]] - m.start[row, motion]) if m.incremental[row, motion] else 0
-        ticks = int(p.bottom[piece[k]] - holes.zero[k]) - beside  # under G91 R lies as much beside its place as the axis
+        ticks = (
+            int(p.bottom[piece[k]] - holes.zero[k]) - beside
+        )  # under G91 R lies as much beside its place as the axis
         stands = int(holes.bottom[k] - holes.zero[k]) if word >= 0 else b.bottom
         b.bottom = ticks
         if ticks == stands:
@@ -44,13 +46,15 @@ def hole_words(b: Batch) -> None:
         b.splice.numbers(at, at, np.array([INSERT_WORD + 40]), value, decimals, prefix)
 
 
-def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> None:
+def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray, nominal: np.ndarray) -> None:
     """G92 X and its like name the nominal place; the machine stands beside it, so the word is moved by as much. shift
-    (A, N + 1): ticks, before each motion."""
+    (A, N + 1): ticks, before each motion; nominal (A, N + 1): ticks, where the program stood then. An axis that G28 has taken
+    elsewhere since stands beside nothing."""
     t = m.presets
     for k in range(len(t)):
-        ticks, word = int(shift[t.axis[k], min(int(t.motion[k]), shift.shape[1] - 1)]), int(t.word[k])
-        if not ticks:
+        at = t.axis[k], min(int(t.motion[k]), shift.shape[1] - 1)
+        ticks, word = int(shift[at]), int(t.word[k])
+        if not ticks or int(nominal[at]) != int(t.nominal[k]):
             continue
         own = int(w.decimals[word])
         decimals = min(max(own, int(t.places[k])), MOST_DECIMALS)

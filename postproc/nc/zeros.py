@@ -145,7 +145,10 @@ def note_presets(b: Batch, axis_words, letters) -> None:
         words.append(int(place[0]))
         scales.append(int(unit))
         places.append(round(float(np.log10(unit / grid))))
-    b.presets = Presets(np.zeros(len(rows), np.int64), *(np.array(c, np.int64) for c in (rows, words, scales, places)))
+    b.presets = Presets(
+        np.zeros(len(rows), np.int64),
+        *(np.array(c, np.int64) for c in (rows, words, scales, places, b.state.position[rows])),
+    )
 
 
 def changed(part: np.ndarray, values: dict[int, int]) -> np.ndarray:

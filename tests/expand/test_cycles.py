@@ -1,7 +1,7 @@
 """Canned cycles written out: LinuxCNC's against its own interpreter, Fanuc's and Haas' against the manuals' figures.
 
-The oracle runs the original program; our interpreter runs the plain text. Numbers are written with ten decimals there, so
-that the comparison is as sharp as for plain programs.
+The oracle runs the original program; our interpreter runs the plain text. Numbers are written with ten decimals
+there, so that the comparison is as sharp as for plain programs.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def needs_oracle():
     return pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
 
 
-# -- LinuxCNC: holes -----------------------------------------------------------------------------------------------------
+# -- LinuxCNC: holes ---------------------------------------------------------------------------------------------------
 
 HOLES = [
     "G81 X1 Y1 Z-3 R1|X2|G98 X3|G0 Z7|G81 X4 Z-3 R1|X5|G99 X6|G98 X7",
@@ -231,7 +231,7 @@ def test_what_is_no_hole_is_refused_with_the_reason(program):
     assert caught.value.advice and caught.value.place.line >= 4
 
 
-# -- LinuxCNC: threads and turning ----------------------------------------------------------------------------------------
+# -- LinuxCNC: threads and turning -------------------------------------------------------------------------------------
 
 THREADS = [
     "G18 G76 Z-10 P1 I-.5 J.3 K1",
@@ -292,7 +292,8 @@ def test_turning_without_pockets_is_linuxcncs(program):
     ("cycle", "why"),
     [
         ("G71.1 Q100", "pockets"), ("G71 Q100 D1", "keeps a distance"), ("G71", "without the subroutine"),
-        ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"), ("G7 G71 Q100", "G7"),
+        ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"),
+        ("G7 G71 Q100", "G7"),
         ("G70 Q100 P2", "more than once"), ("G71 Q100 X20", "elsewhere"),
     ],
 )  # fmt: skip
@@ -304,7 +305,7 @@ def test_other_turning_of_linuxcnc_is_refused(cycle, why):
         resolver.take(Line(cycle.encode(), 7))
 
 
-# -- Fanuc and Haas mills ---------------------------------------------------------------------------------------------------
+# -- Fanuc and Haas mills ----------------------------------------------------------------------------------------------
 
 
 def test_fanuc_g81_goes_to_the_initial_level_in_g98_and_to_r_in_g99():
@@ -389,12 +390,14 @@ def test_an_unknown_place_is_asked_for_and_only_where_it_matters():
         expand("G81 X1. Y1. Z-1. R2.\n", "fanuc-mill", nowhere)
     assert "--start Z0" in caught.value.advice
     assert len(expand("G99 G81 X1. Y1. Z-1. R2.\n", "fanuc-mill", nowhere)) == 5
+    with pytest.raises(ProgramError, match="initial level is where Z stood"):
+        expand("G99 G81 X1. Y1. Z-1. R2.\nG98 X2.\n", "fanuc-mill", nowhere)
     with pytest.raises(ProgramError, match="an offset in force is not stated"):
         expand("G0 Z50\nG43 H1\nG81 X1. Y1. Z-1. R2.\n", "fanuc-mill", replace(nowhere, start={"Z": 0.0}))
     assert expand("G0 G43 H1 Z50\nG81 X1. Y1. Z-1. R2.\n", "fanuc-mill", nowhere)
 
 
-# -- Fanuc lathes -----------------------------------------------------------------------------------------------------------
+# -- Fanuc lathes ------------------------------------------------------------------------------------------------------
 
 
 def lathe(program: str, dialect: str = "fanuc-lathe-a") -> list[str]:
@@ -433,7 +436,8 @@ def test_g71_cuts_by_d_down_to_the_shape_and_then_along_it():
 def test_g71_ends_its_cuts_on_arcs():
     """The fillet is a circle about (Z-30, X80), radius 10; level radius 38.5: Z = -30 - sqrt(100 - 2^2) + 0.5."""
     lines = lathe(
-        "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|N10 G0 X40.|G1 Z-20.|X60. Z-30.|G2 X80. Z-40. R10.|N20 G1 X100.|G0 Z9."
+        "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|"
+        "N10 G0 X40.|G1 Z-20.|X60. Z-30.|G2 X80. Z-40. R10.|N20 G1 X100.|G0 Z9."
     )
     assert lines[lines.index("X77.") + 1] == f"G1 Z{-30 - (100 - 2**2) ** 0.5 + 0.5:.3f}"
     assert "G2 X81. Z-39.5 R10." in lines
@@ -506,7 +510,7 @@ def test_lathe_cycles_that_can_not_be_vouched_for_are_refused(program):
     assert caught.value.advice
 
 
-# -- laws -------------------------------------------------------------------------------------------------------------------
+# -- laws --------------------------------------------------------------------------------------------------------------
 
 CONTROLS = ["linuxcnc", "fanuc-mill", "haas", "fanuc-lathe", "fanuc-lathe-a", "fanuc-lathe-c", "siemens", "grbl"]
 
@@ -552,10 +556,10 @@ def test_real_programs_are_written_out_hole_by_hole(name):
     assert len(re.findall(bottom, out)) == 12
 
 
-WORDS = """G81 G82 G83 G73 G84 G85 G86 G89 G76 G70 G71 G72 G74 G75 G77 G78 G79 G90 G91 G92 G94 G98 G99 G80 G0 G1 G2 G3 G17 G18
-G19 G20 G21 G24 G68 G69 G51 G50 G51.1 G50.1 G15 G16 G10 L2 P1 P10 Q20 N10 N20 G54 G55 G43 H1 G49 G4 G28 G53 M3 M5 M30 T1
-T0101 ROT AROT TRANS ATRANS MIRROR SCALE ASCALE AMIRROR G110 G111 AP=30 RP=5 RPL=30 CR=3 X=IC(3) I=AC(2) G7 G90.1 G41 G40
-G93 (c) ;x / % ( $1 #1 [ * " \x00 \xe9 1e5 X99999999999999999999""".split()
+WORDS = """G81 G82 G83 G73 G84 G85 G86 G89 G76 G70 G71 G72 G74 G75 G77 G78 G79 G90 G91 G92 G94 G98 G99 G80 G0 G1 G2 G3
+G17 G18 G19 G20 G21 G24 G68 G69 G51 G50 G51.1 G50.1 G15 G16 G10 L2 P1 P10 Q20 N10 N20 G54 G55 G43 H1 G49 G4 G28 G53 M3
+M5 M30 T1 T0101 ROT AROT TRANS ATRANS MIRROR SCALE ASCALE AMIRROR G110 G111 AP=30 RP=5 RPL=30 CR=3 X=IC(3) I=AC(2) G7
+G90.1 G41 G40 G93 (c) ;x / % ( $1 #1 [ * " \x00 \xe9 1e5 X99999999999999999999""".split()
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -1,5 +1,5 @@
-"""Turned, scaled, mirrored and polar coordinates written out: against formulas worked out here, and LinuxCNC's turned work
-offsets against its own interpreter."""
+"""Turned, scaled, mirrored and polar coordinates written out: against formulas worked out here, and LinuxCNC's turned
+work offsets against its own interpreter."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def ends(made: list[dict]) -> np.ndarray:
     return np.array([m["end"][:3] for m in made], float)
 
 
-# -- Fanuc: G68 -----------------------------------------------------------------------------------------------------------
+# -- Fanuc: G68 --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 90, -137.5, 180, 400])
@@ -151,7 +151,7 @@ def test_the_place_of_the_tool_is_the_centre_where_none_is_named():
         expand("G68 R90.\n", "fanuc-mill", nowhere)
 
 
-# -- Fanuc: G51, G51.1, G16 ---------------------------------------------------------------------------------------------------
+# -- Fanuc: G51, G51.1, G16 --------------------------------------------------------------------------------------------
 
 
 def test_g51_scales_about_its_centre():
@@ -183,11 +183,12 @@ def test_scaling_first_and_then_the_rotation_about_the_scaled_centre():
 
 
 def test_g51_1_mirrors_single_axes_and_swaps_arcs_and_sides():
-    """B-64304EN-2, "Programmable mirror image": arcs and cutter compensation change their sense in one mirrored axis."""
+    """B-64304EN-2, "Programmable mirror image": arcs and cutter compensation change their sense in one mirrored
+    axis."""
     lines = text_of(
         START + "G51.1 X10.|G1 X12. F1|G2 X16. Y3. R9.|X20. Y7. R9.|G50.1 X0|X9. Y9. R9.|G1 X1.", "fanuc-mill"
     )
-    assert lines[1:] == ["G1 X8. F1", "G3 X4. Y3 R9.", "X0. Y7. R9.", "G2 X9. Y9. R9.", "G1 X1."]
+    assert lines[1:] == ["G1 X8. F1", "G3 X4. Y3. R9.", "X0. Y7. R9.", "G2 X9. Y9. R9.", "G1 X1."]
     both = moved(START + "G51.1 X0 Y0|G1 X12. Y1. F1|G2 X16. Y5. I4. J0")
     assert both[1]["sweep"] < 0 and both[1]["centre"] == pytest.approx((-16, -1))
     sides = text_of(START + "G51.1 Y0|G41 D1 G1 X5. Y5. F1|G40 X0 Y0", "fanuc-mill")
@@ -195,7 +196,8 @@ def test_g51_1_mirrors_single_axes_and_swaps_arcs_and_sides():
 
 
 def test_polar_words_about_the_work_zero():
-    """B-64304EN-2, "Polar coordinate command", example: holes on 100 mm at 30, 150, 270 degrees, absolute and by steps."""
+    """B-64304EN-2, "Polar coordinate command", example: holes on 100 mm at 30, 150, 270 degrees, absolute and by
+    steps."""
     for steps in ("Y150.|Y270.", "G91 Y120. K2", "G91 Y120.|Y120."):
         made = moved(START + f"G17 G90 G16|G99 G81 X100. Y30. Z-20. R-5. F200|{steps}|G15 G80")
         cut = [m["end"][:3] for m in made if m["kind"] == "feed"]
@@ -229,11 +231,11 @@ def test_a_lathes_double_turret_mirror_is_no_rotation():
     assert text_of("G0 X1. Z2.|G68|G0 X3.|G69", "fanuc-lathe", LATHE) == ["G0 X1. Z2.", "G68", "G0 X3.", "G69"]
 
 
-# -- LinuxCNC ---------------------------------------------------------------------------------------------------------------
+# -- LinuxCNC ----------------------------------------------------------------------------------------------------------
 
 TURNED = [
-    "G10 L2 P1 R30|G0 X1 Y2|X5|Y3|G91 X2|Y1 Z3|G1 X1 Y1|G90 G2 I2 J1|G3 X8 Y3 R40|G91 G2 X2 R4|G90 G98 G81 X3 Y4 R2 Z-3|X5",
-    "G10 L2 P1 X10 Y20 R-17.3|G1 X5|G2 I3|J2 P2|G91.1|G55 G1 X3|G10 L2 P2 R90|X4|Y2|G54 X1|G10 L2 P0 R5|X2|Y2|G53 G0 X3|G1 Y3",
+    "G10 L2 P1 R30|G0 X1 Y2|X5|Y3|G91 X2|Y1 Z3|G1 X1 Y1|G90 G2 I2 J1|G3 X8 Y3 R40|G91 G2 X2 R4|G90 G81 X3 Y4 R2 Z-3|X5",
+    "G10 L2 P1 X10 Y20 R-17.3|G1 X5|G2 I3|J2 P2|G91.1|G55 G1 X3|G10 L2 P2 R90|X4|Y2|G54 X1|G10 L2 P0 R5|X2|Y2|G53 G0 X3",
     "G0 X3 Y4|G10 L2 P1 R45|Y5|X2|G28.1|X1|G10 L2 P1 X3 Y2|X5|Y1 Z2|G83 X1 R3 Z-1 Q.7|X5|G99 Y2|G91 L2 X1",
     "G10 L2 P1 R360|G0 X1|G10 L2 P1 R180|X2|Y1|G10 L2 P1|X5|G20 X.1|G21 Y9|G10 L2 P1 R0|X1",
     "G90.1|G10 L2 P1 R30|G0 X5 Y0|G3 X0 Y5 I0 J0|G91.1 G1 X9",
@@ -297,7 +299,7 @@ def test_what_can_not_be_followed_in_a_turned_work_offset_is_refused(program, wh
         expand(("G0 X1 Y1|F100|" + program).replace("|", "\n"))
 
 
-# -- Sinumerik --------------------------------------------------------------------------------------------------------------
+# -- Sinumerik ---------------------------------------------------------------------------------------------------------
 
 
 def test_rot_turns_about_the_shifted_zero_and_trans_ends_it():
@@ -334,8 +336,9 @@ def test_polar_words_about_a_pole():
     [
         ("ROT Z30|X5", "names X alone"), ("ROT Z30|G91 X5 Y3", "a distance"), ("ROT X30 Y30", "about 2 axes"),
         ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"), ("AP=30", "without RP"), ("SCALE X0", "factors"),
-        ("ROT Z30|G1 X1 Y1 F1|CYCLE81(1,2,3)", "CYCLE81"), ("ROT Z30|G70", "G70"), ("ROT Z30 F100", "a block of its own"),
-        ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"), ("G111 X1 RP=3", "polar words"), ("G1 X3 RP=3 AP=4 F1", "beside polar words"),
+        ("ROT Z30|G1 X1 Y1 F1|CYCLE81(1,2,3)", "CYCLE81"), ("ROT Z30|G70", "G70"), ("ROT Z30 F1", "a block of its own"),
+        ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"), ("G111 X1 RP=3", "polar words"),
+        ("G1 X3 RP=3 AP=4 F1", "beside polar words"),
     ],
 )  # fmt: skip
 def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
@@ -344,7 +347,7 @@ def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
     assert caught.value.advice
 
 
-# -- the maps ---------------------------------------------------------------------------------------------------------------
+# -- the maps ----------------------------------------------------------------------------------------------------------
 
 
 def test_a_map_and_its_inverse_are_nothing():

@@ -1,7 +1,7 @@
 """Canned cycles and turned, scaled or mirrored coordinates, written out as plain blocks.
 
-One family of controls and of cycles per module; which dialect has which is said here and nowhere else. A new family is a
-new module and a row.
+One family of controls and of cycles per module; which dialect has which is said here and nowhere else. A new family
+is a new module and a row.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Cycle(Protocol):
 
 
 class Control(Protocol):
-    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of them whose axis words
-    are no motion."""
+    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of them whose axis
+    words are no motion."""
 
     codes: tuple[int, ...]
     takers: tuple[int, ...]
@@ -59,8 +59,8 @@ class Control(Protocol):
 
 @dataclass(frozen=True)
 class Family:
-    """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion code (G0 G1 G2 G3) that
-    was in force before the cycle."""
+    """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
+    code (G0 G1 G2 G3) that was in force before the cycle."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
     control: Callable[[Scene], Control] | None = None

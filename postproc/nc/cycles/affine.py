@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 AXES = ("X", "Y", "Z")
@@ -20,21 +21,18 @@ class Affine:
     shift: Point = (0.0, 0.0, 0.0)
 
     def __call__(self, p: Point) -> Point:
-        return tuple(
-            sum(m * x for m, x in zip(row, p, strict=True)) + t for row, t in zip(self.matrix, self.shift, strict=True)
-        )  # type: ignore[return-value]
+        x, y, z = (a + b for a, b in zip(self.turned(p), self.shift, strict=True))
+        return x, y, z
 
     def turned(self, v: Point) -> Point:
         """A distance."""
-        return tuple(sum(m * x for m, x in zip(row, v, strict=True)) for row in self.matrix)  # type: ignore[return-value]
+        x, y, z = (sum(m * c for m, c in zip(row, v, strict=True)) for row in self.matrix)
+        return x, y, z
 
     def after(self, first: Affine) -> Affine:
         """This map behind another one."""
-        columns = list(zip(*first.matrix, strict=True))
-        matrix = tuple(
-            tuple(sum(a * b for a, b in zip(row, col, strict=True)) for col in columns) for row in self.matrix
-        )
-        return Affine(matrix, self(first.shift))  # type: ignore[arg-type]
+        columns = [self.turned(column) for column in _columns(first.matrix)]
+        return Affine(_columns((columns[0], columns[1], columns[2])), self(first.shift))
 
     @property
     def identity(self) -> bool:
@@ -59,18 +57,15 @@ class Affine:
 
     def inverse(self, q: Point) -> Point:
         """The programmed coordinates of a place. The map must be one that can be undone."""
-        m, d = self.matrix, [a - b for a, b in zip(q, self.shift, strict=True)]
-        det = _det(m[0], m[1], m[2])
-        columns = list(zip(*m, strict=True))
-        result = []
-        for k in range(3):
-            replaced = [tuple(d) if j == k else columns[j] for j in range(3)]
-            result.append(_det(*replaced) / det)
-        return tuple(result)  # type: ignore[return-value]
+        x, y, z = (a - b for a, b in zip(q, self.shift, strict=True))
+        d: Point = (x, y, z)
+        a, b, c = _columns(self.matrix)
+        det = _det(a, b, c)
+        return _det(d, b, c) / det, _det(a, d, c) / det, _det(a, b, d) / det
 
     def similarity(self, first: str, second: str) -> float | None:
-        """What circles of a plane become: their factor, negative where their sense turns round; None: no circles, or none
-        in this plane."""
+        """What circles of a plane become: their factor, negative where their sense turns round; None: no circles, or
+        none in this plane."""
         i, j = AXES.index(first), AXES.index(second)
         k = 3 - i - j
         m = self.matrix
@@ -84,7 +79,19 @@ class Affine:
         return math.copysign(math.sqrt(abs(det)), det)
 
 
-def _det(a, b, c) -> float:
+def point(values: Mapping[str, float | None]) -> Point:
+    """X Y Z by name, 0 where there is none."""
+    x, y, z = (values.get(axis) or 0.0 for axis in AXES)
+    return x, y, z
+
+
+def _columns(m: Matrix) -> Matrix:
+    """The matrix with rows and columns changed over."""
+    a, b, c = m
+    return (a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2])
+
+
+def _det(a: Point, b: Point, c: Point) -> float:
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 
 
@@ -103,7 +110,7 @@ def rotation(first: str, second: str, degrees: float, centre: Point = (0.0, 0.0,
     rows = [list(row) for row in NO_TURN]
     rows[i][i] = rows[j][j] = cosine
     rows[i][j], rows[j][i] = -sine, sine
-    return _about(tuple(map(tuple, rows)), centre)  # type: ignore[arg-type]
+    return _about(rows, centre)
 
 
 def scaling(factors: dict[str, float], centre: Point = (0.0, 0.0, 0.0)) -> Affine:
@@ -112,9 +119,11 @@ def scaling(factors: dict[str, float], centre: Point = (0.0, 0.0, 0.0)) -> Affin
     for axis, factor in factors.items():
         i = AXES.index(axis)
         rows[i][i] = factor
-    return _about(tuple(map(tuple, rows)), centre)  # type: ignore[arg-type]
+    return _about(rows, centre)
 
 
-def _about(matrix: Matrix, centre: Point) -> Affine:
-    turned = Affine(matrix).turned(centre)
-    return Affine(matrix, tuple(c - t for c, t in zip(centre, turned, strict=True)))  # type: ignore[arg-type]
+def _about(rows: list[list[float]], centre: Point) -> Affine:
+    a, b, c = ((row[0], row[1], row[2]) for row in rows)
+    turned = Affine((a, b, c)).turned(centre)
+    x, y, z = (c - t for c, t in zip(centre, turned, strict=True))
+    return Affine((a, b, c), (x, y, z))

@@ -1,4 +1,5 @@
-"""One block as words with their places, so that some can be taken out or changed and all other text stays as it stood."""
+"""One block as words with their places, so that some can be taken out or changed and all other text stays as it
+stood."""
 
 from __future__ import annotations
 
@@ -22,8 +23,8 @@ LONGEST_WORD = 100  # characters; a longer one is no number that a control reads
 
 @dataclass(frozen=True)
 class Word:
-    """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the number as it is written
-    (`raw`), its place in the text, and for X=IC(5) the mode "IC" or "AC"."""
+    """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the number as it is
+    written (`raw`), its place in the text, and for X=IC(5) the mode "IC" or "AC"."""
 
     letter: str
     value: float | None
@@ -157,7 +158,8 @@ class Block:
 
 
 def number_of(word: Word) -> int | None:
-    """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for what no code can be."""
+    """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for what no code can
+    be."""
     if word.letter == "G" and word.value is not None:
         tenfold = round(word.value * 10)
         return tenfold if abs(tenfold - word.value * 10) < 1e-9 and 0 <= tenfold < 10_000 else -1

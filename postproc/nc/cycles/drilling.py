@@ -20,9 +20,9 @@ UNDEFINED = -2
 
 
 class Outcome(NamedTuple):
-    """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the source
-    lines, first and last, that the control steps over behind it, and ten times the motion code in force behind a cycle
-    that is not modal (None: that before it, UNDEFINED: manuals do not say)."""
+    """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the
+    source lines, first and last, that the control steps over behind it, and ten times the motion code in force behind
+    a cycle that is not modal (None: that before it, UNDEFINED: manuals do not say)."""
 
     lines: list[bytes]
     told: list[bytes] | None = None
@@ -32,8 +32,8 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Hole:
-    """One hole along `axis`, programmed coordinates: the level `r`, the `bottom`, where to go `back` to; the dwell `p` as
-    it is written, pecks of `first`, each `less` than the one before, none below `least`; `retract` of a chip."""
+    """One hole along `axis`, programmed coordinates: the level `r`, the `bottom`, where to go `back` to; the dwell
+    `p` as it is written, pecks of `first`, each `less` than the one before, none below `least`; `retract` of a chip."""
 
     axis: str
     r: float
@@ -82,7 +82,7 @@ class Job:
     codes: tuple[int, ...] = ()
 
 
-# -- what each cycle does between R level and its return ----------------------------------------------------------------
+# -- what each cycle does between R level and its return ---------------------------------------------------------------
 
 
 def drill(m: Moves, hole: Hole, scene: Scene) -> None:
@@ -138,7 +138,7 @@ def _dwell(m: Moves, hole: Hole) -> None:
         m.line(b"G4", b"P" + hole.p.encode())
 
 
-# -- the cycles of a control ----------------------------------------------------------------------------------------------
+# -- the cycles of a control -------------------------------------------------------------------------------------------
 
 Action = Callable[[Moves, Hole, Scene], None]
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
@@ -148,10 +148,10 @@ WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
 class Drilling:
     """The drilling cycles of one control, and their data that hold from hole to hole.
 
-    `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay; `refused`: those that
-    can not be written out, and why. `words`: letters that belong to a cycle beside the axes; `late`: M codes that the
-    control executes behind the motion. `synchronised`: tapping is written out as feeds too, which no machine may be
-    given (for tests)."""
+    `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay; `refused`: those
+    that can not be written out, and why. `words`: letters that belong to a cycle beside the axes; `late`: M codes
+    that the control executes behind the motion. `synchronised`: tapping is written out as feeds too, which no machine
+    may be given (for tests)."""
 
     actions: dict[int, Action]
     tapping: tuple[int, ...]

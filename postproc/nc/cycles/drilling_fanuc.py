@@ -1,12 +1,12 @@
 """Drilling cycles of Fanuc mills and lathes, and of Haas mills.
 
-Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill operator's manual. Data
-hold until G80, also from one cycle to the next. The place is gone to on the level where the axis stands, then R level; in
-G98 the way back ends where the axis stood when the first cycle began.
+Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill operator's manual.
+Data hold until G80, also from one cycle to the next. The place is gone to on the level where the axis stands, then R
+level; in G98 the way back ends where the axis stood when the first cycle began.
 
 Assumed: the hole lies across the plane (parameter 5101 bit 0); what G73 and G83 back off a chip is RETRACT in place of
-parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a lathe's G83 and G87 with Q go out to R level
-(5101 bit 2), and its G85 and G89 come out at the feed they went in with (5149).
+parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a lathe's G83 and G87 with Q go out to R
+level (5101 bit 2), and its G85 and G89 come out at the feed they went in with (5149).
 """
 
 from __future__ import annotations
@@ -61,14 +61,19 @@ class FanucDrilling(Drilling):
         return self.start(scene, axis) + value if scene.incremental else value
 
     def start(self, scene: Scene, axis: str) -> float:
-        """The initial level."""
+        """The initial level. Raises ProgramError where nobody knows it."""
+        if self.initial is None and self.code:
+            raise scene.fault(
+                f"the initial level is where {axis} stood when the cycles began, and that is not known",
+                f"move {axis} to an absolute position before the cycles, or say where it stands: --start {axis}0",
+            )
         if self.initial is None:
             self.initial = scene.at(axis)
         return self.initial
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = self.axis_of(scene, code)
-        if self.initial is None:
+        if not self.code:
             self.initial = scene.known(axis)
         if not self.wants(scene, block):
             return Job(code, Hole(axis, 0.0, 0.0, 0.0), 0, [])

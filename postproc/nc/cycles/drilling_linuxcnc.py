@@ -1,9 +1,9 @@
 """LinuxCNC's drilling cycles, as measured on its interpreter 2.9 (tests/expand/test_cycles.py).
 
 R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level: that is where the
-axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place; from R level or
-below, the place is gone to in one rapid with the axis of the hole. Before G98 or G99 is named, G99 holds. R and Q are
-radii where X is a diameter.
+axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place; from R
+level or below, the place is gone to in one rapid with the axis of the hole. Before G98 or G99 is named, G99 holds. R
+and Q are radii where X is a diameter.
 """
 
 from __future__ import annotations
@@ -82,7 +82,8 @@ class LinuxcncDrilling(Drilling):
         first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else high)
         hole = Hole(
             axis, r * half, bottom * half, back=(max(r, self.initial) if up else r) * half,
-            p=self.p if code in DWELLS else "", first=self.held.get("Q", 0.0) * half, retract=RETRACT[scene.inch] * half,
+            p=self.p if code in DWELLS else "", first=self.held.get("Q", 0.0) * half,
+            retract=RETRACT[scene.inch] * half,
         )  # fmt: skip
         if code in (730, 830) and hole.first <= 0:
             raise scene.fault(f"Q is {hole.first:g}, and no peck can be that deep", "write Q above 0", block.word("Q"))

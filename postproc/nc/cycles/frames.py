@@ -1,15 +1,15 @@
 """Motions in turned, scaled or mirrored coordinates as motions in the coordinates beneath, whatever the control.
 
 A block keeps its text but for the words that change: all axes that a turn mixes are named, arcs get their centre words
-turned and, where the map mirrors their plane, the other sense; the side of cutter radius compensation follows. What sets
-such a map, and in which order, is in rotation.py, scaling.py and polar.py.
+turned and, where the map mirrors their plane, the other sense; the side of cutter radius compensation follows. What
+sets such a map, and in which order, is in rotation.py, scaling.py and polar.py.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from postproc.nc.cycles.affine import AXES, Affine, Point
+from postproc.nc.cycles.affine import AXES, Affine, point
 from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
@@ -51,8 +51,8 @@ class Frames:
             places = {x: self.scene.work(x) for x in mixed}
             if any(value is None for value in places.values()):
                 return None
-            q = tuple(places.get(x) or 0.0 for x in AXES)
-            self.at.update({x: p for x, p in zip(AXES, self.map.inverse(q), strict=True) if x in mixed})  # type: ignore[arg-type]
+            p = dict(zip(AXES, self.map.inverse(point(places)), strict=True))
+            self.at.update({x: p[x] for x in mixed})
         return self.at[axis]
 
     def forget(self) -> None:
@@ -133,11 +133,12 @@ class Frames:
         scene = self.scene
         distance = {x: w.mode == "IC" or (scene.incremental and w.mode != "AC") for x, w in words.items()}
         if scene.incremental and all(distance.values()) and not (self.strict and self.loose & set(mixed)):
-            by = tuple(words[x].value or 0.0 if x in words else 0.0 for x in AXES)
+            by = point({x: w.value for x, w in words.items()})
+            out = dict(zip(AXES, self.map.turned(by), strict=True))
             for x in mixed:
                 if x in self.at:
                     self.at[x] += by[AXES.index(x)]
-            return {x: self._by(x, self.map.turned(by)[AXES.index(x)]) for x in mixed}  # type: ignore[arg-type]
+            return {x: self._by(x, out[x]) for x in mixed}
         before = {x: self.known(x) for x in mixed}
         unnamed = [x for x in mixed if x not in words or distance[x]]
         sized = next((w for w in scene.block.words if w.letter in CORNERS), None)
@@ -155,7 +156,7 @@ class Frames:
             if before[x] is None:
                 scene.at(x)
         to = {x: (words[x].value or 0.0) + ((before[x] or 0.0) if distance[x] else 0.0) for x in words}
-        p: Point = tuple(to.get(x, before.get(x) or 0.0) for x in AXES)  # type: ignore[assignment]
+        p = point({**before, **to})
         q = dict(zip(AXES, self.map(p), strict=True))
         self.loose -= set(mixed)
         self.at.update({x: p[AXES.index(x)] for x in mixed})
@@ -163,7 +164,7 @@ class Frames:
             for x in mixed:
                 self.residue[x] = q[x] - scene.rounded(x, q[x])
             return {x: scene.text(x, q[x]) for x in mixed}
-        old = dict(zip(AXES, self.map(tuple(before.get(x) or 0.0 for x in AXES)), strict=True))  # type: ignore[arg-type]
+        old = dict(zip(AXES, self.map(point(before)), strict=True))
         return {x: self._by(x, q[x] - old[x]) for x in mixed}
 
     def _by(self, axis: str, distance: float) -> bytes:
@@ -208,8 +209,8 @@ class Frames:
                 raise scene.fault(f"an absolute centre word within {self.why}", "write I J K as distances", word)
             else:
                 base.append((word.value or 0.0) if word else 0.0)
-        point: Point = tuple(base)  # type: ignore[assignment]
-        moved = dict(zip(AXES, self.map(point) if absolute else self.map.turned(point), strict=True))
+        place = base[0], base[1], base[2]
+        moved = dict(zip(AXES, self.map(place) if absolute else self.map.turned(place), strict=True))
         text = {CENTRES[x]: scene.text(CENTRES[x], moved[x]) for x in (first, second)}
         mixed = self.map.partners(first) == self.map.partners(second)
         new = []

@@ -1,12 +1,12 @@
 """G68 G69, G51 G50, G51.1 G50.1 and G16 G15 of Fanuc and Haas mills.
 
-Fanuc B-64304EN-2 and B-63944EN-2, "Coordinate system rotation", "Scaling", "Programmable mirror image", "Polar coordinate
-command"; Haas mill operator's manual, G51 and G68. A motion is scaled first, then turned; the centre of the turn is scaled
-too, its angle is not. G51 stands outside: G51, G68, G69, G50.
+Fanuc B-64304EN-2 and B-63944EN-2, "Coordinate system rotation", "Scaling", "Programmable mirror image", "Polar
+coordinate command"; Haas mill operator's manual, G51 and G68. A motion is scaled first, then turned; the centre of
+the turn is scaled too, its angle is not. G51 stands outside: G51, G68, G69, G50.
 
-Assumed: G51 scales X, Y and Z (parameter 5401 bit 0); its P, I, J, K without a point count 0.001 (5400 bit 7). Refused: a
-mirror together with scaling or a turn, a turn in space, what rests on parameters (R, P left out), and axes whose place the
-manual leaves open behind G68 and G69.
+Assumed: G51 scales X, Y and Z (parameter 5401 bit 0); its P, I, J, K without a point count 0.001 (5400 bit 7).
+Refused: a mirror together with scaling or a turn, a turn in space, what rests on parameters (R, P left out), and axes
+whose place the manual leaves open behind G68 and G69.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from postproc.nc.codes import FRAME_KEYS
-from postproc.nc.cycles.affine import AXES, Affine, Point, rotation, scaling
+from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.moves import own_words
@@ -65,9 +65,8 @@ class FanucFrames:
     def snapshot(self):
         """What restore needs."""
         kept = {name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")}
-        return kept, dict(self.polar.residue), dict(self.frames.at), dict(self.frames.residue), set(self.frames.loose), (
-            self.frames.motion, self.frames.written,
-        )  # fmt: skip
+        f = self.frames
+        return kept, dict(self.polar.residue), dict(f.at), dict(f.residue), set(f.loose), (f.motion, f.written)
 
     def restore(self, kept) -> None:
         """As it was when the snapshot was taken; the maps are the same."""
@@ -119,7 +118,7 @@ class FanucFrames:
                     f"{row.word} names {named[0].letter if named else 'no axis'} within {self.frames.why}", CANCEL
                 )
 
-    # -- what the codes set ----------------------------------------------------------------------------------------------
+    # -- what the codes set --------------------------------------------------------------------------------------------
 
     def _set(self, block: Block, code: int) -> Block:
         """Let a code hold; the block without what belongs to it."""
@@ -133,7 +132,7 @@ class FanucFrames:
         return rest
 
     def _hold(self) -> None:
-        total = scaling(dict.fromkeys(self.mirror, -1.0), _point(self.mirror))
+        total = scaling(dict.fromkeys(self.mirror, -1.0), point(self.mirror))
         for part in (self.scale, self.turn):
             total = part.after(total) if part else total
         self.plane = self.scene.code("plane")
@@ -172,12 +171,12 @@ class FanucFrames:
             )
         centre = {w.letter: scene.length(w, w.letter) for w in given}
         if given:
-            point = _point(centre)
+            pivot = point(centre)
             if self.scale:
-                point = self.scale(point)
+                pivot = self.scale(pivot)
         else:
-            point = _point({x: self._stands(x) for x in (first, second)})
-        self.turn = rotation(first, second, angle.value, point)
+            pivot = point({x: self._stands(x) for x in (first, second)})
+        self.turn = rotation(first, second, angle.value, pivot)
         self._hold()
         self.frames.loose |= {first, second} if angle.value % 360 else set()
 
@@ -209,7 +208,7 @@ class FanucFrames:
         for x in AXES:
             if x not in centre and factors[x] != 1.0:
                 centre[x] = self._stands(x)
-        self.scale = scaling(factors, _point(centre))
+        self.scale = scaling(factors, point(centre))
         self._hold()
 
     def _factor(self, word: Word) -> float:
@@ -255,8 +254,3 @@ class FanucFrames:
 
 def _axes(block: Block) -> list[str]:
     return [w.letter for w in block.words if w.letter in AXES]
-
-
-def _point(values: dict[str, float]) -> Point:
-    x, y, z = (values.get(axis, 0.0) for axis in AXES)
-    return x, y, z

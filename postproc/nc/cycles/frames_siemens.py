@@ -1,11 +1,12 @@
 """ROT, MIRROR, SCALE and their additive kin of Sinumerik, and polar words: AP= RP= about a pole of G110 G111 G112.
 
-Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar coordinates". ROT, MIRROR,
-SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR, ASCALE and ATRANS go on in the coordinates that hold.
-TRANS stays in the text while nothing is turned; within turned coordinates ATRANS becomes part of the map.
+Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar coordinates". ROT,
+MIRROR, SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR, ASCALE and ATRANS go on in the
+coordinates that hold. TRANS stays in the text while nothing is turned; within turned coordinates ATRANS becomes part
+of the map.
 
-Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in one block, and axes left
-unnamed in the first block behind a change.
+Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in one block, and
+axes left unnamed in the first block behind a change.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import re
 from typing import Any
 
 from postproc.nc.codes import code_number
-from postproc.nc.cycles.affine import AXES, Affine, exact_turn, rotation, scaling
+from postproc.nc.cycles.affine import AXES, Affine, exact_turn, point, rotation, scaling
 from postproc.nc.cycles.block import Block, number_of
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.scene import Scene
@@ -96,7 +97,7 @@ class SiemensFrames:
             if row.refuses or ((row.takes or row.number == 530) and (named or row.takes)):
                 raise self.scene.fault(f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL)
 
-    # -- the frame -------------------------------------------------------------------------------------------------------
+    # -- the frame -----------------------------------------------------------------------------------------------------
 
     def _frame(self, block: Block, name: str) -> list[bytes]:
         """A frame instruction: the text that stays of it."""
@@ -130,8 +131,7 @@ class SiemensFrames:
         if "RPL" in values and kind != "ROT":
             raise scene.fault(f"RPL in {name}", "it is the angle of ROT and AROT")
         if kind == "TRANS":
-            x, y, z = (values.get(axis, 0.0) for axis in AXES)
-            return Affine(shift=(x, y, z))
+            return Affine(shift=point(values))
         if kind == "MIRROR":
             return scaling(dict.fromkeys(values, -1.0))
         if kind == "SCALE":
@@ -159,7 +159,7 @@ class SiemensFrames:
             raise self.scene.fault("the frames together leave nothing of an axis", CANCEL)
         frames.loose |= mixed
 
-    # -- polar words -----------------------------------------------------------------------------------------------------
+    # -- polar words ---------------------------------------------------------------------------------------------------
 
     def _set_pole(self, block: Block, code: int) -> list[bytes]:
         """G110, G111, G112: no motion."""

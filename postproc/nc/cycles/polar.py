@@ -1,7 +1,8 @@
 """G16: the first axis' word of the plane is a radius, the second's an angle in degrees, until G15.
 
-Fanuc B-64304EN-2, "Polar coordinate command": in G90 the radius counts from the zero of the work coordinates, in G91 from
-where the tool stands; the angle is absolute in G90 and counts from the last one in G91. A word that is not named holds.
+Fanuc B-64304EN-2, "Polar coordinate command": in G90 the radius counts from the zero of the work coordinates, in G91
+from where the tool stands; the angle is absolute in G90 and counts from the last one in G91. A word that is not named
+holds.
 """
 
 from __future__ import annotations

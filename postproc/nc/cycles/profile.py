@@ -61,7 +61,8 @@ class Element:
         return same and (turn > -NEAR if self.code == COUNTER else turn < NEAR)
 
     def crossing(self, axis: int, value: float) -> float | None:
-        """The other coordinate where coordinate `axis` (0: z, 1: x) has this value; None: nowhere. Monotonic ones only."""
+        """The other coordinate where coordinate `axis` (0: z, 1: x) has this value; None: nowhere. Monotonic ones
+        only."""
         low, high = sorted((self.start[axis], self.end[axis]))
         other = 1 - axis
         if not low - NEAR <= value <= high + NEAR:
@@ -81,7 +82,8 @@ class Element:
 
 @dataclass(frozen=True)
 class Profile:
-    """The blocks from P to Q: their texts, the source lines (from 1) they take, and, read from a start point, the shape."""
+    """The blocks from P to Q: their texts, the source lines (from 1) they take, and, read from a start point, the
+    shape."""
 
     texts: list[Block]
     first: int

@@ -1,4 +1,5 @@
-"""Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where nobody knows better."""
+"""Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where nobody knows
+better."""
 
 from __future__ import annotations
 
@@ -104,7 +105,9 @@ class Scene:
         if axis not in axes or axis in self.unsure or state.origin is None or not state.known[axes.index(axis)]:
             return None
         row = axes.index(axis)
-        unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (2 if self.is_diameter(axis) else 1)
+        unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
+            2 if self.is_diameter(axis) else 1
+        )
         # An offset that nobody has stated is in neither of the two, and a block has named the axis behind it.
         return float((state.position[row] - state.origin[row]) / unit)
 

@@ -1,8 +1,9 @@
 """LinuxCNC's G76, threading in many passes, as its passes: G33 with the rapids between.
 
 LinuxCNC "G codes", G76; convert_threading_cycle of its interpreter, and measured on 2.9. All motions of a pass stay
-synchronised with the spindle from one G33 to the next, so a tapered entry or exit is a G33 of its own, with the pitch along
-the taper. Where X is a diameter the block stays as it is: 2.9 takes I, J and K for a quarter of what its manual says.
+synchronised with the spindle from one G33 to the next, so a tapered entry or exit is a G33 of its own, with the pitch
+along the taper. Where X is a diameter the block stays as it is: 2.9 takes I, J and K for a quarter of what its manual
+says.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ ENTRY, EXIT = 1, 2  # bits of L
 
 @dataclass(frozen=True)
 class Thread:
-    """A thread, program's unit, X as a radius: from `start` to `end` (x, z); the peak lies `offset` beside the drive line,
-    +1 or -1 `out` of it; the first `cut`, the full `depth`; `angle` in radians; `taper` along Z."""
+    """A thread, program's unit, X as a radius: from `start` to `end` (x, z); the peak lies `offset` beside the drive
+    line, +1 or -1 `out` of it; the first `cut`, the full `depth`; `angle` in radians; `taper` along Z."""
 
     start: tuple[float, float]
     end: tuple[float, float]

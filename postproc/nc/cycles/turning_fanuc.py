@@ -1,13 +1,13 @@
 """Turning cycles of Fanuc lathes: G90 G94 (G77 G79), and G70 to G75 over a shape that stands in the program.
 
-Fanuc B-64304EN-1, "Canned cycle" and "Multiple repetitive cycle"; the order of motions and which of them are rapids also in
-the lathe maker Robur's concise guide to Fanuc, pages 48 and 57. Threads (G76, G92) have a run-out that parameters shape
-(5130, 5131), and stay.
+Fanuc B-64304EN-1, "Canned cycle" and "Multiple repetitive cycle"; the order of motions and which of them are rapids
+also in the lathe maker Robur's concise guide to Fanuc, pages 48 and 57. Threads (G76, G92) have a run-out that
+parameters shape (5130, 5131), and stay.
 
-Assumed: the depths of G71 and G72 count from the start point moved by the finishing allowances; the cut that would reach
-the depth of the shape's first point, or go beyond it, is left to the last one along the shape; the tool escapes at 45
-degrees in rapid, and returns to the start point in one rapid. RETRACT stands for parameters 5133 (G71 G72) and 5139
-(G74 G75) where R does not say it.
+Assumed: the depths of G71 and G72 count from the start point moved by the finishing allowances; the cut that would
+reach the depth of the shape's first point, or go beyond it, is left to the last one along the shape; the tool escapes
+at 45 degrees in rapid, and returns to the start point in one rapid. RETRACT stands for parameters 5133 (G71 G72) and
+5139 (G74 G75) where R does not say it.
 """
 
 from __future__ import annotations
@@ -93,7 +93,8 @@ class Stays:
 
 @dataclass
 class Repetitive:
-    """G70 to G75 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face, repeat, peck, groove."""
+    """G70 to G75 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face, repeat, peck,
+    groove."""
 
     roles: dict[int, str]
     held: dict[str, dict[str, float]] = field(default_factory=dict)
@@ -138,7 +139,7 @@ class Repetitive:
             if word.letter in "UWR" and word.value is not None:
                 kept[word.letter] = word.value if role == "repeat" and word.letter == "R" else scene.length(word, "X")
 
-    # -- G71 G72 ---------------------------------------------------------------------------------------------------------
+    # -- G71 G72 -------------------------------------------------------------------------------------------------------
 
     def _rough(
         self, scene: Scene, block: Block, role: str, elements: list[Element], allowance: tuple[float, float],
@@ -202,7 +203,7 @@ class Repetitive:
         if not all(e.monotonic for e in elements):
             raise scene.fault("an arc of the shape goes beyond a quadrant", "such a shape (type II) is not written out")
 
-    # -- G73 G70 ---------------------------------------------------------------------------------------------------------
+    # -- G73 G70 -------------------------------------------------------------------------------------------------------
 
     def _repeat(
         self, scene: Scene, block: Block, elements: list[Element], allowance: tuple[float, float],
@@ -236,7 +237,7 @@ class Repetitive:
         named = [c for b in profile.texts for c in b.codes if scene.group_of(c) == "motion"]
         return Outcome([*texts, b" ".join(back)], then=named[-1] if named else None)
 
-    # -- G74 G75 ---------------------------------------------------------------------------------------------------------
+    # -- G74 G75 -------------------------------------------------------------------------------------------------------
 
     def _pecks(self, scene: Scene, block: Block, role: str, m: Moves) -> Outcome:
         """In by pecks, out, over by a step, and again."""
@@ -279,7 +280,7 @@ class Repetitive:
         m.move("G0", {over: start[over]})
         return Outcome(m.finish())
 
-    # -- motions ---------------------------------------------------------------------------------------------------------
+    # -- motions -------------------------------------------------------------------------------------------------------
 
     def _to(self, scene: Scene, m: Moves, code: str, z: float, x: float) -> None:
         m.move(code, {"X": x * _half(scene), "Z": z})

@@ -1,9 +1,11 @@
-"""LinuxCNC's G70, G71 and G72 over a shape in a subroutine, for shapes without pockets, as measured on its interpreter 2.9.
+"""LinuxCNC's G70, G71 and G72 over a shape in a subroutine, for shapes without pockets, as measured on its
+interpreter 2.9.
 
-LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape, leaves it
-at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one the tool goes
-along the shape and out to the depth it started from, and stays there. Refused: pockets and the codes that choose them
-(G71.1 G71.2 G72.1 G72.2), a distance to the shape (D, E), which rounds corners, and a first block that moves both axes.
+LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape,
+leaves it at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one
+the tool goes along the shape and out to the depth it started from, and stays there. Refused: pockets and the codes
+that choose them (G71.1 G71.2 G72.1 G72.2), a distance to the shape (D, E), which rounds corners, and a first block
+that moves both axes.
 """
 
 from __future__ import annotations
@@ -71,7 +73,8 @@ class LinuxcncTurning:
         beside = next((w for w in block.words if w.letter in "DEUW" and w.value), None)
         if beside:
             raise scene.fault(
-                f"{beside.letter}{beside.raw} keeps a distance to the shape", "this is not written out: give the shape itself",
+                f"{beside.letter}{beside.raw} keeps a distance to the shape",
+                "this is not written out: give the shape itself",
                 beside,
             )  # fmt: skip
 

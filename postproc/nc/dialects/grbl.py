@@ -5,6 +5,7 @@ Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 
 """
 
 from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
 from postproc.nc.rows import (
     CENTRE_BY_START,
     COMMON,
@@ -35,6 +36,7 @@ DIALECT = Dialect(
         9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
     },
     m_refuses={},
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
     plane=170,
     dwell="P",
     arc_tolerance_mm=0.005,

@@ -8,6 +8,7 @@ without a point are whole units.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
+from postproc.nc.lexer import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
@@ -65,6 +66,7 @@ DIALECT = Dialect(
         129: codes.TOOL_POINT, 130: codes.TILTED, 138: codes.TOOL_POINT, 140: codes.WRITE_OUT, 142: codes.RESTORED,
             144: codes.TOOL_POINT,
     },
+    grammar=Grammar(ignores=(r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",)),  # the name; its unit stays
     plane=170,
     dwell="F",
     arc_centre="pole",

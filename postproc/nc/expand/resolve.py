@@ -1,8 +1,8 @@
 """The last stage of expansion: canned cycles and turned, scaled or mirrored coordinates become plain blocks.
 
-Lines come in the order in which the control executes them, with plain numbers. One that has nothing of all this passes by
-a single search; the positions that cycles need are asked of the tracker, which hears every line that leaves. A cycle is
-written out first, in the coordinates of the program; then the frame turns its lines.
+Lines come in the order in which the control executes them, with plain numbers. One that has nothing of all this
+passes by a single search; the positions that cycles need are asked of the tracker, which hears every line that
+leaves. A cycle is written out first, in the coordinates of the program; then the frame turns its lines.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import re
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS
 from postproc.nc.cycles import Cycle, family
+from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drilling import UNDEFINED
 from postproc.nc.cycles.scene import Scene
@@ -52,7 +53,8 @@ class Resolver:
         self.interest = _interest(sorted(ours | self.shifts) if ours else [], tracker.dialect.tool_offsets)
 
     def take(self, line: Line) -> list[Line]:
-        """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises ProgramError."""
+        """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
+        ProgramError."""
         if self.skip is not None:
             file, first, last = self.skip
             if line.file == file and first <= line.source <= last:
@@ -87,7 +89,7 @@ class Resolver:
             return self._tell([text], True)
         if not block.plain:
             if (self.active or self._turned) and not READABLE.fullmatch(text):
-                raise self._fault(
+                raise self.scene.fault(
                     "within a cycle or a frame, and this block is more than words and numbers",
                     "it could move an axis: write it as plain words",
                 )
@@ -106,7 +108,12 @@ class Resolver:
             scene.named({w.letter for w in block.words})
         if self.missing is not None:
             block = self._completed(block, codes)
-        return self._out([block.text], self._loud(block, codes))
+        lead: list[bytes] = []
+        offset = any(scene.group_of(c) == "work offset" for c in codes)
+        if offset and self._turned and not self._taken(codes) and any(w.letter in AXES for w in block.words):
+            lead, block = self._apart(block)  # where the axes stand in the new coordinates, only the tracker knows
+            scene.block = block
+        return lead + self._out([block.text], self._loud(block, codes))
 
     def _overridden(self, codes: list[int], own: int) -> bool:
         """Fanuc: of a cycle and another motion code in one block, the last one holds."""
@@ -134,7 +141,7 @@ class Resolver:
         if any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
             self.missing = None
             return block
-        axes = (*self.tracker.setup.axes, *self.tracker.dialect.increments)
+        axes = (*self.tracker.setup.axes, *self.tracker.dialect.increments, *"IJK")
         if not any(w.letter in axes for w in block.words) or self._taken(codes) or 40 in codes:
             return block
         code, self.missing = self.missing, None
@@ -220,8 +227,8 @@ class Resolver:
     # -- what leaves ---------------------------------------------------------------------------------------------------
 
     def _out(self, texts: list[bytes], loud: bool, places: bool = False) -> list[bytes]:
-        """Lines in the coordinates of the program, in those beneath. `loud`: the tracker must be asked anew behind them;
-        `places`: the scene has been told where the axes stand."""
+        """Lines in the coordinates of the program, in those beneath. `loud`: the tracker must be asked anew behind
+        them; `places`: the scene has been told where the axes stand."""
         control, lines = self.control, []
         for text in texts:
             block = Block.of(text, self.grammar)
