@@ -68,7 +68,8 @@ class Presets:
     """The n words by which a block gives the place where the machine stands a new coordinate (G92 X).
 
     motion (n,): how many motions come before it; axis (n,): row; word (n,): index of the word; scale (n,): ticks of one
-    whole unit of it; places (n,): decimals of a least increment; nominal (n,): ticks where the axis stands by the program.
+    whole unit of it; places (n,): decimals of a least increment; sent (n,): whether G28 has taken the axis elsewhere
+    since the motion before.
     """
 
     motion: np.ndarray
@@ -76,7 +77,7 @@ class Presets:
     word: np.ndarray
     scale: np.ndarray
     places: np.ndarray
-    nominal: np.ndarray
+    sent: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)
@@ -91,7 +92,7 @@ def no_holes() -> Holes:
 def no_presets() -> Presets:
     """None."""
     i = np.zeros(0, np.int64)
-    return Presets(i, i, i, i, i, i)
+    return Presets(i, i, i, i, i, i.astype(bool))
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,8 @@ class Motions:
     ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
-    (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. length (A, N): ticks of the tool's length in force. stop (N,): ten times
+    (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
+    motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
     the code that makes it end in an exact stop (G61, G9), 0: none. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
 
@@ -136,6 +138,7 @@ class Motions:
     cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    sent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
 
     def __len__(self) -> int:

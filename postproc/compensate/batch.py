@@ -45,8 +45,7 @@ class Batch:
         self.known: np.ndarray = np.all(motions.target_known[self.rows], axis=0)
         self.start_known: np.ndarray = np.all(motions.start_known[self.rows], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
-        last = np.concatenate([carry.nominal[:, None], motions.target[:, :-1]], axis=1)
-        self.jumped = (motions.start != last) & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
+        self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
     def strokes(self) -> None:

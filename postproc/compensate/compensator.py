@@ -36,12 +36,11 @@ class Options:
 
 @dataclass(frozen=True)
 class Carry:
-    """turn (A,): approach state; issued (A,): ticks last commanded; nominal (A,): ticks where the program thinks it is; sure: whether `issued` is where the machine stands
+    """turn (A,): approach state; issued (A,): ticks last commanded; sure: whether `issued` is where the machine stands
     and is what the nominal position needs; largest: mm, the largest correction so far."""
 
     turn: np.ndarray
     issued: np.ndarray
-    nominal: np.ndarray
     sure: bool = False
     largest: float = 0.0
 
@@ -84,7 +83,7 @@ class Compensator:
 
     def initial(self) -> Carry:
         zero = np.zeros(len(self.machine.axes), np.int64)
-        return Carry(zero, zero, zero)
+        return Carry(zero, zero)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""
@@ -140,7 +139,7 @@ class Compensator:
         after = Carry(
             b.turn_after[:, -1].copy(),
             b.end[:, -1].copy(),
-            motions.target[:, -1].copy(),
+           
             bool(b.sure_after[-1]),
             max(carry.largest, largest),
         )

@@ -46,15 +46,14 @@ def hole_words(b: Batch) -> None:
         b.splice.numbers(at, at, np.array([INSERT_WORD + 40]), value, decimals, prefix)
 
 
-def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray, nominal: np.ndarray) -> None:
+def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> None:
     """G92 X and its like name the nominal place; the machine stands beside it, so the word is moved by as much. shift
-    (A, N + 1): ticks, before each motion; nominal (A, N + 1): ticks, where the program stood then. An axis that G28 has taken
-    elsewhere since stands beside nothing."""
+    (A, N + 1): ticks, before each motion. An axis that G28 has taken elsewhere since stands beside nothing."""
     t = m.presets
     for k in range(len(t)):
         at = t.axis[k], min(int(t.motion[k]), shift.shape[1] - 1)
         ticks, word = int(shift[at]), int(t.word[k])
-        if not ticks or int(nominal[at]) != int(t.nominal[k]):
+        if not ticks or t.sent[k]:
             continue
         own = int(w.decimals[word])
         decimals = min(max(own, int(t.places[k])), MOST_DECIMALS)

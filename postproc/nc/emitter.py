@@ -39,7 +39,6 @@ class Written:
     marked: bool = False
     newline: bytes = b"\n"
     shift: tuple[int, ...] = ()
-    nominal: tuple[int, ...] = ()
     bottom: int = 0
 
 
@@ -59,7 +58,7 @@ class Emitter:
             if not len(motions.presets) or not any(state.shift):
                 return words.text, state, 0, 0
             splice = Splice(words.text)
-            preset_words(splice, words, motions, np.array([state.shift]).T, np.array([state.nominal]).T)
+            preset_words(splice, words, motions, np.array([state.shift]).T)
             return splice.result(), state, 0, 0
         return Batch(self, words, motions, pieces, state).run()
 
@@ -82,7 +81,7 @@ class Batch:
         self.axis_words()
         centre_words(self)
         hole_words(self)
-        preset_words(self.splice, self.w, self.m, *self._shift())
+        preset_words(self.splice, self.w, self.m, self._shift())
         added = np.flatnonzero(~self.first)
         if self.several.any():
             self.inverse_time()
@@ -90,8 +89,7 @@ class Batch:
             exact_stops(self)
             self.frames_of_blocks(added)
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
-        nominal = tuple(self.m.target[:, -1].tolist())
-        state = replace(self.state, code=self._last_code(), shift=shift, nominal=nominal, bottom=self.bottom)
+        state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)
         touched = np.flatnonzero(self.touched)
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
@@ -99,13 +97,10 @@ class Batch:
             state = replace(state, marked=True)
         return self.splice.result(), state, len(touched), len(added)
 
-    def _shift(self) -> tuple[np.ndarray, np.ndarray]:
-        """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last; and
-        (A, N + 1) ticks of those places."""
+    def _shift(self) -> np.ndarray:
+        """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last."""
         first = self.state.shift or (0,) * len(self.axes)
-        place = self.state.nominal or (0,) * len(self.axes)
-        nominal = np.concatenate([np.array([place]).T, self.m.target], axis=1)
-        return np.concatenate([np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1), nominal
+        return np.concatenate([np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1)
 
     def layout(self) -> None:
         """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,

@@ -177,13 +177,9 @@ def _turned(b: Batch, axis_words, word: str) -> None:
 
 
 def _store(b: Batch, axis_words, word: str) -> None:
-    """G28.1: the place where the machine stands becomes the reference point."""
-    name = word.split(".")[0]
-    if b.state.known.all():
-        place = {x: int(b.state.position[row]) / TICKS_PER_MM for x, row in b.rows.items()}
-        b.offsets = {**b.offsets, name: place}
-    else:
-        b.offsets = {k: v for k, v in b.offsets.items() if k != name}
+    """G28.1: the place where the machine stands becomes the reference point. It stands beside the nominal place by the
+    correction, so from here on nobody knows where G28 goes, to the last micrometre."""
+    b.offsets = {**b.offsets, word.split(".")[0]: {}}
 
 
 def _extended(b: Batch, axis_words, word: str) -> None:

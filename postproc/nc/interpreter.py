@@ -243,7 +243,7 @@ def columns(
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=b.machine[block], inverse=feed_mode == 930, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=np.broadcast_to(b.held("distance"), n)[block] == 910,
+        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=np.broadcast_to(b.held("distance"), n)[block] == 910,
         length=np.broadcast_to(b.frame.length[:, None], places.start.shape),
     )  # fmt: skip
 
@@ -273,7 +273,7 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
-        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], zero_known=b.zero_known, frame=b.frame, offsets=b.offsets,
+        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, offsets=b.offsets,
         cycle=b.cycle.after if b.cycle else None, cutting_beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
 

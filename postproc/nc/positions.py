@@ -16,7 +16,8 @@ from postproc.units import TICKS_PER_MM
 @dataclass
 class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how each axis' word is (or
-    would be) written; end_position, end_known (A,): behind the batch."""
+    would be) written; sent: whether G28 has taken the axis elsewhere since the
+    motion before; end_position, end_known, end_sent (A,): behind the batch."""
 
     start: np.ndarray
     target: np.ndarray
@@ -28,6 +29,8 @@ class Places:
     scale: np.ndarray
     origin: np.ndarray
     least: np.ndarray
+    sent: np.ndarray
+    end_sent: np.ndarray
     end_position: np.ndarray
     end_known: np.ndarray
 
@@ -40,7 +43,7 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     p = Places(
         start=whole[0], target=whole[1], start_known=np.zeros(shape, bool), target_known=np.zeros(shape, bool),
         word=np.full(shape, -1, np.int64), incremental=np.zeros(shape, bool), grid=whole[2], scale=whole[3], origin=whole[4],
-        least=whole[5], end_position=b.state.position.copy(), end_known=b.state.known.copy(),
+        least=whole[5], sent=np.zeros(shape, bool), end_sent=np.zeros(len(b.rows), bool), end_position=b.state.position.copy(), end_known=b.state.known.copy(),
     )  # fmt: skip
     taken, machine = b.taken, b.machine
     forget = b.loses | b.foreign
@@ -99,10 +102,12 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             position[: np.searchsorted(last, 0)] = b.state.position[row]
             position += run
         drop = forget.copy()
+        away = np.zeros(n, bool)
         for number in (280, 300):
             if number in b.single:
                 gone = drop.copy()
                 _reference(b, number, letter, gone)
+                away[b.single[number]] = gone[b.single[number]]
                 reference = stated(b, f"G{number // 10}")
                 if reference is None or letter not in reference:
                     drop = gone
@@ -116,6 +121,7 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             if cycle and not cycle.known:
                 event[cycle.blocks[cycle.initial]] = 0
             known = hold_last(event, int(b.state.known[row])).astype(bool)
+        _since(p, row, away, block, b.state.sent is not None and bool(b.state.sent[row]))
         before = np.concatenate([[b.state.position[row]], position[:-1]])
         before_known = np.concatenate([[b.state.known[row]], known[:-1]])
         p.start[row], p.target[row] = before[block], position[block]
@@ -134,6 +140,14 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         if n:
             p.end_position[row], p.end_known[row] = position[-1], known[-1]
     return p
+
+
+def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:
+    """Fill `sent` and `end_sent` of an axis that G28 takes away in some blocks."""
+    count = np.concatenate([[0], np.cumsum(away)]) + carry
+    seen = np.concatenate([[0], count[block]])
+    p.sent[row] = np.diff(seen) > 0
+    p.end_sent[row] = count[-1] > seen[-1]
 
 
 def _due(b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray) -> np.ndarray:

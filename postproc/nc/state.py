@@ -74,7 +74,7 @@ class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
     tool offset and F in force, whether the program has ended, and whether a motion code was
     named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch, and zero_known: whether it does; offsets: work and
-    tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; cycle: the
+    tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,): axes that G28 has taken elsewhere since the last motion; cycle: the
     canned cycle in force; cutting_beside: whether the last motion was inside cutter radius compensation; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
@@ -87,6 +87,7 @@ class ModalState:
     origin: np.ndarray | None = None
     zero_known: bool = True
     frame: Frame | None = None
+    sent: np.ndarray | None = None
     cycle: Cycle | None = None
     cutting_beside: bool = False
     tool_number: int = -1

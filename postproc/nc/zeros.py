@@ -147,8 +147,13 @@ def note_presets(b: Batch, axis_words, letters) -> None:
         places.append(round(float(np.log10(unit / grid))))
     b.presets = Presets(
         np.zeros(len(rows), np.int64),
-        *(np.array(c, np.int64) for c in (rows, words, scales, places, b.state.position[rows])),
+        *(np.array(c, np.int64) for c in (rows, words, scales, places)),
+        _sent(b, rows),
     )
+
+
+def _sent(b: Batch, rows: list[int]) -> np.ndarray:
+    return b.state.sent[rows] if b.state.sent is not None else np.zeros(len(rows), bool)
 
 
 def changed(part: np.ndarray, values: dict[int, int]) -> np.ndarray:

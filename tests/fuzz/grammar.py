@@ -13,9 +13,9 @@ import re
 from functools import reduce
 from operator import xor
 
-from fuzz.laws import LATHES
 from hypothesis import strategies as st
 
+from fuzz.laws import LATHES
 from postproc.nc import dialects
 
 MILL = {"X": (0.0, 190.0), "Y": (-55.0, 55.0), "Z": (-35.0, 35.0)}
@@ -32,7 +32,31 @@ EXTREMES = (
 )  # fmt: skip
 CODE = re.compile(r"(?<![A-Z])G0*(\d+(?:\.\d)?)(?![\d.])|\b([A-Z]{3,}\d*)\b")
 COMMENTS = ("", "TURN BACK", "X1 Y2", "g1 x", "100 % N5", "A (B", "*12", "/", "GCOMP", "#1=2", "O100", "\xe4")
-TEXT = ("(", ")", ";", "%", "/", "*", "\t", "\r", "\0", "[", "]", "#", "=", "\xff", "\"", "<", ">", ",", ".", "-", "+", "N", "O")
+TEXT = (
+    "(",
+    ")",
+    ";",
+    "%",
+    "/",
+    "*",
+    "\t",
+    "\r",
+    "\0",
+    "[",
+    "]",
+    "#",
+    "=",
+    "\xff",
+    '"',
+    "<",
+    ">",
+    ",",
+    ".",
+    "-",
+    "+",
+    "N",
+    "O",
+)
 
 
 def program(rng: random.Random, dialect: str, blocks: int = 12, wild: float = 0.05) -> bytes:
@@ -63,7 +87,9 @@ class Writer:
         self.siemens, self.din = dialect == "siemens", dialect == "heidenhain-iso"
         self.system_a = dialect in ("fanuc-lathe-a", "haas-lathe")
         spoken = dialects.load(dialect)
-        self.known = {re.sub(r"^G(?=\d)", "", code.word) for code in spoken.codes} | {name for name, _ in spoken.grammar.spellings}
+        self.known = {re.sub(r"^G(?=\d)", "", code.word) for code in spoken.codes} | {
+            name for name, _ in spoken.grammar.spellings
+        }
         self.refused = {re.sub(r"^G(?=\d)", "", code.word) for code in spoken.codes if code.refuses}
         self.turns = spoken.turns
         self.scale = 1.0  # mm of a unit
@@ -92,7 +118,9 @@ class Writer:
         elif self.often(0.2):
             text = text.rstrip("0")
         if self.often(0.1):
-            text = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else "0" + text if text[0] != "-" else text
+            text = (
+                text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else "0" + text if text[0] != "-" else text
+            )
         return text
 
     def word(self, letter: str, value: float, decimals: int | None = None) -> str:
@@ -193,12 +221,19 @@ class Writer:
         if self.printer and not code:
             code = "G1"
         feed = ["F" + self.one("100", "250.", "0.5", "3.25")] if code == "G1" and self.often(0.8) else []
-        self.add(self.g(code) if code else "", *self.coordinates(), *feed, self.one("", "", "", "", "M3", "M8", "M5", "M9", "S100"))
+        self.add(
+            self.g(code) if code else "",
+            *self.coordinates(),
+            *feed,
+            self.one("", "", "", "", "M3", "M8", "M5", "M9", "S100"),
+        )
 
     def small(self) -> None:
         """Increments and tiny moves."""
         if self.system_a:
-            self.add("G1", *[f"{u}{self.num(self.rng.uniform(-0.01, 0.01), 4)}" for u in "UW" if self.often(0.7)], "F50")
+            self.add(
+                "G1", *[f"{u}{self.num(self.rng.uniform(-0.01, 0.01), 4)}" for u in "UW" if self.often(0.7)], "F50"
+            )
             return
         size = self.one(0.0004, 0.003, 0.05, 2.0, 0.0)
         self.add("G91", self.g("G1"), *self.coordinates(size=size), "F200")
@@ -229,7 +264,13 @@ class Writer:
         radius = 10 ** self.rng.uniform(-2.0 if self.often(0.2) else 0.0, math.log10(0.8 * room))
         middle = [self.rng.uniform(lo + radius, h - radius) for lo, h in zip(low, high, strict=True)]
         begin = self.one(0, 90, 180, 270) if self.often(0.4) else self.rng.uniform(0, 360)
-        sweep = 360.0 if self.often(0.2) else self.one(90, 180, 270, 0.5, 359.9) if self.often(0.4) else self.rng.uniform(1, 359)
+        sweep = (
+            360.0
+            if self.often(0.2)
+            else self.one(90, 180, 270, 0.5, 359.9)
+            if self.often(0.4)
+            else self.rng.uniform(1, 359)
+        )
         if self.often(0.5):
             sweep = -sweep
         digits = self.one(3, 4, 5)
@@ -242,7 +283,11 @@ class Writer:
         self.add(self.absolute(), self.g(self.one("G0", "G1")), *first, self.one("", "F80"))
         for _ in range(self.one(1, 1, 1, 2)):
             code = "G3" if sweep > 0 else "G2"
-            end = [a + self.num(v, digits) for a, v in zip(letters, spot[1], strict=True)] if abs(sweep) < 360 or self.often(0.4) else []
+            end = (
+                [a + self.num(v, digits) for a, v in zip(letters, spot[1], strict=True)]
+                if abs(sweep) < 360 or self.often(0.4)
+                else []
+            )
             arm = [(c - s / u) / self.scale for c, s, u in zip(middle, spot[0], unit, strict=True)]
             other = [a for a in self.ranges if a not in letters and self.often(0.3)]
             words = end + self.coordinates(other)
@@ -272,7 +317,11 @@ class Writer:
             inch = self.often(0.5)
             self.scale = 25.4 if inch else 1.0
             if self.siemens or self.din:
-                codes.append(self.one("G70", "G700")[: 4 if self.siemens else 3] if inch else self.one("G71", "G710")[: 4 if self.siemens else 3])
+                codes.append(
+                    self.one("G70", "G700")[: 4 if self.siemens else 3]
+                    if inch
+                    else self.one("G71", "G710")[: 4 if self.siemens else 3]
+                )
             else:
                 codes.append("G20" if inch else "G21")
         if self.often(0.3) and not self.lathe:
@@ -314,7 +363,12 @@ class Writer:
     def frame(self) -> None:
         shift = self.coordinates(size=self.one(0.001, 3.0, 20.0, 0.0))
         if self.siemens or (self.din and self.often(0.6)):
-            self.add(self.one("TRANS", "TRANS", "ATRANS", "TRANS", "G58", "G53", "SUPA") if self.siemens else self.one("G54", "G53"), *(shift if self.often(0.85) else []))
+            self.add(
+                self.one("TRANS", "TRANS", "ATRANS", "TRANS", "G58", "G53", "SUPA")
+                if self.siemens
+                else self.one("G54", "G53"),
+                *(shift if self.often(0.85) else []),
+            )
             if self.often(0.5) and not self.din:
                 self.add("G91", *self.coordinates(size=1.0))
                 self.add("G90")
@@ -328,9 +382,19 @@ class Writer:
         elif kind == 5:
             self.add(self.one("G92.1", "G92.2", "G92.3", "G52 X0 Z0", "G50.3"))
         elif kind <= 7:
-            self.add("G10", self.one("L2", "L2", "L20", "L20", "L1", "L10", "L11", "L50", "L3", ""), self.one("P1", "P0", "P2", "P3", "P6", "P9", "P10", "P1e18", "P99999999"), *shift, self.one("", "", "", "R1"))
+            self.add(
+                "G10",
+                self.one("L2", "L2", "L20", "L20", "L1", "L10", "L11", "L50", "L3", ""),
+                self.one("P1", "P0", "P2", "P3", "P6", "P9", "P10", "P1e18", "P99999999"),
+                *shift,
+                self.one("", "", "", "R1"),
+            )
         elif kind <= 9:
-            self.add(self.one("G43", "G43", "G44", "G43.2"), self.one("H1", "H2", "H0", "", "H7"), *(self.coordinates() if self.often(0.4) else []))
+            self.add(
+                self.one("G43", "G43", "G44", "G43.2"),
+                self.one("H1", "H2", "H0", "", "H7"),
+                *(self.coordinates() if self.often(0.4) else []),
+            )
         elif kind == 10:
             self.add("G43.1", *shift)
         elif kind == 11:
@@ -345,11 +409,24 @@ class Writer:
     def away(self) -> None:
         kind = self.rng.randint(0, 4)
         if kind <= 1:
-            self.add(self.absolute(), self.one("G53", "G53", "SUPA" if self.siemens else "G53", "G153"), self.one("G0", "G1"), *self.coordinates(), "F100")
+            self.add(
+                self.absolute(),
+                self.one("G53", "G53", "SUPA" if self.siemens else "G53", "G153"),
+                self.one("G0", "G1"),
+                *self.coordinates(),
+                "F100",
+            )
         elif kind == 2:
-            self.add(self.one("G28", "G30", "G74" if self.siemens else "G28"), *(self.coordinates() if self.often(0.5) else []))
+            self.add(
+                self.one("G28", "G30", "G74" if self.siemens else "G28"),
+                *(self.coordinates() if self.often(0.5) else []),
+            )
         elif kind == 3:
-            self.add(self.one("G28 U0", "G28 W0", "G28 U0 W0") if self.lathe else self.one("G91 G28 Z0", "G28 X0 Y0", "G28 X Y", "G28"))
+            self.add(
+                self.one("G28 U0", "G28 W0", "G28 U0 W0")
+                if self.lathe
+                else self.one("G91 G28 Z0", "G28 X0 Y0", "G28 X Y", "G28")
+            )
             if not self.lathe:
                 self.add("G90")
         if self.often(0.85):
@@ -357,7 +434,12 @@ class Writer:
 
     def beside(self) -> None:
         """Cutter radius compensation."""
-        self.add(self.one("G41", "G42"), self.one("D1", "", "D2", "G1"), *self.coordinates(list(PLANES[self.plane])[: 2] if not self.lathe else None), "F100")
+        self.add(
+            self.one("G41", "G42"),
+            self.one("D1", "", "D2", "G1"),
+            *self.coordinates(list(PLANES[self.plane])[:2] if not self.lathe else None),
+            "F100",
+        )
         for _ in range(self.rng.randint(1, 3)):
             self.one(self.straight, self.straight, self.arc)()
         if self.often(0.9):
@@ -381,14 +463,23 @@ class Writer:
         if self.often(0.3) and not self.system_a:
             self.add("G91")
         code = self.one("G81", "G81", "G82", "G83", "G73", "G85", "G86", "G89", "G84", "G74", "G87", "G88", "G76")
-        more = [self.word("Q", self.rng.uniform(-0.5, 5) / self.scale)] if code in ("G83", "G73", "G87", "G76") or self.often(0.1) else []
+        more = (
+            [self.word("Q", self.rng.uniform(-0.5, 5) / self.scale)]
+            if code in ("G83", "G73", "G87", "G76") or self.often(0.1)
+            else []
+        )
         if self.often(0.3):
             more.append(self.one("P0.5", "P1", "P500"))
         if self.often(0.2):
             more.append(self.one("L2", "L0", "K3", "K0", "L1", "L3", "L999999" if self.often(self.wild) else "L2"))
         words = [f"Z{self.num(bottom / self.scale, 2)}", f"R{self.num(level / self.scale, 2)}", *more, "F100"]
         self.rng.shuffle(words)
-        self.add(*([] if self.system_a else [self.one("G98", "G99", "")]), code, *self.coordinates([a for a in self.ranges if a != "Z"]), *words)
+        self.add(
+            *([] if self.system_a else [self.one("G98", "G99", "")]),
+            code,
+            *self.coordinates([a for a in self.ranges if a != "Z"]),
+            *words,
+        )
         for _ in range(self.rng.randint(0, 4)):
             self.add(*self.coordinates([a for a in self.ranges if a != "Z" and self.often(0.7)]),
                      self.word("R", self.rng.uniform(low, high)) if self.often(0.1) else "",
@@ -402,11 +493,29 @@ class Writer:
     def thread(self) -> None:
         kind = self.rng.randint(0, 3)
         if kind <= 1:
-            self.add(self.one("G33", "G32", "G33.1", "G34"), "Z" + self.num(self.goal("Z")), self.one("K1.5", "F2.", "K1", ""))
+            self.add(
+                self.one("G33", "G32", "G33.1", "G34"),
+                "Z" + self.num(self.goal("Z")),
+                self.one("K1.5", "F2.", "K1", ""),
+            )
         elif kind == 2:
-            self.add("G76", self.one("P1 Z-10 I-1 J0.2 R1.5 K1 Q29 H3 E0.5 L2", "P010060 Q100 R0.1", "X20. Z-30. P1000 Q300 F2."))
+            self.add(
+                "G76",
+                self.one("P1 Z-10 I-1 J0.2 R1.5 K1 Q29 H3 E0.5 L2", "P010060 Q100 R0.1", "X20. Z-30. P1000 Q300 F2."),
+            )
         else:
-            self.add(self.one("G92 X20. Z10. F1.5", "G71 U1. R0.5", "G71 P10 Q20 U0.5 W0.1 F0.2", "G72 W1 R1", "G70 P10 Q20", "G75 R1.", "G94 X10 Z5", "G90 X10 Z5"))
+            self.add(
+                self.one(
+                    "G92 X20. Z10. F1.5",
+                    "G71 U1. R0.5",
+                    "G71 P10 Q20 U0.5 W0.1 F0.2",
+                    "G72 W1 R1",
+                    "G70 P10 Q20",
+                    "G75 R1.",
+                    "G94 X10 Z5",
+                    "G90 X10 Z5",
+                )
+            )
 
     def turned(self) -> None:
         begin, end = self.one(
@@ -428,7 +537,24 @@ class Writer:
         elif kind == 7:
             self.add("G1", "E" + self.num(self.rng.uniform(-3, 3), 3), "F2400")
         elif kind == 8:
-            self.lines.append(self.one("M117 G1 is (done", "M104 S200", "M106 S255", "G28 X Y", "G28", "G29", "M400", "M110 N5", "M110", "M203 X", "G4 P5", "G10", "G11", "M98 P\"x\""))
+            self.lines.append(
+                self.one(
+                    "M117 G1 is (done",
+                    "M104 S200",
+                    "M106 S255",
+                    "G28 X Y",
+                    "G28",
+                    "G29",
+                    "M400",
+                    "M110 N5",
+                    "M110",
+                    "M203 X",
+                    "G4 P5",
+                    "G10",
+                    "G11",
+                    'M98 P"x"',
+                )
+            )
         else:
             self.add(self.one("G2", "G3"), *self.coordinates("XY"), "I5 J5 E3")
 
@@ -481,7 +607,11 @@ class Writer:
             elif which == 6:
                 self.lines += ["#1=" + "[" * 20 + "1" + "]" * 20, *body]
             else:
-                self.lines += ["#5=#5041", "G0 X[#5+1]", "WHILE[1 EQ 1]DO1", "G91G1X.1F1", "END1"] if self.often(0.3) else ["#5=#5041", "G0 X[#5+1]"]
+                self.lines += (
+                    ["#5=#5041", "G0 X[#5+1]", "WHILE[1 EQ 1]DO1", "G91G1X.1F1", "END1"]
+                    if self.often(0.3)
+                    else ["#5=#5041", "G0 X[#5+1]"]
+                )
         else:
             body = ["G1 X#1 Y[#1 * 2] F100"]
             self.lines += self.one(
@@ -502,7 +632,48 @@ class Writer:
     def junk(self) -> None:
         roll = self.rng.random()
         if roll > 1 - 6 * self.wild:
-            self.lines.append(self.one("G1 X1 X2", "G1 G0 X5", "X Y", "G999", "M999", "G5 X1", "G2 X1 Y1", "G2 I0 J0", "G2 X5 R0.001", "Q5", "E5", "A5", "G1 X--5", "G1 X1.2.3", "GCOMP", "G1.5 X2", "X1O", "G1X 1 0 Y\t5", "N5", "O5", "/", "//G1X1", "G3 P2 I5", "$H", ":1234", "G1 X5,R2", "G1X5 F0", "G1 X5 F-1", "G53 X5", "G80 X5", "G28 X5 G1 Y5", "G92 G1 X5", "G10", "G41", "G90 G91 X1", "G20 G21 X1", "M2", "%"))
+            self.lines.append(
+                self.one(
+                    "G1 X1 X2",
+                    "G1 G0 X5",
+                    "X Y",
+                    "G999",
+                    "M999",
+                    "G5 X1",
+                    "G2 X1 Y1",
+                    "G2 I0 J0",
+                    "G2 X5 R0.001",
+                    "Q5",
+                    "E5",
+                    "A5",
+                    "G1 X--5",
+                    "G1 X1.2.3",
+                    "GCOMP",
+                    "G1.5 X2",
+                    "X1O",
+                    "G1X 1 0 Y\t5",
+                    "N5",
+                    "O5",
+                    "/",
+                    "//G1X1",
+                    "G3 P2 I5",
+                    "$H",
+                    ":1234",
+                    "G1 X5,R2",
+                    "G1X5 F0",
+                    "G1 X5 F-1",
+                    "G53 X5",
+                    "G80 X5",
+                    "G28 X5 G1 Y5",
+                    "G92 G1 X5",
+                    "G10",
+                    "G41",
+                    "G90 G91 X1",
+                    "G20 G21 X1",
+                    "M2",
+                    "%",
+                )
+            )
 
     def spoil(self) -> None:
         """Something into a line that was right."""
@@ -533,7 +704,13 @@ class Writer:
                 line += f"*{reduce(xor, line.encode('latin-1'), 0)}"
             if bare and self.often(0.08) and not label and not self.sealed:
                 comment = rng.choice(COMMENTS)
-                line += f" ;{comment}" if (self.siemens or self.ngc or self.printer) and self.often(0.6) else "" if self.siemens else f"({comment.replace('(', '')})"
+                line += (
+                    f" ;{comment}"
+                    if (self.siemens or self.ngc or self.printer) and self.often(0.6)
+                    else ""
+                    if self.siemens
+                    else f"({comment.replace('(', '')})"
+                )
             if bare and self.often(0.04) and not label:
                 line = "/" + line
             if stop and line[:1] != "%" and self.often(0.9):

@@ -12,6 +12,7 @@ import signal
 import sys
 import tempfile
 import traceback
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -148,7 +149,7 @@ def _write(folder: Path, shape: str, kind: str) -> Path:
 
 @cache
 def machine(shape: str, kind: str):
-    """"mill" or "lathe", of one of MAPS."""
+    """ "mill" or "lathe", of one of MAPS."""
     with tempfile.TemporaryDirectory() as folder:
         return places.load(str(_write(Path(folder) / f"{shape}-{kind}", shape, kind)))
 
@@ -164,7 +165,9 @@ def filter_of(case: Case) -> Filter:
     spoken = dialect(case.dialect)
     built = machine(shape, case.map).carrying(spoken.carried)
     letters = set(built.letters)
-    offsets = {n: {x: v for x, v in place.items() if x in letters} for n, place in OFFSETS.items()} if case.stated else {}
+    offsets = (
+        {n: {x: v for x, v in place.items() if x in letters} for n, place in OFFSETS.items()} if case.stated else {}
+    )
     start = dict.fromkeys(WIDE[shape], 0.0) if case.stated else {}
     setup = setup_of(built, offsets, start, case.delete)
     return Filter(built, spoken, setup, Options(None, "clamp" if case.clamp else "error", case.mode), name="program")
@@ -238,7 +241,8 @@ def in_time(seconds: int = SECONDS) -> Iterator[None]:
 def broken(case: Case, seconds: int = SECONDS) -> str:
     """The law that the case breaks, "" if none."""
     try:
-        with in_time(seconds):
+        with in_time(seconds), warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)  # of numpy: a number that is none goes on unseen
             return _broken(case)
     except TookTooLong:
         return f"hang: more than {seconds} s at {_where(sys.exc_info()[2])}"
@@ -357,6 +361,8 @@ def kind(message: str) -> str:
     head, _, rest = message.partition(": ")
     if head in ("crash", "hang"):
         return message[:40] + message.rpartition(" at ")[2]
+    if head == "own error":
+        rest = rest.partition(":")[0]
     return head + ": " + "".join(c for c in rest[:60] if not c.isdigit())
 
 
@@ -375,7 +381,15 @@ def smallest(case: Case, tries: int = 600) -> Case:
         told = broken(other, 5 if wanted != "hang" else SECONDS)
         return kind(told) == where if where else kind(told).split(":")[0] == wanted
 
-    for change in ({"expand": False}, {"delete": False}, {"mode": "mean"}, {"mode": "step"}, {"map": "one-way"}, {"map": "zero"}, {"clamp": True}):
+    for change in (
+        {"expand": False},
+        {"delete": False},
+        {"mode": "mean"},
+        {"mode": "step"},
+        {"map": "one-way"},
+        {"map": "zero"},
+        {"clamp": True},
+    ):
         other = replace(case, **change)
         if other != case and (change.get("map") != "zero" or case.map != "zero") and still(other):
             case = other

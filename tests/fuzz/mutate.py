@@ -31,10 +31,10 @@ LONGEST = 1500  # bytes of a seed: more is cut off, so that many are tried
 WORDS = (
     "G0 G1 G2 G3 G4 G9 G10 G17 G18 G19 G20 G21 G28 G33 G40 G41 G42 G43 G43.1 G49 G52 G53 G54 G54.1 G55 G61 G64 G68 G69 G80 "
     "G81 G83 G84 G90 G91 G92 G92.1 G93 G94 G95 G98 G99 M0 M2 M3 M6 M30 M98 M99 M117 M82 M83 M110 T1 D1 H1 P1 L2 K0 R5 Q1 E1 I0 J5 "
-    "X=IC( AC( CR= TURN= TRANS ATRANS ROT RPL= DIAMON DIAMOF SUPA MCALL CYCLE81( MSG(\" FOR WHILE ENDFOR ENDWHILE IF ENDIF ELSE "
+    'X=IC( AC( CR= TURN= TRANS ATRANS ROT RPL= DIAMON DIAMOF SUPA MCALL CYCLE81( MSG(" FOR WHILE ENDFOR ENDWHILE IF ENDIF ELSE '
     "GOTOF GOTOB GOTO LOOP ENDLOOP REPEAT UNTIL DEF PROC $AA_IW[X] "
     "O100 o100 sub endsub call while endwhile repeat #1 #1= #<a> #5421 [ ] [#1+1] SIN[ DO1 END1 GOTO10 THEN G65 ( ) ; % / * *71 , = \n \r\n "
-    "\t N10 : :1 U1 W-1 V2 A5 F100 S1 E-1 \" { } < > \x80 \0"
+    '\t N10 : :1 U1 W-1 V2 A5 F100 S1 E-1 " { } < > \x80 \0'
 ).split(" ")
 NUMBER = re.compile(rb"[-+]?[0-9]+\.?[0-9]*|[-+]?\.[0-9]+")
 TOKEN = re.compile(rb"[A-Za-z#$<_]*[=( ]*[-+]?[0-9.]*[ \t]*|.", re.DOTALL)

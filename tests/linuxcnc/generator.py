@@ -290,7 +290,7 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
         bottom = clear - size(1, 9)
         values = (clear - level, bottom - clear) if incremental else (clear, bottom)
         r, z = (round(value, 2) for value in values)
-        words = [code, "G91" if incremental else "G90", "R" + number(rng, r * factor[depth])]
+        words = [code, "G91" if incremental else "G90", "R" + number(rng, r)]  # R is a radius in G7, too
         words += [depth + number(rng, z * factor[depth])]
         words += [letter + number(rng, size(-9, 9)) for letter in some(rng, across, 1)]
         words += [rng.choice(("G98", "G99"))] if rng.random() < 0.6 else []

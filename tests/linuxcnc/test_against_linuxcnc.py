@@ -23,7 +23,7 @@ AXES = ("X", "Y", "Z", "A", "B", "C")
 CLOSE = 1e-9  # mm
 # Programs by the beginning of their names: written out first (test_expanded.py), or not followed at all.
 EXPANDED = ("oword_", "turn_", "sync_", "cycle_", "rotate_")
-NOT_FOLLOWED = ("cutter_", "spline_", "probe_")
+NOT_FOLLOWED = ("cutter_", "spline_", "probe_", "unknown_")
 PROGRAMS = [p for p in sorted(oracle.PROGRAMS.glob("*.ngc")) if not p.stem.startswith(EXPANDED + NOT_FOLLOWED)]
 REFUSED = sorted(oracle.REFUSED.glob("*.ngc"))
 WORK = {

@@ -20,6 +20,7 @@ from tests.linuxcnc.test_expanded import length, written_out
 COUNT = 40
 SEED = int(time.time()) if os.environ.get("GCOMP_FUZZ") else 20_000
 # LinuxCNC 2.9 takes a rotary axis astray that has a tool offset of its own (measured: G30, then G53 with other axes).
+STORED = re.compile(r"g\s*(28|30)\s*\.\s*1", re.IGNORECASE)  # where G28 goes after G28.1 is not known to a micrometre
 ROTARY_TOOL = re.compile(r"g43\.1[^\n]*[abc]|[abc][^\n]*g43\.1", re.IGNORECASE)
 
 
@@ -29,7 +30,7 @@ def test_motions_are_the_same(kind):
     if reason:
         pytest.skip(reason)
     texts = [generator.random_program(random.Random(SEED + i), kind) for i in range(COUNT)]
-    texts = [text for text in texts if not ROTARY_TOOL.search(text)]
+    texts = [text for text in texts if not ROTARY_TOOL.search(text) and not STORED.search(text)]
     compared = 0
     for text, theirs in zip(texts, oracle.motions_of_many([(t, generator.KEYWORDS) for t in texts]), strict=True):
         if not isinstance(theirs, list):

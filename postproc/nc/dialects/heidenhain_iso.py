@@ -11,6 +11,7 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
+_POLE = "its centre is the pole, which I and J set for all blocks behind: let the CAM program write straight lines"
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
 
@@ -18,12 +19,12 @@ DIALECT = Dialect(
     name="heidenhain-iso",
     title="Heidenhain TNC, DIN/ISO",
     codes=(
-        *MOTION, *PLANE, *DISTANCE, *CUTTER,
+        *MOTION[:2], *PLANE, *DISTANCE, *CUTTER,
+        *rows("motion", {"2": "arc, clockwise", "3": "arc, counter-clockwise"}, refuses=_POLE),
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("motion", {"5": "arc, either way", "6": "arc, tangential"},
-            refuses="its circle follows from other places: write "
-              "G02 or G03 with R or with a pole"),
+            refuses="its circle follows from other places: let the CAM program write straight lines"),
         *rows("motion", {"7": "along one axis"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar", "12": "arc, polar", "13": "arc, polar",
               "15": "arc, polar", "16": "arc, polar"}, refuses=_POLAR),
