@@ -48,8 +48,11 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if not b.live[0]:
             continue
         ACTIONS[does](b, axis_words, code.word)
-    if b.dialect.length_letter != "H" and number_of(b, b.dialect.length_letter) is not None:
-        length_by(b, b.dialect.length_letter)
+    letter = b.dialect.length_letter
+    if letter != "H" and number_of(b, letter) is not None:
+        length_by(b, letter, int(number_of(b, letter) or 0))
+    elif letter == "D" and number_of(b, "T") is not None:
+        length_by(b, letter, 1 if number_of(b, "T") else 0)  # a new tool comes with its first edge
     if b.dialect.extended_by_p and "work offset" in b.given and b.given["work offset"][0] == 540 and number_of(b, "P"):
         _extended(b, axis_words, "G54")
 

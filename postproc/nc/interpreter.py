@@ -32,6 +32,7 @@ from postproc.nc.refusals import (
     m_codes,
     refuse_motions,
     refused_groups,
+    single_commands,
     stray_words,
     unnamed_motions,
 )
@@ -113,7 +114,7 @@ class Interpreter:
             return [0, words.blocks]
         tools: list[int] = []
         if self.dialect.length_letter != "H":
-            tools = words.block[words.letter == ord(self.dialect.length_letter)].tolist()
+            tools = words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
         number = written_codes(words, place)
         begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]].tolist()
         return sorted({0, words.blocks, *begins, *tools})
@@ -150,6 +151,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    if b.dialect.one_command:
+        single_commands(b)
     if b.dialect.letters:
         idle_letters(b, motion, moving)
     if not b.dialect.modal_motion:
@@ -211,6 +214,8 @@ def columns(
     motion = motion[block]
     code = np.where(b.foreign[block], FOREIGN, b.dialect.kind[np.maximum(motion, 0)]).astype(np.int8)
     feed_place = b.once("F")
+    if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
+        feed_place = feed_place[~np.isin(b.words.block[feed_place], b.single[40])]
     feed_mode = np.broadcast_to(b.held("feed mode"), n)[block]
     feed = np.full(n, np.nan)
     feed[b.words.block[feed_place]] = b.numbers(feed_place)

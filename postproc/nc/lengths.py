@@ -93,9 +93,8 @@ def _units_changed(b: Batch) -> bool:
     return True
 
 
-def length_by(b: Batch, letter: str) -> None:
+def length_by(b: Batch, letter: str, number: int) -> None:
     """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none."""
-    number = int(number_of(b, letter) or 0)
     name = f"{letter}{number}"
     place = stated_tool(b, letter, number) if number else {}
     reason = None

@@ -142,6 +142,18 @@ def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
     )
 
 
+def single_commands(b: Batch) -> None:
+    """Firmware that obeys one command a line would pass over the second one."""
+    commands = np.sort(np.concatenate([b.places.get(x, np.zeros(0, np.int64)) for x in "GMT"]))
+    block = b.words.block[commands]
+    twice = np.flatnonzero(block[1:] == block[:-1])
+    if len(twice):
+        raise b.fault(
+            commands[twice[0] + 1], "two commands in one line, and this control obeys only the first",
+            "write each in a line of its own",
+        )  # fmt: skip
+
+
 def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without one."""
     plain = moving & (motion >= 0) & (motion <= 30)

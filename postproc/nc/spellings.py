@@ -49,7 +49,7 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     if grammar.bare_letters:
         code = HOMING.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
-        code = NAMED.sub(_blank, code)
+        code = NAMED.sub(_named, code)
         for pattern, letter in _spelled(grammar):
             code = pattern.sub(partial(_stands, letter), code)
         code = ASSIGNED.sub(_assigned, code)
@@ -98,6 +98,13 @@ def _blank(match: re.Match[bytes]) -> bytes:
         b" " * (kept[0] - match.start()) + match[1] + b" " * (match.end() - kept[1]) if match[1] is not None
         else b" " * len(match[0])
     )  # fmt: skip
+
+
+def _named(match: re.Match[bytes]) -> bytes:
+    """A tool with a name is some tool; what else has a name is no number."""
+    if match[0][:1].upper() == b"T":
+        return b"T9999".ljust(len(match[0]))
+    return b" " * len(match[0])
 
 
 def _stands(letter: bytes, match: re.Match[bytes]) -> bytes:

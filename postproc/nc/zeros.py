@@ -45,7 +45,7 @@ def work_columns(b: Batch) -> np.ndarray:
         if (
             b.frame.extended
             and number != NONE
-            and (name == "G54.1" or (b.frame.extended.startswith("G54") and number == 540))
+            and (number == 541 or (b.frame.extended.startswith("G54") and number == 540))
         ):
             name = b.frame.extended
         total = total + offset_of(b, name, work == number)
@@ -145,11 +145,8 @@ def note_presets(b: Batch, axis_words, letters) -> None:
         words.append(int(place[0]))
         scales.append(int(unit))
         places.append(round(float(np.log10(unit / grid))))
-    b.presets = Presets(
-        np.zeros(len(rows), np.int64),
-        *(np.array(c, np.int64) for c in (rows, words, scales, places)),
-        _sent(b, rows),
-    )
+    row, word, scale, least = (np.array(c, np.int64) for c in (rows, words, scales, places))
+    b.presets = Presets(np.zeros(len(rows), np.int64), row, word, scale, least, _sent(b, rows))
 
 
 def _sent(b: Batch, rows: list[int]) -> np.ndarray:

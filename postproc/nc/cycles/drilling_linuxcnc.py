@@ -78,6 +78,8 @@ class LinuxcncDrilling(Drilling):
             )
         up = scene.code("return") == INITIAL_LEVEL
         here = scene.at(axis) / half
+        if not scene.differs(axis, r * half):
+            here = r  # not by a rounding above or below it
         high = r if not up or self.initial < r else self.initial
         first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else high)
         hole = Hole(
