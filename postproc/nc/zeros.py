@@ -27,9 +27,9 @@ def offset_columns(b: Batch) -> None:
     for reason in b.frame.unknown.values():
         b.reason[:] = b.because(*reason)
     rotary = [row for x, row in b.rows.items() if x in "ABC"]
-    if b.machine.any() and b.dialect.local_is_preset and b.frame.shift[rotary].any():
+    if b.machine.any() and b.dialect.local_is_preset and b.frame.length[rotary].any():
         b.blame(
-            np.flatnonzero(b.machine), "G53 while a rotary axis has an offset",
+            np.flatnonzero(b.machine), "G53 while the tool has a length along a rotary axis",
             "this control takes the rotary axis along by the offset, as measured: name it in the block, or take the offset out",
         )  # fmt: skip
 
