@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -114,6 +115,8 @@ def test_lines_know_where_they_come_from():
 def test_plain_programs_are_passed_on_unchanged():
     for path in sorted(oracle.PROGRAMS.glob("*.ngc")):
         text, kwargs = oracle.load(path)
+        if re.search(r"#|\[|o\s*\d|o\s*<|m\s*(9[89]|7[0-3])", text, re.IGNORECASE):
+            continue  # something to run
         all_lines = [line for line in text.replace("\r", "").rstrip("\n").split("\n") if line.strip() != "%"]
         found = [line for line in texts(text, kwargs=kwargs) if line.strip() != "%"]
         assert found == all_lines[: len(found)], path.stem

@@ -25,7 +25,7 @@ from postproc.compensate import Options
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import OWN_OUTPUT, Filter, setup_of
 from postproc.machine import places
-from postproc.motions import ENTRY, FREE
+from postproc.motions import ENTRY, FREE, THREAD
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
@@ -177,16 +177,17 @@ def filter_of(case: Case) -> Filter:
 
 
 class Watch(Verifier):
-    """The Verifier, and which lines lead into or out of cutter radius compensation, or lie inside."""
+    """The Verifier, and which lines are motions that are never cut: threads, and what leads into or out of cutter
+    radius compensation; and whether anything lies inside."""
 
     def __init__(self, filter_: Filter):
         super().__init__(filter_)
-        self.leading: set[int] = set()
+        self.whole: set[int] = set()
         self.beside = False
 
     def check(self, words, motions, pieces, output, first_line) -> None:
         lines = first_line + words.line[motions.block] + 1
-        self.leading.update(lines[motions.cutter == ENTRY].tolist())
+        self.whole.update(lines[(motions.cutter == ENTRY) | (motions.code == THREAD)].tolist())
         self.beside |= bool((motions.cutter != FREE).any())
         super().check(words, motions, pieces, output, first_line)
 
@@ -334,9 +335,8 @@ def _cuts(text: bytes, cuts) -> Iterator[list[int]]:
 
 def _verified(case: Case, verifier: Watch) -> str:
     """Inside cutter radius compensation reversals are spread: there, only of maps that have none; blocks that lead into
-    and out of it are one piece, and bend as the map does."""
-    beside = verifier.leading or verifier.beside
-    if verifier.corrected.line in verifier.leading or (beside and case.map == "two-way"):
+    and out of it and threads are one piece, and bend as the map does."""
+    if verifier.corrected.line in verifier.whole or (verifier.beside and case.map == "two-way"):
         return ""
     if case.mode in ("mean", "step") and not verifier.passed:
         deviation = verifier.corrected.deviation / UM

@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from fuzz import grammar, laws, mutate
+from postproc.nc.lexer import lex
 
 FOUND = Path(__file__).with_name("found")
 NEW = bool(os.environ.get("GCOMP_FUZZ"))
@@ -48,12 +49,24 @@ def test_what_was_found_keeps_the_laws(case, still_open):
 def waiting() -> frozenset[str]:
     """Kinds of broken laws that wait to be mended: the other tests pass them by."""
     told = [laws.kind(laws.broken(p.values[0], 2)) for p in found() if p.values[1]]
-    return frozenset(kind.split(":")[0] if kind.startswith("hang") else kind for kind in told if kind)
+    told = [kind for kind in told if kind and not kind.startswith("verifier")]  # these have nothing of their own in it
+    return frozenset(kind.split(":")[0] if kind.startswith("hang") else kind for kind in told)
 
 
 def wrong(told: str) -> bool:
     kind = laws.kind(told) if told else ""
     return bool(told) and kind not in waiting() and kind.split(":")[0] not in waiting()
+
+
+@pytest.mark.xfail(strict=False, reason="G54.1 P stays in force behind a plain G54")
+@pytest.mark.parametrize("name, code", [("fanuc-mill", b"G54.1 P1"), ("haas", b"G154 P1"), ("fanuc-lathe", b"G54 P1")])
+def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
+    """No law sees this: the Verifier reads the output as the filter reads the input."""
+    filter_ = laws.filter_of(laws.Case(b"", name))
+    text = b"G0 X10. Z0.\n" + code + b"\nG0 X10. Z0.\nG54\nG0 X10. Z0.\n"
+    motions, _, _ = filter_.interpreter.run(lex(text, filter_.dialect.grammar), filter_.interpreter.initial())
+    before, other, after = motions.target.T.tolist()
+    assert before != other and before == after
 
 
 # -- programs of the generator ---------------------------------------------------------------------------------------------

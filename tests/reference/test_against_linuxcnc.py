@@ -12,6 +12,21 @@ pytestmark = pytest.mark.skipif(oracle.available() is not None, reason=str(oracl
 CLOSE = 1e-9  # mm; LinuxCNC goes through inches
 LETTERS = {"G17": "XY", "G18": "ZX", "G19": "YZ"}
 # Rotary axes, G59.1, and G4 beside axis words are not spoken by the reference.
+# Shifts set by the program, cycles and languages are not spoken either: other tests look at those.
+OTHERS = tuple(
+    "oword_ turn_ sync_ cycle_ rotate_ cutter_ spline_ probe_ unknown_ g10_ g52_ g92_ tool_ rotary_ reference_ "
+    "spindle_words digital_output".split()
+)
+# Rotary words, M and T words, blank lines and tolerances that it does not know.
+OTHER_FORMS = set(
+    """machine_coordinates_g52_g92_tool machine_coordinates_rotary arc_radii_differ_large arc_with_rotary_words dwell_forms feed_inverse_time_rapid feed_override_words
+    modes_many_lines_of_words modes_work_offset_partial text_case text_g_numbers text_percent_blank_lines""".split()
+)
+SPOKEN = sorted(
+    path.stem
+    for path in oracle.PROGRAMS.glob("*.ngc")
+    if not path.stem.startswith(OTHERS) and path.stem not in OTHER_FORMS
+)
 NOT_SPOKEN = {"rotary_axes", "work_offsets_extended", "dwell_and_axis_words"}
 
 
@@ -27,14 +42,14 @@ def settings_of(keywords):
 
 @pytest.fixture(scope="module")
 def told():
-    programs = sorted(oracle.PROGRAMS.glob("*.ngc"))
+    programs = [oracle.PROGRAMS / f"{name}.ngc" for name in SPOKEN]
     loaded = [oracle.load(path) for path in programs]
     return {
         path.stem: (*entry, answer) for path, entry, answer in zip(programs, loaded, oracle.motions_of_many(loaded))
     }
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in oracle.PROGRAMS.glob("*.ngc")))
+@pytest.mark.parametrize("name", SPOKEN)
 def test_the_same_motions(told, name):
     text, keywords, theirs = told[name]
     settings, parameters = settings_of(keywords)

@@ -17,6 +17,7 @@ from dataclasses import replace
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.offset import offset
 from postproc.nc.cycles.profile import Element, Profile, shape
 from postproc.nc.cycles.scene import CLOCKWISE, Scene
 
@@ -70,13 +71,24 @@ class LinuxcncTurning:
             raise scene.fault(f"{name} with X as a diameter (G7)", "this is not written out: program it in G8")
         if scene.code("cutter") in (410, 411, 420, 421):
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
-        beside = next((w for w in block.words if w.letter in "DEUW" and w.value), None)
+        beside = next((w for w in block.words if w.letter in "UW" and w.value), None)
         if beside:
+            raise scene.fault(f"{beside.letter}{beside.raw} moves the shape", "write the shape where it shall be", beside)
+
+    def _at(self, scene: Scene, elements: list[Element], distance: float, along: int) -> list[Element]:
+        """The shape at a distance from itself, on the side of the start point."""
+        if not distance:
+            return elements
+        first, rest = elements[0], elements[1:]
+        way = rest[-1].end[0] - rest[0].start[0], rest[-1].end[1] - rest[0].start[1]
+        aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
+        side = way[0] * aside[1] - way[1] * aside[0]
+        moved = offset(rest, distance, 1 if side > 0 else -1, along) if distance > 0 and abs(side) > NEAR else None
+        if moved is None:
             raise scene.fault(
-                f"{beside.letter}{beside.raw} keeps a distance to the shape",
-                "this is not written out: give the shape itself",
-                beside,
-            )  # fmt: skip
+                f"a distance of {distance:g} to this shape", "its elements are too short for it, or meet in no corner"
+            )
+        return [replace(first, end=moved[0].start), *moved]
 
     def _subroutine(self, scene: Scene, block: Block) -> Profile:
         """The blocks of the subroutine that Q names."""
@@ -101,27 +113,37 @@ class LinuxcncTurning:
         return Profile(texts, begin + 2, end)
 
     def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
-        """G70: along the shape, once."""
-        times = block.get("P")
-        if times not in (None, 1.0):
-            raise scene.fault(f"G70 P{times:g} cuts the shape more than once", "write the block as often instead")
-        self._to(m, "G0", elements[0].start)
-        self._to(m, "G0", elements[0].end)
-        for e in elements[1:]:
-            self._element(m, e)
+        """G70: along the shape, P times, from distance D to E."""
+        p, d, e = (block.get(x) for x in "PDE")
+        times, d, e = 1.0 if p is None else p, d or 0.0, e or 0.0
+        if times != int(times) or not 1 <= times <= MOST_PASSES:
+            raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
+        first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
+        if min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR or (flat and (d or e)):
+            raise scene.fault("a shape of this kind in G70", "its first block must move X or Z alone; with D or E, X must vary")
+        if (times > 1 or d or e) and any(x.end[0] > x.start[0] + NEAR for x in elements):
+            raise scene.fault("passes along a shape that goes towards +Z", "only one, without D and E, is written out")
+        for k in range(int(times), 0, -1):
+            path = self._at(scene, elements, (k - 1) * (d - e) / times + e, 0)
+            self._to(m, "G0", path[0].start)
+            self._to(m, "G0", path[0].end)
+            for x in path[1:]:
+                self._element(m, x)
 
     def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, deep: int) -> None:
         """G71, and G72 with Z and X changed over."""
         along = 1 - deep
+        side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
+        if (elements[0].end[along] - elements[0].start[along]) * side < -NEAR:
+            raise scene.fault("the first block of the shape moves away from it", "let it move towards the shape, or in alone")
+        elements = self._at(scene, elements, block.get("D") or 0.0, along)
         first, rest = elements[0], elements[1:]
         start = first.start
-        if first.is_arc or abs(first.end[along] - start[along]) > NEAR:
+        if first.is_arc or abs(first.end[deep] - start[deep]) < NEAR:
             raise scene.fault(
-                f"the first block of the shape must move {'ZX'[deep]} alone",
-                "others begin a pocket, which is not written out",
+                f"the first block of the shape must move {'ZX'[deep]}", "others begin a pocket, which is not written out"
             )
         sense = 1 if first.end[deep] > start[deep] else -1
-        side = 1 if rest[-1].end[along] > start[along] else -1
         for e in rest:
             if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
                 raise scene.fault(
@@ -149,14 +171,16 @@ class LinuxcncTurning:
         level = start[deep]
         while (first.end[deep] - level) * sense > NEAR:
             stop = next((v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along])
-            here = self._point(deep, level, start[along])
+            share = (level - start[deep]) / (first.end[deep] - start[deep])
+            edge = start[along] + share * (first.end[along] - start[along])
+            here = self._point(deep, level, edge)
             self._to(m, "G0", here)
-            length = abs(stop - start[along])
+            length = abs(stop - edge)
             if length >= NEAR:
                 self._to(m, "G1", self._point(deep, level, stop))
                 share = min(1.0, length / 2 / retract) * retract
                 self._to(m, "G0", self._point(deep, level - sense * share, stop - side * share))
-                self._to(m, "G0", self._point(deep, level - sense * share, start[along] + side * share))
+                self._to(m, "G0", self._point(deep, level - sense * share, edge + side * share))
                 self._to(m, "G0", here)
             level += sense * step
         self._to(m, "G0", first.end)

@@ -1,0 +1,103 @@
+"""A lathe's shape at a distance: lines and arcs moved sideways, joined by arcs round outer corners, cut off in inner ones."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from postproc.nc.cycles.profile import Element
+from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
+
+NEAR = 1e-9
+TOUCHING = 1e-6  # ends of arcs that near meet halfway
+SMALLEST_GAP = 1e-2  # LinuxCNC rounds an outer corner where the gap along its cuts is wider, and cuts it off else
+
+
+def offset(elements: list[Element], distance: float, side: int, along: int) -> list[Element] | None:
+    """The elements `distance` to the left (`side` 1) or right (-1) of their way, (z, x); `along`: 0 z, 1 x, the direction of
+    the cuts. None where an element is too short to say what becomes of it."""
+    if not distance:
+        return elements
+    if distance > min(_size(e) for e in elements) / 2:
+        return None
+    moved: list[Element] = []
+    for e in elements:
+        new = _moved(e, distance * side)
+        if new is None:
+            return None
+        moved.append(new)
+    result = [moved[0]]
+    for before, after, new in zip(elements, elements[1:], moved[1:], strict=False):
+        turn = _cross(_tangent(before, True), _tangent(after, False))
+        last = result[-1]
+        if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:
+            middle = ((last.end[0] + new.start[0]) / 2, (last.end[1] + new.start[1]) / 2)
+            result[-1], new = replace(last, end=middle), replace(new, start=middle)
+        elif turn * side < 0 and abs(last.end[along] - new.start[along]) > SMALLEST_GAP:
+            result.append(Element(COUNTER if turn > 0 else CLOCKWISE, last.end, new.start, (), before.end))
+        else:
+            corner = _corner(last, new)
+            if corner is None:
+                return None
+            result[-1], new = replace(last, end=corner), replace(new, start=corner)
+        result.append(new)
+    return result
+
+
+def _size(e: Element) -> float:
+    length = math.dist(e.start, e.end)
+    return min(length, math.dist(e.start, e.centre)) if e.is_arc else length
+
+
+def _cross(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _tangent(e: Element, at_end: bool) -> tuple[float, float]:
+    """The direction of travel, length 1."""
+    if not e.is_arc:
+        v = e.end[0] - e.start[0], e.end[1] - e.start[1]
+    else:
+        p = e.end if at_end else e.start
+        arm = p[0] - e.centre[0], p[1] - e.centre[1]
+        v = (-arm[1], arm[0]) if e.code == COUNTER else (arm[1], -arm[0])
+    size = math.hypot(*v)
+    return v[0] / size, v[1] / size
+
+
+def _moved(e: Element, left: float) -> Element | None:
+    if not e.is_arc:
+        t = _tangent(e, False)
+        return e.moved((-t[1] * left, t[0] * left))
+    radius = math.dist(e.start, e.centre)
+    new = radius - left * (1 if e.code == COUNTER else -1)
+    if new <= 1e-3:
+        return None
+    scale = new / radius
+    ends = [
+        (e.centre[0] + (p[0] - e.centre[0]) * scale, e.centre[1] + (p[1] - e.centre[1]) * scale) for p in (e.start, e.end)
+    ]
+    return replace(e, start=ends[0], end=ends[1], words=())
+
+
+def _corner(a: Element, b: Element) -> tuple[float, float] | None:
+    """Where two moved elements meet; None: nowhere, or of two arcs."""
+    if a.is_arc and b.is_arc:
+        return None
+    if not a.is_arc and not b.is_arc:
+        s, t = _tangent(a, True), _tangent(b, False)
+        if abs(_cross(s, t)) < NEAR:
+            return None
+        k = _cross((b.start[0] - a.end[0], b.start[1] - a.end[1]), t) / _cross(s, t)
+        return a.end[0] + k * s[0], a.end[1] + k * s[1]
+    line, arc = (b, a) if a.is_arc else (a, b)
+    t = _tangent(line, False)
+    to = arc.centre[0] - line.start[0], arc.centre[1] - line.start[1]
+    foot = to[0] * t[0] + to[1] * t[1]
+    beside = _cross(t, to)
+    radius = math.dist(arc.start, arc.centre)
+    if abs(beside) > radius:
+        return None
+    half = math.sqrt(radius**2 - beside**2)
+    places = [(line.start[0] + k * t[0], line.start[1] + k * t[1]) for k in (foot - half, foot + half)]
+    return min(places, key=lambda p: math.dist(p, b.start))
