@@ -125,7 +125,9 @@ class Filter:
         mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
         self.compensator = Compensator(self.machine, replace(self.options, arc_mismatch=mismatch))
         marker = marker_of(self.machine, self.compensator.tolerance)
-        if not self.dialect.grammar.parentheses or self.dialect.carried:  # ( ) is no comment there, or not on every firmware
+        if (
+            not self.dialect.grammar.parentheses or self.dialect.carried
+        ):  # ( ) is no comment there, or not on every firmware
             marker = "; " + marker
         self.emitter = Emitter(self.dialect, self.setup, marker)
         self.modal: ModalState = self.interpreter.initial()
@@ -172,7 +174,7 @@ class Filter:
         """Whole lines, "%" lines among them."""
         if self.modal.ended:
             self.summary.lines += text.count(b"\n")
-            return text
+            return self._numbered(text)
         words = lex(text, self.dialect.grammar, self.setup.block_delete)
         if words.tape < 0:
             return self._batch(words)
@@ -220,8 +222,7 @@ class Filter:
         except MotionFault as fault:
             raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
-        if self.dialect.grammar.checksums:
-            result, self._numbering = checksums.renumber(result, self._numbering)
+        result = self._numbered(result)
         for watcher in self.watchers:
             watcher(words, motions, pieces, result, self.summary.lines)
         for notice in notices:
@@ -238,6 +239,13 @@ class Filter:
         self.summary.largest = carry.largest
         return result
 
+    def _numbered(self, text: bytes) -> bytes:
+        """The text with line numbers and checksums as they must be after what was put in; where nothing ever is, as it is."""
+        if not self.dialect.grammar.checksums or self.machine.is_zero:
+            return text
+        text, self._numbering = checksums.renumber(text, self._numbering)
+        return text
+
     def _deliver(self, words: Words, fault: BlockFault) -> ProgramError:
         """Handle the blocks before the faulty one, and name the fault by its place."""
         known = fault.block < words.blocks
@@ -248,7 +256,9 @@ class Filter:
             try:
                 before = self._pass(lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete))
             except BlockFault as earlier:
-                return self._deliver(lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete), earlier)
+                return self._deliver(
+                    lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete), earlier
+                )
         columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
         error = self._error(words.text[line_start:], fault.message, fault.advice, *columns)
         error.delivered = before

@@ -53,9 +53,9 @@ class Verifier:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
         again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
         try:
+            back, self.state, _ = self.interpreter.run(again, self.state)
             if again.fault and not self.state.ended:
                 raise again.fault
-            back, self.state, _ = self.interpreter.run(again, self.state)
         except BlockFault as fault:
             line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode(
                 "latin-1"
@@ -243,7 +243,9 @@ class Verifier:
             arc = curved[owner[on]]
             for axes in (arcs.first, arcs.second):
                 sense = self._sense(nominal, axes[arc], arc, t[on])
-                weight[axes[arc], on] = np.where(sense == 0, weight[axes[arc], on], sense)  # at rest it keeps its direction
+                weight[axes[arc], on] = np.where(
+                    sense == 0, weight[axes[arc], on], sense
+                )  # at rest it keeps its direction
         return weight
 
     def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:

@@ -15,7 +15,13 @@ CALLS = {
     "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
     "ExpressionError": None, "Refused": None, "Misread": None,
 }  # fmt: skip
-PAIRS = ("nc/faults", "nc/frames", "nc/zeros", "nc/lengths", "filter")  # modules that hand on (message, way out) as a pair
+PAIRS = (
+    "nc/faults",
+    "nc/frames",
+    "nc/zeros",
+    "nc/lengths",
+    "filter",
+)  # modules that hand on (message, way out) as a pair
 CHAPTERS = (
     ("The text of a program", ("nc/lexer", "nc/faults", "nc/spellings", "nc/checksums", "filter")),
     ("Words, codes and motions", ("nc/batch", "nc/refusals", "nc/interpreter", "nc/positions", "nc/arcs", "nc/codes", "nc/rows", "nc/recognise")),

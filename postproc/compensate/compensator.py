@@ -139,7 +139,6 @@ class Compensator:
         after = Carry(
             b.turn_after[:, -1].copy(),
             b.end[:, -1].copy(),
-           
             bool(b.sure_after[-1]),
             max(carry.largest, largest),
         )

@@ -39,6 +39,7 @@ def check_unknown(b: Batch) -> None:
 
 def check_inside(b: Batch) -> None:
     """Nominal points must lie in the tables, unless they may be held at the ends."""
+    _check_arcs(b)
     if b.c.outside == "clamp":
         return
     free = b.free[b.motion]
@@ -56,6 +57,22 @@ def check_inside(b: Batch) -> None:
             raise MotionFault(
                 int(b.motion[i]), f"{letter} = {worst:.4f} mm lies outside the error table of {letter} ({table.nodes[0]:g} to {table.nodes[-1]:g} mm)",
                 "stay inside it, measure further out, or hold the end value with --outside clamp",
+            )  # fmt: skip
+
+
+def _check_arcs(b: Batch) -> None:
+    """No arc may lead beyond the travel on its way: no slide goes there, and a circle of a kilometre would be cut for hours."""
+    for row in b.rows if len(b.m.arcs) else ():
+        letter = b.machine.letters[row]
+        if letter not in b.machine.tables:
+            continue
+        low, high = b.machine.axes[letter].travel
+        extent = _arc_extent(b, row)
+        for i in np.flatnonzero((extent[0] < low - EDGE) | (extent[1] > high + EDGE))[:1]:
+            worst = extent[0, i] if extent[0, i] < low - EDGE else extent[1, i]
+            raise MotionFault(
+                int(b.motion[i]), f"the arc leads to {letter} = {worst:.4f} mm, beyond the travel of {letter} ({low:g} to {high:g} mm)",
+                "check its centre, and the work offset",
             )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.units import TICKS_PER_MM
 
+MOST_TURNS = 1000
 PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
 
 
@@ -178,7 +179,14 @@ def _turns(batch: Batch, circle: Circle, arc, sweep):
     batch.blame(
         circle.block[arc][wrong], "the turns of an arc are not a whole number", f"write {least}, {least + 1}, ..."
     )
-    return sweep + np.sign(sweep) * (turns - least) * 2 * np.pi
+    many = np.flatnonzero(turns > MOST_TURNS)
+    if len(many):
+        raise batch.fault(
+            int(of[many[0]]),
+            f"an arc of {turns[many[0]]:g} turns (limit {MOST_TURNS})",
+            "write the turns in several blocks",
+        )
+    return sweep + np.sign(sweep) * np.maximum(turns - least, 0.0) * 2 * np.pi
 
 
 def _check(batch: Batch, blocks, good, radius, radius_end) -> None:

@@ -37,7 +37,7 @@ class Written:
 
     code: int = -1
     marked: bool = False
-    newline: bytes = b"\n"
+    newline: bytes = b""
     shift: tuple[int, ...] = ()
     bottom: int = 0
 
@@ -50,10 +50,9 @@ class Emitter:
 
     def run(self, words: Words, motions: Motions, pieces: Pieces, state: Written) -> tuple[bytes, Written, int, int]:
         """Text of a batch, the next state, and how many blocks were changed and added."""
-        if not state.newline or state.newline == b"\n":
+        if not state.newline:  # the program's first line says it for all
             first = words.text.find(b"\n")
-            if first > 0 and words.text[first - 1 : first] == b"\r":
-                state = replace(state, newline=b"\r\n")
+            state = replace(state, newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n")
         if not len(motions):
             if not len(motions.presets) or not any(state.shift):
                 return words.text, state, 0, 0

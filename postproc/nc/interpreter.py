@@ -151,6 +151,11 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    if 40 in b.single:
+        turning = np.zeros(b.n, bool)
+        turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
+        both = b.single[40]
+        b.blame(both[turning[both] & moving[both]], "G4 and an arc in one block", "write them in blocks of their own")
     if b.dialect.one_command:
         single_commands(b)
     if b.dialect.letters:

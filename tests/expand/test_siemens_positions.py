@@ -48,7 +48,10 @@ def followed(path: Path, axes: list[str]) -> list[tuple[float, ...]]:
     letters = tuple(axes)
     start = dict.fromkeys(letters, 0.0) | START.get(path.stem, {})
     setup = Setup(
-        axes=letters, least_increment=dict.fromkeys(letters, 1e-4), start=start, offsets={"G54": dict.fromkeys(letters, 0.0)}
+        axes=letters,
+        least_increment=dict.fromkeys(letters, 1e-4),
+        start=start,
+        offsets={"G54": dict.fromkeys(letters, 0.0)},
     )
     interpreter = Interpreter(dialects.load("siemens"), setup)
     text = b"".join(Written(Program(path.name, path.read_bytes()), interpreter, Limits(100_000, 10)))

@@ -75,13 +75,15 @@ def _moved(e: Element, left: float) -> Element | None:
         return None
     scale = new / radius
     ends = [
-        (e.centre[0] + (p[0] - e.centre[0]) * scale, e.centre[1] + (p[1] - e.centre[1]) * scale) for p in (e.start, e.end)
+        (e.centre[0] + (p[0] - e.centre[0]) * scale, e.centre[1] + (p[1] - e.centre[1]) * scale)
+        for p in (e.start, e.end)
     ]
     return replace(e, start=ends[0], end=ends[1], words=())
 
 
 def _corner(a: Element, b: Element) -> tuple[float, float] | None:
-    """Where two moved elements meet; None: nowhere, or of two arcs."""
+    """Where two moved elements meet; None: nowhere, or of two arcs. A line that misses an arc by a rounding
+    touches it."""
     if a.is_arc and b.is_arc:
         return None
     if not a.is_arc and not b.is_arc:
@@ -95,9 +97,6 @@ def _corner(a: Element, b: Element) -> tuple[float, float] | None:
     to = arc.centre[0] - line.start[0], arc.centre[1] - line.start[1]
     foot = to[0] * t[0] + to[1] * t[1]
     beside = _cross(t, to)
-    radius = math.dist(arc.start, arc.centre)
-    if abs(beside) > radius:
-        return None
-    half = math.sqrt(radius**2 - beside**2)
+    half = math.sqrt(max(math.dist(arc.end, arc.centre) ** 2 - beside**2, 0.0))
     places = [(line.start[0] + k * t[0], line.start[1] + k * t[1]) for k in (foot - half, foot + half)]
     return min(places, key=lambda p: math.dist(p, b.start))

@@ -80,7 +80,9 @@ class LinuxcncRotation:
         """G10 L2 P R: remember the turn and take it out of the text."""
         scene, line, angle = self.scene, block.get("L"), block.get("R")
         if line in (10, 11, 20) and self.turns:
-            raise scene.fault(f"G10 L{line:g} within {self.frames.why}", "set the offset with G10 L2, a tool with G10 L1")
+            raise scene.fault(
+                f"G10 L{line:g} within {self.frames.why}", "set the offset with G10 L2, a tool with G10 L1"
+            )
         if line != 2:
             return [block.text]
         number = block.get("P") or 0.0

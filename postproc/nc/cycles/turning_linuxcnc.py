@@ -73,7 +73,9 @@ class LinuxcncTurning:
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
         beside = next((w for w in block.words if w.letter in "UW" and w.value), None)
         if beside:
-            raise scene.fault(f"{beside.letter}{beside.raw} moves the shape", "write the shape where it shall be", beside)
+            raise scene.fault(
+                f"{beside.letter}{beside.raw} moves the shape", "write the shape where it shall be", beside
+            )
 
     def _at(self, scene: Scene, elements: list[Element], distance: float, along: int) -> list[Element]:
         """The shape at a distance from itself, on the side of the start point."""
@@ -120,7 +122,9 @@ class LinuxcncTurning:
             raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
         first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
         if min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR or (flat and (d or e)):
-            raise scene.fault("a shape of this kind in G70", "its first block must move X or Z alone; with D or E, X must vary")
+            raise scene.fault(
+                "a shape of this kind in G70", "its first block must move X or Z alone; with D or E, X must vary"
+            )
         if (times > 1 or d or e) and any(x.end[0] > x.start[0] + NEAR for x in elements):
             raise scene.fault("passes along a shape that goes towards +Z", "only one, without D and E, is written out")
         for k in range(int(times), 0, -1):
@@ -133,15 +137,25 @@ class LinuxcncTurning:
     def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, deep: int) -> None:
         """G71, and G72 with Z and X changed over."""
         along = 1 - deep
+        flat = abs(elements[-1].end[deep] - elements[0].end[deep]) < NEAR
+        if (flat and (deep == 0 or elements[0].end[1] > elements[0].start[1] or block.get("D"))) or abs(
+            elements[-1].end[along] - elements[0].end[along]
+        ) < NEAR:
+            raise scene.fault(
+                "the shape does not vary in both X and Z", "LinuxCNC takes the wrong side of it: write it out"
+            )
         side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
         if (elements[0].end[along] - elements[0].start[along]) * side < -NEAR:
-            raise scene.fault("the first block of the shape moves away from it", "let it move towards the shape, or in alone")
+            raise scene.fault(
+                "the first block of the shape moves away from it", "let it move towards the shape, or in alone"
+            )
         elements = self._at(scene, elements, block.get("D") or 0.0, along)
         first, rest = elements[0], elements[1:]
         start = first.start
         if first.is_arc or abs(first.end[deep] - start[deep]) < NEAR:
             raise scene.fault(
-                f"the first block of the shape must move {'ZX'[deep]}", "others begin a pocket, which is not written out"
+                f"the first block of the shape must move {'ZX'[deep]}",
+                "others begin a pocket, which is not written out",
             )
         sense = 1 if first.end[deep] > start[deep] else -1
         for e in rest:
@@ -154,8 +168,6 @@ class LinuxcncTurning:
                 raise scene.fault(
                     "the shape turns back, or has a pocket", "only shapes without pockets are written out"
                 )
-        if abs(rest[-1].end[deep] - first.end[deep]) < NEAR and (deep == 0 or sense > 0):
-            raise scene.fault("the shape has one depth alone", "LinuxCNC takes the wrong side of it: write it out")
         if (start[deep] - rest[-1].end[deep]) * sense < -NEAR:
             out_end = list(rest[-1].end)
             out_end[deep] = start[deep]

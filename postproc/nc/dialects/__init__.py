@@ -173,8 +173,10 @@ class Dialect:
         table = np.zeros(LARGEST_G, dtype=bool)
         cycles = any(code.does in ("drill", "tap") for code in self.codes)
         for code in self.codes:
-            table[code_number(code.word)] = code.does in FRAME_KEYS or (
-                cycles and (code.does in CYCLE_KEYS or code.number == 800)
+            table[code_number(code.word)] = (
+                code.does in FRAME_KEYS
+                or (self.extended_by_p and code.number == 540)
+                or (cycles and (code.does in CYCLE_KEYS or code.number == 800))
             )
         return table
 
