@@ -174,7 +174,7 @@ def reference_lines(text: str) -> set[int]:
 
 # Refused by LinuxCNC for their feed, spindle, dwell, layout or end: gcomp follows them, and they move as written.
 MANNERS = set(
-    """dwell_negative dwell_with_arc dwell_without_time feed_missing feed_per_revolution_no_speed home_with_motion_code
+    """dwell_negative dwell_without_time feed_missing feed_per_revolution_no_speed home_with_motion_code
     line_too_long line_with_p_word machine_coordinates_no_words n_not_first negative_feed no_end no_second_percent
     o_number_with_words percent_in_middle percent_with_text two_m_codes unknown_m_code""".split()
 )

@@ -23,11 +23,11 @@ control = "linuxcnc"
 chain = "w-X-Y-b-Z-t"
 source = "made up for a test"
 [axes.X]
-travel = [-10, 410]
+travel = [-120, 520]
 least_increment = 0.0001
 table = "X.csv"
 [axes.Y]
-travel = [-10, 310]
+travel = [-120, 420]
 least_increment = 0.0001
 table = "Y.csv"
 [axes.Z]
@@ -45,7 +45,7 @@ def smooth(folder):
     folder.mkdir()
     (folder / "machine.toml").write_text(MACHINE)
     for axis, high, across in (("X", 400, "EYX_um"), ("Y", 300, "EXY_um")):
-        place = np.arange(-25, high + 26, 25.0)
+        place = np.arange(-125, high + 126, 25.0)
         own, side = 10 * np.sin(place / high * np.pi), 8 * np.cos(2 * place / high * np.pi)
         rows = [f"{p:g},{a:.3f},{b:.3f}" for p, a, b in zip(place, own, side, strict=True)]
         (folder / f"{axis}.csv").write_text("\n".join([f"{axis}_mm,E{axis}{axis}_um,{across}", *rows]) + "\n")

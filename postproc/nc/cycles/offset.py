@@ -10,6 +10,7 @@ from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 
 NEAR = 1e-9
 TOUCHING = 1e-6  # ends of arcs that near meet halfway
+NEARLY_TANGENT = 0.02  # rad: where a line meets an arc so flatly, a rounding decides on which of two places
 SMALLEST_GAP = 1e-2  # LinuxCNC rounds an outer corner where the gap along its cuts is wider, and cuts it off else
 
 
@@ -33,6 +34,8 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:
             middle = ((last.end[0] + new.start[0]) / 2, (last.end[1] + new.start[1]) / 2)
             result[-1], new = replace(last, end=middle), replace(new, start=middle)
+        elif (before.is_arc or after.is_arc) and abs(turn) < NEARLY_TANGENT:
+            return None
         elif turn * side < 0 and abs(last.end[along] - new.start[along]) > SMALLEST_GAP:
             result.append(Element(COUNTER if turn > 0 else CLOCKWISE, last.end, new.start, (), before.end))
         else:
