@@ -50,7 +50,7 @@ def check_inside(b: Batch) -> None:
         low, high = table.nodes[0] - EDGE, table.nodes[-1] + EDGE
         value = b.end_nominal[row]
         bad = free & ((value < low) | (value > high))
-        extent = _arc_extent(b, row)
+        extent = _arc_extent(b, row, table.nodes[0])
         bad |= (extent[0] < low) | (extent[1] > high)
         for i in np.flatnonzero(bad)[:1]:
             worst = value[i] if not low <= value[i] <= high else extent[0, i] if extent[0, i] < low else extent[1, i]
@@ -67,7 +67,7 @@ def _check_arcs(b: Batch) -> None:
         if letter not in b.machine.tables:
             continue
         low, high = b.machine.axes[letter].travel
-        extent = _arc_extent(b, row)
+        extent = _arc_extent(b, row, low)
         for i in np.flatnonzero((extent[0] < low - EDGE) | (extent[1] > high + EDGE))[:1]:
             worst = extent[0, i] if extent[0, i] < low - EDGE else extent[1, i]
             raise MotionFault(
@@ -76,16 +76,15 @@ def _check_arcs(b: Batch) -> None:
             )  # fmt: skip
 
 
-def _arc_extent(b: Batch, row: int) -> np.ndarray:
-    """(2, S) lowest and highest place on each stroke that is part of an arc; 0, 0 inside any table elsewhere."""
-    table = b.machine.tables[b.machine.letters[row]]
-    result = np.full((2, len(b.motion)), table.nodes[0])
+def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
+    """(2, S) lowest and highest place on each stroke that is part of an arc; `neutral` elsewhere."""
+    result = np.full((2, len(b.motion)), neutral)
     arcs = b.m.arcs
     if len(arcs):
         arc, t = quadrants(arcs)
         value = points(arcs, b.arc_start, b.arc_target, arc, np.clip(t, 1e-12, 1 - 1e-12))[row]
         first = np.searchsorted(b.motion, arcs.motion[arc])
-        value = np.where((t > 0) & (t < 1) & b.free[arcs.motion[arc]], value, table.nodes[0])
+        value = np.where((t > 0) & (t < 1) & b.free[arcs.motion[arc]], value, neutral)
         np.minimum.at(result[0], first, value)
         np.maximum.at(result[1], first, value)
     return result
