@@ -50,8 +50,8 @@ class Emitter:
 
     def run(self, words: Words, motions: Motions, pieces: Pieces, state: Written) -> tuple[bytes, Written, int, int]:
         """Text of a batch, the next state, and how many blocks were changed and added."""
-        if not state.newline:  # the program's first line says it for all
-            first = words.text.find(b"\n")
+        first = words.text.find(b"\n")
+        if not state.newline and first >= 0:  # the program's first line says it for all
             state = replace(state, newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n")
         if not len(motions):
             if not len(motions.presets) or not any(state.shift):
@@ -92,7 +92,7 @@ class Batch:
         touched = np.flatnonzero(self.touched)
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
-            self.splice.texts([at], [at], [-1], [self.e.marker.encode() + self.state.newline])
+            self.splice.texts([at], [at], [-1], [self.e.marker.encode() + (self.state.newline or b"\n")])
             state = replace(state, marked=True)
         return self.splice.result(), state, len(touched), len(added)
 
@@ -372,14 +372,14 @@ class Batch:
         """What stands before and behind an added block, after a block that ends at `stop` with byte `end`."""
         text = self.w.text
         if stop >= len(text):
-            return self.state.newline, b""
+            return self.state.newline or b"\n", b""
         if end == ord(";"):
             line_end = text.find(b"\n", stop)
             rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
             if rest.strip():
                 return b" ", b";"
             if line_end < 0:
-                return self.state.newline, b";"
+                return self.state.newline or b"\n", b";"
             newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
             return newline, b";"
         return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"

@@ -291,10 +291,10 @@ def test_turning_without_pockets_is_linuxcncs(program):
 @pytest.mark.parametrize(
     ("cycle", "why"),
     [
-        ("G71.1 Q100", "pockets"), ("G71 Q100 D1", "keeps a distance"), ("G71", "without the subroutine"),
+        ("G71.1 Q100", "pockets"), ("G71", "without the subroutine"),
         ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"),
         ("G7 G71 Q100", "G7"),
-        ("G70 Q100 P2", "more than once"), ("G71 Q100 X20", "elsewhere"),
+        ("G71 Q100 X20", "elsewhere"),
     ],
 )  # fmt: skip
 def test_other_turning_of_linuxcnc_is_refused(cycle, why):

@@ -3,9 +3,9 @@ interpreter 2.9.
 
 LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape,
 leaves it at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one
-the tool goes along the shape and out to the depth it started from, and stays there. Refused: pockets and the codes
-that choose them (G71.1 G71.2 G72.1 G72.2), a distance to the shape (D, E), which rounds corners, and a first block
-that moves both axes.
+the tool goes along the shape and out to the depth it started from, and stays there. D (G70: from D to E in P passes)
+keeps a distance and rounds outer corners. Refused: pockets and the codes that choose them (G71.1 G71.2 G72.1 G72.2), U
+and W, X as a diameter.
 """
 
 from __future__ import annotations
@@ -77,11 +77,18 @@ class LinuxcncTurning:
                 f"{beside.letter}{beside.raw} moves the shape", "write the shape where it shall be", beside
             )
 
+    @staticmethod
+    def _closes(scene: Scene, e: Element) -> None:
+        if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
+            raise scene.fault("an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer")
+
     def _at(self, scene: Scene, elements: list[Element], distance: float, along: int) -> list[Element]:
         """The shape at a distance from itself, on the side of the start point."""
         if not distance:
             return elements
         first, rest = elements[0], elements[1:]
+        for e in rest:
+            self._closes(scene, e)
         way = rest[-1].end[0] - rest[0].start[0], rest[-1].end[1] - rest[0].start[1]
         aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
         side = way[0] * aside[1] - way[1] * aside[0]
@@ -159,10 +166,7 @@ class LinuxcncTurning:
             )
         sense = 1 if first.end[deep] > start[deep] else -1
         for e in rest:
-            if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
-                raise scene.fault(
-                    "an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer"
-                )
+            self._closes(scene, e)
             out = (e.end[deep] - e.start[deep]) * sense
             if out > NEAR or (e.end[along] - e.start[along]) * side < -NEAR or not e.monotonic:
                 raise scene.fault(
