@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from postproc.nc import dialects
 from postproc.nc.recognise import HEAD, Text, against, between, recognise, verdict
 
-CORPUS = Path("/work/shared/corpus")
+CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
 ROOT = Path(__file__).parents[1]
 
 PROGRAMS = {

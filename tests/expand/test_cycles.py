@@ -26,7 +26,7 @@ from postproc.nc.state import Setup
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import CLOSE, plain, setup_for
 
-CORPUS = Path("/work/shared/corpus/fanuc")
+CORPUS = Path(__file__).resolve().parents[3] / "shared" / "corpus" / "fanuc"
 MILL = setup_for({})
 LATHE = Setup(
     axes=("X", "Z", "C"), diameter=frozenset("X"), least_increment=dict.fromkeys("XZC", 1e-3),
