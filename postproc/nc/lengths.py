@@ -109,6 +109,11 @@ def length_by(b: Batch, letter: str, number: int) -> None:
 def length_words(b: Batch, axis_words, word: str) -> None:
     """G43.1: the words are the offset; axes without a word keep theirs."""
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
+    if values and b.code_word[0] >= 0:
+        b.blame(
+            np.zeros(1, np.int64), f"{word} and a motion code in one block: its words are the length and the target too",
+            "write the motion in a block of its own",
+        )  # fmt: skip
     if _units_changed(b):
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])

@@ -5,7 +5,7 @@ LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own
 leaves it at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one
 the tool goes along the shape and out to the depth it started from, and stays there. D (G70: from D to E in P passes)
 keeps a distance and rounds outer corners. Refused: pockets and the codes that choose them (G71.1 G71.2 G72.1 G72.2), U
-and W, X as a diameter.
+and W.
 """
 
 from __future__ import annotations
@@ -41,13 +41,10 @@ class LinuxcncTurning:
         """The plain lines of the block. Raises ProgramError."""
         self._check(scene, block, code)
         profile = self._subroutine(scene, block)
-        for axis in "XZ":
-            word = block.word(axis)
-            if word and scene.differs(axis, word.value or 0.0):
-                raise scene.fault(
-                    f"a start point {axis}{word.raw} elsewhere", f"go there before: G0 {axis}{word.raw}", word
-                )
-        elements = shape(scene, profile, (scene.at("Z"), scene.at("X")), scene.code("motion"))
+        half = 2 if scene.is_diameter("X") else 1
+        begin = {x: block.get(x) if block.get(x) is not None else scene.at(x) for x in "XZ"}
+        corner = begin["Z"] or 0.0, (begin["X"] or 0.0) / half
+        elements = shape(scene, profile, corner, scene.code("motion"))
         if len(elements) < 2:
             raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
         m = Moves(scene, own_words(block, LETTERS, {code}))
@@ -67,8 +64,6 @@ class LinuxcncTurning:
             raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
         if scene.code("plane") != 180:
             raise scene.fault(f"{name} outside the ZX plane", "write G18 before")
-        if scene.is_diameter("X"):
-            raise scene.fault(f"{name} with X as a diameter (G7)", "this is not written out: program it in G8")
         if scene.code("cutter") in (410, 411, 420, 421):
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
         beside = next((w for w in block.words if w.letter in "UW" and w.value), None)
@@ -128,12 +123,14 @@ class LinuxcncTurning:
         if times != int(times) or not 1 <= times <= MOST_PASSES:
             raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
         first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
-        if min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR or (flat and (d or e)):
-            raise scene.fault(
-                "a shape of this kind in G70", "its first block must move X or Z alone; with D or E, X must vary"
-            )
-        if (times > 1 or d or e) and any(x.end[0] > x.start[0] + NEAR for x in elements):
-            raise scene.fault("passes along a shape that goes towards +Z", "only one, without D and E, is written out")
+        if flat and (d or e):
+            raise scene.fault("a distance to a shape of one X", "LinuxCNC takes the wrong side of it: write it out")
+        if any(x.end[0] > x.start[0] + NEAR for x in elements):
+            if times > 1 or d or e or min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR:
+                raise scene.fault(
+                    "G70 along a shape that goes towards +Z", "only one pass is written out, without D and E, behind a first "
+                    "block that moves X or Z alone",
+                )  # fmt: skip
         for k in range(int(times), 0, -1):
             path = self._at(scene, elements, (k - 1) * (d - e) / times + e, 0)
             self._to(m, "G0", path[0].start)
@@ -209,7 +206,8 @@ class LinuxcncTurning:
 
     @staticmethod
     def _to(m: Moves, code: str, to: tuple[float, float]) -> None:
-        m.move(code, {"X": to[1], "Z": to[0]})
+        half = 2 if m.scene.is_diameter("X") else 1
+        m.move(code, {"X": to[1] * half, "Z": to[0]})
 
     def _element(self, m: Moves, e: Element) -> None:
         if not e.is_arc:
@@ -218,4 +216,5 @@ class LinuxcncTurning:
         e = replace(e, words=())
         scene, (z, x) = m.scene, (e.centre[0] - e.start[0], e.centre[1] - e.start[1])
         words = [scene.text("I", x), scene.text("K", z)]
-        m.move("G2" if e.code == CLOCKWISE else "G3", {"X": e.end[1], "Z": e.end[0]}, *words)
+        half = 2 if scene.is_diameter("X") else 1
+        m.move("G2" if e.code == CLOCKWISE else "G3", {"X": e.end[1] * half, "Z": e.end[0]}, *words)
