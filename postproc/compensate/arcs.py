@@ -170,7 +170,7 @@ class Fitter:
         return tiny, sagitta < self.tolerance / 8
 
     def fit_all(self, rows: Rows) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
-        """(R,) whether an arc will do, and whether the axes across the plane are straight enough for either arc or chord;
+        """(R,) whether an arc will do, and whether all axes are straight enough for a chord;
         the rows with their centres; (A, R) ticks commanded at the middle of each."""
         count = self.samples(rows) // 2 * 2 + 1  # odd: one sample is the middle
         group = (np.cumsum(count) - count) // MOST_SAMPLES
@@ -251,8 +251,8 @@ class Fitter:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
             half = self.step[axis, rows.arc] / TICKS_PER_MM / 2  # the ends are rounded already
             linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across + half
-            straight &= linear | (a == axis) | (b == axis)
-        good &= straight
+            good &= linear | (a == axis) | (b == axis)
+            straight &= linear  # a chord leaves the plane's axes no bow either
         middle = first + (count - 1) // 2
         halfway = self.round_to(rows, np.arange(len(rows)), wanted[:, middle])
         return good, straight, replace(rows, centre=centre), halfway

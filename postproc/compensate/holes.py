@@ -42,7 +42,14 @@ def settle(b: Batch) -> None:
         whole = np.rint((place - b.end_nominal[:, i]) * TICKS_PER_MM / step).astype(np.int64) * step
         b.end[across, i] = b.nominal_end[across, i] + whole[across]
         depth = np.rint(correction[row, -1] * TICKS_PER_MM / step[row])
-        b.bottom[holes.motion[k]] = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
+        bottom = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
+        if (bottom - holes.level[k]) * (holes.bottom[k] - holes.level[k]) < 0:
+            raise MotionFault(
+                int(holes.motion[k]),
+                f"the hole is {abs(holes.bottom[k] - holes.level[k]) / TICKS_PER_MM:g} mm deep, and its corrected bottom lies beyond R",
+                "set R farther from the bottom than the correction is large",
+            )
+        b.bottom[holes.motion[k]] = bottom
         b.end[row, i] = b.nominal_end[row, i]
         b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
     b.bottom[holes.motion[~free]] = holes.bottom[~free]

@@ -96,7 +96,7 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     if mark or state.last is None:
         return _sealed(line, code, code, mark, tail), state
     words = COMMENT.sub(b"", code).strip(BLANK)
-    if not words or words.startswith(b"%"):
+    if not words or words.startswith((b"%", b"/")):  # no block, or one that the host takes out
         return line, state
     last = state.last + 1
     code = b"N%d %s" % (last, code.lstrip(BLANK))

@@ -53,8 +53,11 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         length_by(b, letter, int(number_of(b, letter) or 0))
     elif letter == "D" and number_of(b, "T") is not None:
         length_by(b, letter, 1 if number_of(b, "T") else 0)  # a new tool comes with its first edge
-    if b.dialect.extended_by_p and "work offset" in b.given and b.given["work offset"][0] == 540 and number_of(b, "P"):
-        _extended(b, axis_words, "G54")
+    if b.dialect.extended_by_p and "work offset" in b.given and b.given["work offset"][0] == 540 and b.live[0]:
+        if number_of(b, "P"):
+            _extended(b, axis_words, "G54")
+        else:  # a plain G54 takes the additional one back
+            b.frame = with_known(replace(b.frame, extended=""), "extended")
 
 
 def _set(b: Batch, axis_words, word: str) -> None:

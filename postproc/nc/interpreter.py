@@ -132,7 +132,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     for pair in axis_words.values():
         for place in pair:
             b.has_axis[b.words.block[place]] = True
-    single_codes(b)
+    single_codes(b, axis_words)
     frames.event(b, axis_words)
     refused_groups(b)
     offset_columns(b)
@@ -183,7 +183,7 @@ def count_increments(b: Batch) -> None:
         w.decimals[place] = by_letter.get(letter, linear) + more
 
 
-def single_codes(b: Batch) -> None:
+def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Codes that act in their own block only: G28 and G30 take the axis words, G53 changes their frame, G4 waits."""
     for number, block in b.single.items():
         code = b.dialect.by_number[number]
@@ -198,6 +198,12 @@ def single_codes(b: Batch) -> None:
             b.machine[block] = True
             wrong = block[np.broadcast_to(b.held("distance"), b.n)[block] == 910]
             b.blame(wrong, "G53 under G91", "controls disagree on what that means: write G90 G53")
+            added = np.concatenate([b.words.block[place] for _, place in axis_words.values()])
+            b.blame(
+                block[np.isin(block, added)],
+                f"an increment in a block of {code.word}",
+                "write the place in machine coordinates",
+            )
         elif number == 40 and b.dialect.dwell != "P":
             b.taken[block] = True  # X and U are seconds here
         elif number == 40:

@@ -22,7 +22,7 @@ from postproc.nc.lexer import (
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 ASSIGNED = re.compile(
-    rb"(?<![A-Za-z0-9_$\]])([A-Za-z])[ \t]*=(?:[ \t]*(IC|AC|DC|ACP|ACN)[ \t]*\(("
+    rb"(?<![A-Za-z0-9_$\].])([A-Za-z])[ \t]*=(?:[ \t]*(IC|AC|DC|ACP|ACN)[ \t]*\(("
     + NUMBER
     + rb")[ \t]*(\))|("
     + NUMBER

@@ -58,7 +58,6 @@ def wrong(told: str) -> bool:
     return bool(told) and kind not in waiting() and kind.split(":")[0] not in waiting()
 
 
-@pytest.mark.xfail(strict=False, reason="G54.1 P stays in force behind a plain G54")
 @pytest.mark.parametrize("name, code", [("fanuc-mill", b"G54.1 P1"), ("haas", b"G154 P1"), ("fanuc-lathe", b"G54 P1")])
 def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
     """No law sees this: the Verifier reads the output as the filter reads the input."""

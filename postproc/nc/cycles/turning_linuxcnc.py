@@ -125,12 +125,12 @@ class LinuxcncTurning:
         first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
         if flat and (d or e):
             raise scene.fault("a distance to a shape of one X", "LinuxCNC takes the wrong side of it: write it out")
-        if any(x.end[0] > x.start[0] + NEAR for x in elements):
-            if times > 1 or d or e or min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR:
-                raise scene.fault(
-                    "G70 along a shape that goes towards +Z", "only one pass is written out, without D and E, behind a first "
-                    "block that moves X or Z alone",
-                )  # fmt: skip
+        oblique = min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR
+        if any(x.end[0] > x.start[0] + NEAR for x in elements) and (times > 1 or d or e or oblique):
+            raise scene.fault(
+                "G70 along a shape that goes towards +Z", "only one pass is written out, without D and E, behind a first "
+                "block that moves X or Z alone",
+            )  # fmt: skip
         for k in range(int(times), 0, -1):
             path = self._at(scene, elements, (k - 1) * (d - e) / times + e, 0)
             self._to(m, "G0", path[0].start)
