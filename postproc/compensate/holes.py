@@ -43,7 +43,7 @@ def settle(b: Batch) -> None:
         b.end[across, i] = b.nominal_end[across, i] + whole[across]
         depth = np.rint(correction[row, -1] * TICKS_PER_MM / step[row])
         bottom = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
-        if (bottom - holes.level[k]) * (holes.bottom[k] - holes.level[k]) < 0:
+        if (bottom > holes.level[k]) != (holes.bottom[k] > holes.level[k]) and bottom != holes.level[k]:
             raise MotionFault(
                 int(holes.motion[k]),
                 f"the hole is {abs(holes.bottom[k] - holes.level[k]) / TICKS_PER_MM:g} mm deep, and its corrected bottom lies beyond R",

@@ -277,6 +277,8 @@ SHAPES = [
     "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|G3 X4 Z-3 R2|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G72 Q100 I2.5 R.3|M2|",
     "O100 SUB|G0 X3|G1 Z-4|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 I2.5 R5|M2|",
     "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X7|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G70 Q100|M2|",
+    "O100 SUB|G0 X4|G1 Z-4|X8 Z-6|X12|O100 ENDSUB|F100|S100 M3|G18 G7 G0 X20 Z1|G71 Q100 I2.5 R.3|M2|",
+    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X6|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 X20 Z3 I2.5 R.3|M2|",
 ]
 
 
@@ -293,8 +295,6 @@ def test_turning_without_pockets_is_linuxcncs(program):
     [
         ("G71.1 Q100", "pockets"), ("G71", "without the subroutine"),
         ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"),
-        ("G7 G71 Q100", "G7"),
-        ("G71 Q100 X20", "elsewhere"),
     ],
 )  # fmt: skip
 def test_other_turning_of_linuxcnc_is_refused(cycle, why):

@@ -85,9 +85,18 @@ def haas(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
-    holes = LatheDrilling(synchronised)
     system = next((s for s in SYSTEMS if dialect.name.endswith("-" + s)), "b")
-    cycles: dict[int, Cycle] = dict.fromkeys(LATHE, holes)
+    turning = _turning(system)
+    return Family(dict.fromkeys(LATHE, LatheDrilling(synchronised)) | turning.cycles, restores=True)
+
+
+def haas_lathe(dialect: Dialect, synchronised: bool) -> Family:
+    """Turning as in system A; its holes all go along Z with an R that is a place, unlike Fanuc's: nobody wrote them."""
+    return _turning("a")
+
+
+def _turning(system: str) -> Family:
+    cycles: dict[int, Cycle] = {}
     finish, rough, face, repeat, peck, groove, thread, turn, single, end = SYSTEMS[system]
     roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat", peck: "peck", groove: "groove"}
     cycles |= dict.fromkeys(roles, Repetitive(roles))
@@ -112,7 +121,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix
     "fanuc-lathe": fanuc_lathe,
     "siemens": siemens,
     "haas": haas,
-    "haas-lathe": fanuc_lathe,
+    "haas-lathe": haas_lathe,
 }
 
 
