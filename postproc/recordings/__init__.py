@@ -1,0 +1,186 @@
+"""What instruments and controls have recorded, whatever file it came in.
+
+A format is a module here, found by its name: TITLE says what it is, recognises(source) whether bytes look like it,
+read(source, options) reads them. Readers get bytes and open nothing. What a file leaves open (unit, direction, axis) is
+never assumed in silence: it is an option that must be given, or a notice that says what was taken.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from postproc.errors import GcompError, Place, UsageError
+from postproc.units import UM, URAD
+
+KINDS = ("targets", "trace", "ballbar", "features")
+QUANTITIES = ("displacement", "straightness", "angle")
+AXES = "XYZABC"
+
+
+class RecordingError(GcompError):
+    """A recording can not be read, or is not one that can be trusted."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """The bytes of a file and its name."""
+
+    name: str
+    data: bytes
+
+    @cached_property
+    def text(self) -> str:
+        """UTF-8. Raises RecordingError with the line that is not."""
+        try:
+            return self.data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            line = self.data.count(b"\n", 0, error.start) + 1
+            raise RecordingError(
+                f"byte {self.data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(self.name, line)
+            ) from None
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A row that was left out: its line, the column, and what is wrong with it."""
+
+    line: int
+    column: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One recording. head: all keys of its head, as the contract names them; columns: name with unit to (N,) float64, of
+    text columns (N,) str; lines (N,): where each row stands in `file`; faults: rows that were left out; notices: what was
+    taken for granted."""
+
+    kind: str
+    head: dict[str, Any]
+    columns: dict[str, np.ndarray]
+    file: str = ""
+    lines: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    faults: tuple[Fault, ...] = ()
+    notices: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()))) if self.columns else 0
+
+    @property
+    def machine(self) -> str:
+        return str(self.head.get("machine", ""))
+
+    @property
+    def instrument(self) -> str:
+        return str(self.head.get("instrument", ""))
+
+    @property
+    def quantity(self) -> str:
+        """displacement, straightness or angle; of other kinds than targets displacement."""
+        return str(self.head.get("quantity", "displacement"))
+
+    @property
+    def sensitive(self) -> dict[str, float]:
+        """Unit vector along which a reading is taken; of an angle the axis of rotation."""
+        return dict(self.head.get("sensitive", {}))
+
+    @property
+    def u(self) -> float | None:
+        """mm (rad for angles): standard uncertainty of one reading, k = 1; None where it is not stated."""
+        value = self.head.get("u_um")
+        return None if value is None else float(value) * self.unit
+
+    @property
+    def unit(self) -> float:
+        """mm or rad of one unit of the reading."""
+        return URAD if self.quantity == "angle" else UM
+
+    @cached_property
+    def axes(self) -> tuple[str, ...]:
+        """Letters of the axes whose position is recorded."""
+        return tuple(x for x in AXES if self._position_name(x) in self.columns)
+
+    def _position_name(self, letter: str) -> str:
+        unit = "mm" if letter in "XYZ" else "deg"
+        return f"{letter}_{unit}" if self.kind == "targets" else f"{letter}_cmd_{unit}"
+
+    def position(self, letter: str) -> np.ndarray:
+        """(N,) commanded slide positions, mm, of rotary axes degrees."""
+        return self.columns[self._position_name(letter)]
+
+    def approach(self, letter: str) -> np.ndarray:
+        """(N,) sign of the axis' last move, -1 or +1; 0 where it is not recorded."""
+        return self.columns.get(f"approach_{letter}", np.zeros(len(self)))
+
+    @cached_property
+    def reading(self) -> np.ndarray:
+        """(N,) mm or rad: actual - commanded of targets; of a ballbar radius - nominal."""
+        name = {"targets": "reading_urad" if self.quantity == "angle" else "reading_um", "ballbar": "radial_um"}[
+            self.kind
+        ]
+        return self.columns[name] * self.unit
+
+    def pick(self, which: np.ndarray) -> Recording:
+        """The rows where `which` (N,) is true, or of these indices."""
+        return replace(self, columns={n: c[which] for n, c in self.columns.items()}, lines=self.lines[which])
+
+
+@dataclass(frozen=True)
+class ReadingOptions:
+    """What a file may leave open. Empty or None: not said.
+
+    axis: the axis that moves (Z); component: what was measured (EXZ, EBZ); unit: of the readings (um, mm, urad, mrad,
+    mm/m, arcsec, deg); bidirectional: whether runs alternate their direction; first: +1 or -1, direction of the first
+    run; layout: interleaved, blocks or long; columns: name in the recording to name or number in the file; others: mm,
+    where the other axes stood; machine: its name.
+    """
+
+    axis: str = ""
+    component: str = ""
+    unit: str = ""
+    bidirectional: bool | None = None
+    first: int = 0
+    layout: str = ""
+    columns: dict[str, str] = field(default_factory=dict)
+    others: dict[str, float] = field(default_factory=dict)
+    machine: str = ""
+    strict: bool = True
+
+
+def names() -> list[str]:
+    """The formats that there are, as a user writes them."""
+    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__))
+
+
+def load(name: str) -> ModuleType:
+    """The reader of a format. Raises UsageError with those that there are."""
+    if name not in names():
+        raise UsageError(f"there is no recording format {name!r}", f"formats: {', '.join(names())}")
+    return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
+
+
+def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:
+    """Read a recording of a stated format, or of the one that it looks like. Raises RecordingError or UsageError."""
+    options = options or ReadingOptions()
+    if not source.data.strip():
+        raise RecordingError("the file is empty", "", Place(source.name, 1))
+    if format:
+        recording: Recording = load(format).read(source, options)
+        return recording
+    for name in names():
+        module = load(name)
+        if module.recognises(source):
+            recording = module.read(source, options)
+            return recording
+    raise RecordingError(
+        "this looks like no recording that gcomp knows",
+        f"formats: {', '.join(names())}; a table of your own needs its columns named: --column reading_um=NAME",
+        Place(source.name, 1),
+    )
