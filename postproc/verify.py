@@ -187,7 +187,7 @@ class Verifier:
         return result
 
     def _all(self, known: np.ndarray) -> np.ndarray:
-        return np.all(known[list(self.machine.corrected)], axis=0)
+        return np.all(known[list(self.machine.chained)], axis=0)
 
     @staticmethod
     def _points(motions: Motions, curved, row, t) -> np.ndarray:
@@ -257,6 +257,9 @@ class Verifier:
         rapid = (nominal.code[owner] == RAPID) | ~self._all(nominal.start_known)[owner]
         square = (way**2).sum(axis=0)
         along = np.where(square > 0, ((point - start[rows]) * way).sum(axis=0) / np.where(square > 0, square, 1.0), 1.0)
+        turning = [self.machine.letters.index(x) for x in self.machine.chain.rotary]
+        if turning:  # while the part or the tool turns, being ahead on the path is as wrong as being beside it
+            along = np.where((target - start)[turning].any(axis=0), t, along)
         along = np.where(rapid | (t == 1.0), 1.0, np.clip(along, 0.0, 1.0))
         distance = np.sqrt(((point - start[rows] - way * along) ** 2).sum(axis=0))
         at_target = np.sqrt(((point - target[rows]) ** 2).sum(axis=0))

@@ -124,7 +124,7 @@ class Fitter:
         radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
         sagitta = radius * (1 - np.cos(np.minimum(sweep, 2 * np.pi) / 2))
         ends = [points(arcs, self.start, self.target, rows.arc, t) for t in (rows.t0, rows.t1)]
-        kink, steep = self.machine.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
+        kink, steep = self.machine.bounds.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
         slack = self.tolerance / 8
         travel = np.linalg.norm((self.target - self.start)[:, rows.arc], axis=0) * (rows.t1 - rows.t0)
         by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)

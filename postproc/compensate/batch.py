@@ -42,8 +42,8 @@ class Batch:
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
-        self.known: np.ndarray = np.all(motions.target_known[self.rows], axis=0)
-        self.start_known: np.ndarray = np.all(motions.start_known[self.rows], axis=0)
+        self.known: np.ndarray = np.all(motions.target_known[list(self.machine.chained)], axis=0)
+        self.start_known: np.ndarray = np.all(motions.start_known[list(self.machine.chained)], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole

@@ -76,6 +76,8 @@ class Compensator:
         largest = 0.0
         for table in self.machine.tables.values():
             largest = max(largest, 2 * float(np.abs(table.half[:3]).max()))
+        for grid in self.machine.grids:
+            largest = max(largest, float(np.abs(grid.forward - grid.reverse)[:3].max()))
         for term in self.machine.effects:
             if term.name == "backlash":
                 largest = max(largest, abs(term.parameters["size_um"]) * 1e-3)
@@ -124,6 +126,7 @@ class Compensator:
     def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         b = Batch(self, motions, carry)
         limits.refuse(b)
+        limits.refuse_turning_arcs(b)
         limits.check_unknown(b)
         limits.bound_cutter(b)
         b.strokes()

@@ -15,7 +15,7 @@ def command(machine: Machine, target: np.ndarray, approach: np.ndarray, motion: 
     """(A, N) mm: the command p - e(command) for each target p, with the direction of approach held fixed.
 
     target, approach: (A, N). Each point is repeated until it is within CLOSE by its own step, never by its neighbours',
-    so that the batch does not matter. The deviation changes by `machine.steepest` per mm (0.003 on a real grinder): two
+    so that the batch does not matter. The deviation changes by `machine.bounds.steepest` per mm (0.003 on a real grinder): two
     rounds do. Raises MotionFault (with `motion` (N,) naming it) where it does not settle: such a map is a data fault.
     """
     result = target - machine.deviation(target, approach)
@@ -25,7 +25,7 @@ def command(machine: Machine, target: np.ndarray, approach: np.ndarray, motion: 
     step = np.abs(after - result).max(axis=0)
     result = after
     for _ in range(ROUNDS):
-        open_ = np.flatnonzero(step * machine.steepest > CLOSE)
+        open_ = np.flatnonzero(step * machine.bounds.steepest > CLOSE)
         if not len(open_):
             return result
         after = target[:, open_] - machine.deviation(result[:, open_], approach[:, open_])

@@ -7,6 +7,7 @@ import numpy as np
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
+from postproc.machine.chain import ROTARY
 from postproc.motions import FEED, FREE, RAPID
 from postproc.units import TICKS_PER_MM, UM
 
@@ -19,11 +20,28 @@ def refuse(b: Batch) -> None:
         raise MotionFault(int(bad[0]), *b.m.reasons[int(b.m.reason[bad[0]])])
 
 
+def refuse_turning_arcs(b: Batch) -> None:
+    """An arc while a rotary axis turns is no arc of the tool's path on the part; its correction bends all along."""
+    rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
+    arcs = b.m.arcs.motion
+    if not rows or not len(arcs):
+        return
+    turns = ((b.m.target - b.m.start)[rows][:, arcs] != 0).any(axis=0) & b.free[arcs]
+    for i in np.flatnonzero(turns)[:1]:
+        raise MotionFault(
+            int(arcs[i]),
+            f"an arc while {' '.join(b.machine.chain.rotary)} turns",
+            "let the CAM program write such motions as short lines",
+        )
+
+
 def check_unknown(b: Batch) -> None:
     """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
     lost = ~b.known & ~b.m.alone
     for i in np.flatnonzero(lost & (b.m.code != RAPID))[:1]:
-        axes = " ".join(x for k, x in enumerate(b.machine.letters) if k in b.rows and not b.m.target_known[k, i])
+        axes = " ".join(
+            x for k, x in enumerate(b.machine.letters) if k in b.machine.chained and not b.m.target_known[k, i]
+        )
         raise MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
@@ -44,20 +62,36 @@ def check_inside(b: Batch) -> None:
         return
     free = b.free[b.motion]
     for row, letter in enumerate(b.machine.letters):
-        table = b.machine.tables.get(letter)
-        if table is None:
+        ranges = _ranges(b, letter)
+        if ranges is None:
             continue
-        low, high = table.nodes[0] - EDGE, table.nodes[-1] + EDGE
+        first, last = ranges
+        low, high = first - EDGE, last + EDGE
         value = b.end_nominal[row]
         bad = free & ((value < low) | (value > high))
-        extent = _arc_extent(b, row, table.nodes[0])
+        extent = _arc_extent(b, row, first)
         bad |= (extent[0] < low) | (extent[1] > high)
         for i in np.flatnonzero(bad)[:1]:
             worst = value[i] if not low <= value[i] <= high else extent[0, i] if extent[0, i] < low else extent[1, i]
             raise MotionFault(
-                int(b.motion[i]), f"{letter} = {worst:.4f} mm lies outside the error table of {letter} ({table.nodes[0]:g} to {table.nodes[-1]:g} mm)",
+                int(b.motion[i]), f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter} ({first:g} to {last:g} {unit_of(letter)})",
                 "stay inside it, measure further out, or hold the end value with --outside clamp",
             )  # fmt: skip
+
+
+def _ranges(b: Batch, letter: str) -> tuple[float, float] | None:
+    """The range that every table of an axis covers, None where there is no table."""
+    table = b.machine.tables.get(letter)
+    covered = [table.nodes] if table is not None else []
+    for grid in b.machine.grids:
+        covered += [n for x, n in ((grid.letter, grid.nodes), (grid.other, grid.others)) if x == letter]
+    if not covered:
+        return None
+    return float(max(n[0] for n in covered)), float(min(n[-1] for n in covered))
+
+
+def unit_of(letter: str) -> str:
+    return "degrees" if letter in ROTARY else "mm"
 
 
 def _check_arcs(b: Batch) -> None:
@@ -135,6 +169,6 @@ def bound_cutter(b: Batch) -> None:
         half = [np.abs(t.half[:3]).max() for t in b.machine.tables.values()]
         reversal = f"; where an axis turns back its reversal of up to {2 * max(half, default=0.0) / UM:.1f} um is spread over the block"
     b.notices.append(
-        Notice("cutter", f"inside G41 G42 the map is read at the programmed contour, not at the tool's centre: wrong by {b.machine.steepest / UM:.2f} um "
+        Notice("cutter", f"inside G41 G42 the map is read at the programmed contour, not at the tool's centre: wrong by {b.machine.bounds.steepest / UM:.2f} um "
                f"per mm of tool radius at most{reversal}", int(inside[0]))
     )  # fmt: skip

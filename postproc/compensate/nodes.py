@@ -19,26 +19,20 @@ def candidates(
 
     The axis is the one that passes a node there, or -1: equal parts, between which product terms bend the correction by `slack` mm at most. In no order.
     """
-    m = start.shape[1]
     way = target - start
     owners: list[np.ndarray] = []
     times: list[np.ndarray] = []
     axes: list[np.ndarray] = []
     for row, letter in enumerate(machine.letters):
-        table = machine.tables.get(letter)
-        if table is None or table.is_zero:
-            continue
         low, high = np.minimum(start[row], target[row]), np.maximum(start[row], target[row])
-        first = np.searchsorted(table.nodes, low, side="right")
-        count = np.maximum(np.searchsorted(table.nodes, high, side="left") - first, 0)
-        owner, index = spread(count)
-        owners.append(owner)
-        times.append((table.nodes[first[owner] + index] - start[row][owner]) / way[row][owner])
-        axes.append(np.full(len(owner), row))
-    bend = np.zeros(m)
-    for i, j in zip(*np.nonzero(machine.twist), strict=True):
-        bend += machine.twist[i, j] * np.abs(way[i] * way[j]) / 4
-    parts = np.ceil(np.sqrt(bend / slack)).astype(np.int64)
+        for nodes in machine.knots.get(letter, ()):
+            first = np.searchsorted(nodes, low, side="right")
+            count = np.maximum(np.searchsorted(nodes, high, side="left") - first, 0)
+            owner, index = spread(count)
+            owners.append(owner)
+            times.append((nodes[first[owner] + index] - start[row][owner]) / way[row][owner])
+            axes.append(np.full(len(owner), row if row in machine.corrected else -1))
+    parts = np.ceil(np.sqrt(machine.bounds.bend(way) / slack)).astype(np.int64)
     owner, index = spread(np.maximum(parts - 1, 0))
     owners.append(owner)
     times.append((index + 1) / np.maximum(parts, 1)[owner])
@@ -48,15 +42,15 @@ def candidates(
 
 def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, or product terms."""
-    way = np.abs(target - start)
-    bend = np.zeros(start.shape[1])
-    for i, j in zip(*np.nonzero(machine.twist), strict=True):
-        bend += machine.twist[i, j] * way[i] * way[j] / 4
-    result = bend > slack
+    result = machine.bounds.bend(target - start) > slack
     for row, letter in enumerate(machine.letters):
         table = machine.tables.get(letter)
         if table is not None and not table.is_zero:
             result |= table.place(start[row])[0] != table.place(target[row])[0]
+    for grid in machine.grids:
+        for letter, nodes in ((grid.letter, grid.nodes), (grid.other, grid.others)):
+            row = machine.letters.index(letter)
+            result |= np.searchsorted(nodes, start[row]) != np.searchsorted(nodes, target[row])
     return result
 
 

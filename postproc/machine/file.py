@@ -5,11 +5,11 @@ Reads strictly: a machine file is trusted with somebody's part. Every complaint 
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import math
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +18,22 @@ import numpy as np
 from postproc import effects
 from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
-from postproc.machine.chain import XYZ
-from postproc.machine.model import Axis, EffectTerm, Limits, Machine
-from postproc.machine.tables import COMPONENTS, AxisTable
+from postproc.machine.axis_file import over_turns, read_grid, read_table, text_of
+from postproc.machine.chain import OPTICS, ROTARY, XYZ
+from postproc.machine.model import Axis, EffectTerm, Expansion, Limits, Machine
+from postproc.machine.tables import GridTable
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
 KEYS = {
-    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal"},
-    "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk"},
+    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location"},
+    "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat"},
+    "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
     "tool": set(XYZ),
     "limits": {"max_correction", "max_slope", "outside", "accept_slope"},
     "effect": {"name", "axis", "source"},
 }  # fmt: skip
-ROTARY = "ABC"
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
+PPM = 1e-6  # um/m is mm/mm by a million
 REVERSALS = ("mean", "step", "ramp", "off")
 
 
@@ -40,7 +41,7 @@ class _Toml:
     """A TOML document that knows in which line a key stands."""
 
     def __init__(self, path: Path):
-        self.path, self.text = path, _text(path)
+        self.path, self.text = path, text_of(path)
         try:
             self.data: dict[str, Any] = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
@@ -104,18 +105,6 @@ class _Toml:
         return value
 
 
-def _text(path: Path) -> str:
-    """The text of a file; what is not UTF-8 is refused with its line."""
-    data = path.read_bytes()
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise MachineError(
-            f"byte {data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(str(path), line)
-        ) from None
-
-
 def read_machine(folder: Path) -> Machine:
     """Read a machine folder. Raises MachineError with file and line for anything that is not as the format says."""
     path = folder / "machine.toml"
@@ -145,8 +134,12 @@ def read_machine(folder: Path) -> Machine:
         if x not in axes:
             raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
     for x in axes:
-        if x in XYZ and x not in chain.axes:
+        if x not in chain.axes and (x in XYZ or axes[x].table is not None or axes[x].grids):
             raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {data['chain']}")
+        for grid in axes[x].grids:
+            if grid.other not in axes:
+                raise toml.fault(f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine")
+    axes = _location(toml, axes)
     diameter = data.get("diameter", [])
     if not isinstance(diameter, list) or not all(isinstance(d, str) and d in axes for d in diameter):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
@@ -207,115 +200,105 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
     measured = np.array([toml.number(name, at, x, 0.0, at="measured_at") for x in XYZ])
     table = None
     if "table" in section:
-        if letter in ROTARY:
-            raise toml.fault(name, "table", f"tables of rotary axes ({letter}) are not used yet", "leave the table out")
-        path = toml.path.parent / toml.string(name, section, "table")
-        if not path.is_file():
-            raise toml.fault(name, "table", f"there is no table {path}")
+        path = _table_path(toml, name, section["table"], "table")
         digest.update(path.read_bytes())
         table = read_table(path, letter, limits.max_slope)
-    return Axis(letter, (float(travel[0]), float(travel[1])), least, measured, table)
+        if letter in ROTARY:
+            table = over_turns(table, float(travel[0]), float(travel[1]), path)
+    optic = toml.string(name, section, "optic", "")
+    if optic not in ("", *OPTICS):
+        raise toml.fault(name, "optic", f"optic = {optic!r}", "what the measured point was fixed to: tool or workpiece")
+    return Axis(
+        letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
+        grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
+    )  # fmt: skip
 
 
-def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
-    """Read `Z.csv`: first column `Z_mm`, then components with their unit, by direction where measured so.
+def _table_path(toml: _Toml, name: str, value: Any, key: str) -> Path:
+    if not isinstance(value, str):
+        raise toml.fault(name, key, f"{key} = {value!r} is not a text")
+    path = toml.path.parent / value
+    if not path.is_file():
+        raise toml.fault(name, key, f"there is no table {path}")
+    return path
 
-    Raises MachineError with file and line for a wrong column or unit, a number that is none, nodes that do not ascend, or
-    a slope over `max_slope` (mm/mm for translations).
-    """
-    header: list[str] = []
-    rows: list[list[float]] = []
-    lines: list[int] = []
-    for number, line in enumerate(_text(path).splitlines(), 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        place = Place(str(path), number, line)
-        try:
-            cells = [cell.strip() for cell in next(csv.reader([line]))]
-        except csv.Error as error:
-            raise MachineError(f"not a line of a CSV table: {error}", "numbers between commas", place) from None
-        if not header:
-            header = cells
-            columns = _columns(header, letter, place)
-            continue
-        if len(cells) != len(header):
-            raise MachineError(
-                f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place
-            )
-        for cell in cells:
-            if not NUMBER.fullmatch(cell):
-                raise MachineError(f"{cell!r} is not a number", "every node needs a value in every column", place)
-        values = [float(cell) for cell in cells]
-        if not all(map(math.isfinite, values)):
-            raise MachineError(
-                "a value is not finite (NaN or infinity)", "every node needs a value in every column", place
-            )
-        if rows and values[0] <= rows[-1][0]:
-            raise MachineError(
-                f"{letter}_mm = {values[0]:g} does not ascend after {rows[-1][0]:g}",
-                "order the nodes, each once",
-                place,
-            )
-        rows.append(values)
-        lines.append(number)
-    if len(rows) < 2:
-        raise MachineError(f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1))
-    data = np.array(rows).T
-    forward, reverse = np.zeros((6, len(rows))), np.zeros((6, len(rows)))
-    for (component, direction), column in columns.items():
-        scale = UM if component < 3 else URAD
-        for wanted, into in (("rev", reverse), ("fwd", forward)):
-            if direction in ("", wanted):
-                into[component] = data[column] * scale
-    table = AxisTable(letter, data[0], forward, reverse)
-    steep = np.abs(table.slopes[:3]).max(axis=(0, 1)) if len(rows) > 1 else np.zeros(1)
-    worst = int(np.argmax(steep))
-    if steep[worst] > max_slope:
-        raise MachineError(
-            f"the deviation changes by {steep[worst] * 1000:.2f} um/mm between {letter} = {data[0][worst]:g} and {data[0][worst + 1]:g} "
-            f"(limit {max_slope * 1000:g} um/mm)",
-            "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope = true in [limits]",
-            Place(str(path), lines[worst + 1]),
+
+def _grids(toml: _Toml, name: str, letter: str, section: dict, digest, limits: Limits) -> tuple[GridTable, ...]:
+    """`by = { X = "Z_by_X.csv" }`: what of Z depends on X too."""
+    by = section.get("by", {})
+    if not isinstance(by, dict):
+        raise toml.fault(name, "by", f"by = {by!r}", 'like by = { X = "Z_by_X.csv" }')
+    grids = []
+    for other, value in by.items():
+        if other not in tuple(XYZ + ROTARY) or other == letter:
+            raise toml.fault(name, "by", f"by names {other!r}, which is no other axis")
+        path = _table_path(toml, name, value, "by")
+        digest.update(path.read_bytes())
+        grids.append(read_grid(path, letter, other, limits.max_slope))
+    return tuple(grids)
+
+
+def _centre(toml: _Toml, name: str, letter: str, section: dict) -> np.ndarray:
+    """(3,) mm: a point on the line of a rotary axis."""
+    centre = section.get("centre", {})
+    if "centre" in section and letter not in ROTARY:
+        raise toml.fault(name, "centre", f"{letter} is a linear axis and has no centre")
+    if not isinstance(centre, dict) or not all(x in XYZ for x in centre):
+        raise toml.fault(name, "centre", f"centre = {centre!r}", "like centre = { X = 200.0, Y = 150.0, Z = 0.0 }")
+    return np.array([toml.number(name, centre, x, 0.0, at="centre") for x in XYZ])
+
+
+def _heat(toml: _Toml, name: str, section: dict) -> Expansion | None:
+    """`heat = { scale_um_m_K = 11.5, scale_C = 24.0, work_um_m_K = 11.5, work_C = 21.0, fixed_mm = 0.0 }`."""
+    if "heat" not in section:
+        return None
+    heat = section["heat"]
+    if not isinstance(heat, dict):
+        raise toml.fault(name, "heat", f"heat = {heat!r}", "like heat = { scale_um_m_K = 11.5, scale_C = 24.0 }")
+    for key in heat:
+        if key not in KEYS["heat"]:
+            raise toml.fault(name, "heat", f"{key!r} is not a key of heat", f"keys: {', '.join(sorted(KEYS['heat']))}")
+    rate, at, work, work_at, fixed = (
+        toml.number(name, heat, key, default, at="heat")
+        for key, default in (
+            ("scale_um_m_K", 0.0),
+            ("scale_C", 20.0),
+            ("work_um_m_K", 0.0),
+            ("work_C", 20.0),
+            ("fixed_mm", 0.0),
         )
-    return table
+    )
+    if max(abs(rate), abs(work)) > 100:
+        raise toml.fault(
+            name, "heat", f"an expansion of {max(abs(rate), abs(work)):g} um/(m K)", "steel has 11.5: check the unit"
+        )
+    return Expansion(rate * PPM, at, work * PPM, work_at, fixed)
+
+
+def _location(toml: _Toml, axes: dict[str, Axis]) -> dict[str, Axis]:
+    """[location]: how the line of a rotary axis lies beside the nominal one, `X0C_um = 12.0` (ISO 230-7, ISO 10791-6)."""
+    data = toml.table("location")
+    toml_keys = {f"{d}0{x}_um" for x in axes if x in ROTARY for d in XYZ if XYZ.index(d) != ROTARY.index(x)}
+    toml.check_keys("location", data, toml_keys)
+    result = dict(axes)
+    for key in data:
+        x = key[2]
+        location = result[x].location.copy()
+        location[XYZ.index(key[0])] = toml.number("location", data, key) * UM
+        result[x] = replace(result[x], location=location)
+    return result
 
 
 def _finite(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _columns(header: list[str], letter: str, place: Place) -> dict[tuple[int, str], int]:
-    """(component, direction) to column; direction "" for a component measured one way."""
-    if header[0] != f"{letter}_mm":
-        raise MachineError(
-            f"the first column is {header[0]!r}, not '{letter}_mm'", "positions are slide positions in mm", place
-        )
-    columns: dict[tuple[int, str], int] = {}
-    allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [f"{c}{letter}_urad" for c in COMPONENTS[3:]]
-    for i, name in enumerate(header[1:], 1):
-        base, direction = (name[:-4], name[-3:]) if name.endswith(("_fwd", "_rev")) else (name, "")
-        if base not in allowed:
-            raise MachineError(
-                f"{name!r} is not a component of axis {letter}",
-                f"columns: {', '.join(allowed)}, each also with _fwd and _rev",
-                place,
-            )
-        key = (allowed.index(base), direction)
-        if key in columns:
-            raise MachineError(f"{name!r} stands twice", "", place)
-        columns[key] = i
-    for component in {c for c, _ in columns}:
-        others = {d for c, d in columns if c == component}
-        if others not in ({""}, {"fwd", "rev"}):
-            raise MachineError(f"{allowed[component]}: give one column, or both _fwd and _rev", "", place)
-    return columns
-
-
 def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     square: dict[str, np.ndarray] = {}
     data = toml.table("squareness")
     for name in data:
-        if not re.fullmatch(r"[ABC]0[XYZ]", name) or name[2] not in axes or "ABC".index(name[0]) == XYZ.index(name[2]):
+        own = re.fullmatch(r"[ABC]0[XYZABC]", name) and name[2] in axes
+        if not own or ROTARY.index(name[0]) == (XYZ if name[2] in XYZ else ROTARY).index(name[2]):
             raise toml.fault(
                 "squareness",
                 name,
@@ -324,7 +307,7 @@ def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
             )
         value = toml.number("squareness", data, name)
         if value:
-            square.setdefault(name[2], np.zeros(3))["ABC".index(name[0])] = value * URAD
+            square.setdefault(name[2], np.zeros(3))[ROTARY.index(name[0])] = value * URAD
     return square
 
 

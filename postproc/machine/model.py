@@ -9,20 +9,51 @@ from types import ModuleType
 import numpy as np
 
 from postproc import effects
-from postproc.machine.chain import XYZ, Chain, tip_deviation
-from postproc.machine.tables import COMPONENTS, AxisTable
+from postproc.machine import rotary
+from postproc.machine.bounds import Bounds
+from postproc.machine.chain import ROTARY, XYZ, Chain, Parts, tip_deviation
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Growth with temperature, linear from the point that does not move. scale, work: 1/K, expansion of the axis' scale (or
+    screw) and of the workpiece; their temperatures, degrees Celsius; fixed: mm, slide position that stays."""
+
+    scale: float = 0.0
+    scale_at: float = 20.0
+    work: float = 0.0
+    work_at: float = 20.0
+    fixed: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees Celsius."""
+        return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
 
 
 @dataclass(frozen=True)
 class Axis:
-    """travel: mm that the slide can reach; least_increment: mm of the programmed word; measured_at (3,): mm, where the
-    other axes stood."""
+    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
+    word; measured_at (3,): mm, where the other axes stood; optic: what the measured point was fixed to, "" for the side
+    that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
+    mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too."""
 
     letter: str
     travel: tuple[float, float]
     least_increment: float
     measured_at: np.ndarray
     table: AxisTable | None = None
+    optic: str = ""
+    centre: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    location: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    grids: tuple[GridTable, ...] = ()
+    expansion: Expansion | None = None
+
+    @property
+    def bare(self) -> Axis:
+        """The same axis without errors."""
+        return replace(self, table=None, grids=(), expansion=None, location=np.zeros(6))
 
 
 @dataclass(frozen=True)
@@ -75,23 +106,59 @@ class Machine:
     @cached_property
     def corrected(self) -> tuple[int, ...]:
         """Rows of the axes that a correction can move: the linear ones of the chain."""
+        return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes and x in XYZ)
+
+    @cached_property
+    def chained(self) -> tuple[int, ...]:
+        """Rows of the axes on whose positions the deviation depends: all that the chain names."""
         return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes)
+
+    @cached_property
+    def grids(self) -> tuple[GridTable, ...]:
+        return tuple(grid for axis in self.axes.values() for grid in axis.grids)
+
+    @cached_property
+    def knots(self) -> dict[str, list[np.ndarray]]:
+        """Axis to the nodes at which a deviation bends."""
+        found: dict[str, list[np.ndarray]] = {}
+        for x, table in self.tables.items():
+            if not table.is_zero:
+                found.setdefault(x, []).append(table.nodes)
+        for grid in self.grids:
+            found.setdefault(grid.letter, []).append(grid.nodes)
+            found.setdefault(grid.other, []).append(grid.others)
+        return found
+
+    @cached_property
+    def expansions(self) -> dict[str, Expansion]:
+        return {x: a.expansion for x, a in self.axes.items() if a.expansion is not None and a.expansion.rate}
+
+    @cached_property
+    def locations(self) -> dict[str, np.ndarray]:
+        """Axis to (6,) mm and rad: how the line of a rotary axis lies, and how a linear one leans."""
+        found = {x: axis.location.copy() for x, axis in self.axes.items() if axis.location.any()}
+        for x, lean in self.square.items():
+            found.setdefault(x, np.zeros(6))[3:] += lean
+        return found
 
     @cached_property
     def is_zero(self) -> bool:
         """Whether no correction can ever be needed."""
-        return not self.effects and not self.square and all(t.is_zero for t in self.tables.values())
+        exact = all(t.is_zero for t in self.tables.values()) and not any(grid.rows for grid in self.grids)
+        return exact and not self.effects and not self.locations and not self.expansions
 
     @cached_property
     def two_way(self) -> np.ndarray:
         """(A,) bool: axes whose direction of approach matters."""
         by_effect = {e.axis for e in self.effects if getattr(e.module, "TWO_WAY", False)}
+        by_effect |= {grid.letter for grid in self.grids if grid.two_way}
         return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
 
     @cached_property
     def turns(self) -> bool:
         """Whether any axis has a rotation, so that the tool's length matters."""
-        return any(max(t.rows, default=0) >= 3 for t in self.tables.values())
+        tables = [t for axis in self.axes.values() for t in _tables(axis)]
+        return bool(self.chain.rotary) or any(max(t.rows, default=0) >= 3 for t in tables)
 
     def carrying(self, letters: tuple[str, ...]) -> Machine:
         """The same machine with axes that are no slides, carried along: a printer's E."""
@@ -111,8 +178,13 @@ class Machine:
         """
         q = {x: position[i] for i, x in enumerate(self.letters)}
         s = {x: approach[i] for i, x in enumerate(self.letters)}
-        measured = {x: axis.measured_at for x, axis in self.axes.items()}
-        parts = tip_deviation(self.chain, self.tables, self.square, self.tool, measured, q, s)
+        each = {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
+        if self.chain.rotary:
+            parts = rotary.tip_deviation(self.geometry, each, q)
+        else:
+            measured = {x: axis.measured_at for x, axis in self.axes.items()}
+            optic = {x: axis.optic for x, axis in self.axes.items()}
+            parts = tip_deviation(self.chain, each, self.square, self.tool, measured, optic, q)
         if self.effects:
             pose = effects.Pose(q, s)
             for term in self.effects:
@@ -123,84 +195,78 @@ class Machine:
             result[row] = parts[XYZ.index(self.letters[row])]
         return result
 
+    @cached_property
+    def geometry(self) -> rotary.Geometry:
+        """What of the machine does not move, as rotary chains need it."""
+        a = self.axes
+        return rotary.Geometry(
+            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, {x: a[x].measured_at for x in a},
+            {x: a[x].optic for x in a},
+        )  # fmt: skip
+
+    def orientation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+        """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
+        q = {x: position[i] for i, x in enumerate(self.letters)}
+        s = {x: approach[i] for i, x in enumerate(self.letters)}
+        each = {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
+        return rotary.orientation(self.geometry, each, q)
+
+    def _parts(self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]) -> Parts | None:
+        """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth with temperature."""
+        axis = self.axes[letter]
+        part: Parts | None = None
+        if axis.table is not None and axis.table.rows:
+            part = axis.table.evaluate(q[letter], s[letter])
+        for grid in axis.grids:
+            part = _sum(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
+        growth = self.expansions.get(letter)
+        if growth is not None:
+            more: Parts = [None] * 6
+            more[(XYZ if letter in XYZ else ROTARY).index(letter)] = growth.rate * (q[letter] - growth.fixed)
+            part = _sum(part, more)
+        return part
+
     def contributions(self, position: np.ndarray, approach: np.ndarray) -> list[tuple[str, np.ndarray]]:
         """Name and (A, N) mm of every part of the deviation by itself: components, squareness, effects."""
         result = []
-        bare = {x: replace(axis, table=None) for x, axis in self.axes.items()}
-        for x, table in self.tables.items():
-            for i in table.rows:
-                only = np.arange(6)[:, None] == i
-                one = replace(
-                    table, forward=np.where(only, table.forward, 0.0), reverse=np.where(only, table.reverse, 0.0)
-                )
-                part = replace(self, axes={**bare, x: replace(self.axes[x], table=one)}, square={}, effects=())
-                result.append((f"{COMPONENTS[i]}{x}", part.deviation(position, approach)))
+        bare = {x: axis.bare for x, axis in self.axes.items()}
+
+        def add(name: str, x: str = "", square=None, effects=(), **errors) -> None:
+            axes = {**bare, x: replace(bare[x], **errors)} if x else bare
+            part = replace(self, axes=axes, square=square or {}, effects=effects)
+            result.append((name, part.deviation(position, approach)))
+
+        for x, axis in self.axes.items():
+            for table in _tables(axis):
+                for i in table.rows:
+                    only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
+                    forward, reverse = np.where(only, table.forward, 0.0), np.where(only, table.reverse, 0.0)
+                    one = replace(table, forward=forward, reverse=reverse)
+                    by = f" by {table.other}" if isinstance(table, GridTable) else ""
+                    add(f"{COMPONENTS[i]}{x}{by}", x, **({"grids": (one,)} if by else {"table": one}))
+            if x in self.expansions:
+                add(f"heat {x}", x, expansion=axis.expansion)
+            for i in map(int, np.flatnonzero(axis.location)):
+                add(f"{(XYZ + ROTARY)[i]}0{x}", x, location=np.where(np.arange(6) == i, axis.location, 0.0))
         for x, lean in self.square.items():
             for i in map(int, np.flatnonzero(lean)):
-                part = replace(self, axes=bare, square={x: np.where(np.arange(3) == i, lean, 0.0)}, effects=())
-                result.append((f"{'ABC'[i]}0{x}", part.deviation(position, approach)))
+                add(f"{ROTARY[i]}0{x}", square={x: np.where(np.arange(3) == i, lean, 0.0)})
         for term in self.effects:
-            part = replace(self, axes=bare, square={}, effects=(term,))
-            result.append((term.name, part.deviation(position, approach)))
+            add(term.name, effects=(term,))
         return result
 
     @cached_property
-    def kink(self) -> float:
-        """mm/mm: how much the slope of the deviation can differ between two places, at most. The chord of any path of
-        length s misses the deviation by at most kink * s / 4 (product terms apart)."""
-        total = 0.0
-        for letter, table in self.tables.items():
-            low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
-            spread = high - low
-            total += float(np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self._reach(letter))
-        return total
+    def bounds(self) -> Bounds:
+        """How far the deviation can bend and change."""
+        return Bounds(self)
 
-    def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
-        kink, steep = (
-            np.zeros(low.shape[1]),
-            np.full(low.shape[1], sum((float(np.linalg.norm(lean)) for lean in self.square.values()), 0.0)),
-        )
-        for row, letter in enumerate(self.letters):
-            table = self.tables.get(letter)
-            if table is None or table.is_zero:
-                continue
-            spread, slope = table.slope_range(low[row], high[row])
-            reach = self._reach(letter)
-            kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
-            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            steep += (
-                np.linalg.norm(slope[:3], axis=0)
-                + np.linalg.norm(slope[3:], axis=0) * reach
-                + float(np.linalg.norm(angle))
-            )
-        return kink, steep
 
-    @cached_property
-    def steepest(self) -> float:
-        """mm/mm: bound of the deviation's change over the way travelled."""
-        total = 0.0
-        for letter, table in self.tables.items():
-            slope = np.abs(table.slopes).max(axis=(1, 2))
-            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
-            total += float(
-                np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self._reach(letter) + np.linalg.norm(angle)
-            )
-        return total + float(sum(np.linalg.norm(lean) for lean in self.square.values()))
+def _tables(axis: Axis) -> list[AxisTable | GridTable]:
+    own: list[AxisTable | GridTable] = [axis.table] if axis.table is not None else []
+    return own + list(axis.grids)
 
-    def _reach(self, letter: str) -> float:
-        """mm: the longest arm of an axis."""
-        arm = np.abs(self.tool - self.axes[letter].measured_at)
-        for other in self.chain.arm(letter):
-            arm[XYZ.index(other)] += max(abs(t) for t in self.axes[other].travel)
-        return float(np.linalg.norm(arm))
 
-    @cached_property
-    def twist(self) -> np.ndarray:
-        """(A, A) 1/mm: bound of the product terms; moving axis i by a and j by b bends the deviation by twist * a * b / 4."""
-        result = np.zeros((len(self.letters),) * 2)
-        for letter, table in self.tables.items():
-            steep = float(np.linalg.norm(np.abs(table.slopes[3:]).max(axis=(1, 2))))
-            for other in self.chain.arm(letter):
-                result[self.letters.index(letter), self.letters.index(other)] = steep
-        return result
+def _sum(part: Parts | None, more: Parts) -> Parts:
+    if part is None:
+        return more
+    return [b if a is None else a if b is None else a + b for a, b in zip(part, more, strict=True)]

@@ -107,3 +107,74 @@ class AxisTable:
                 value += approach * (turn[0][interval] + turn[1][interval] * share)
             result[i] = value
         return result
+
+
+@dataclass(frozen=True)
+class GridTable:
+    """What of an axis' errors depends on where a second axis stands; added to its table. Linear in either position between
+    nodes (bilinear in both), held beyond.
+
+    nodes (K,), others (L,) mm or degrees, ascending; forward, reverse (6, K, L) mm and rad, in the order of COMPONENTS, by
+    the direction in which `letter` was approached.
+    """
+
+    letter: str
+    other: str
+    nodes: np.ndarray
+    others: np.ndarray
+    forward: np.ndarray
+    reverse: np.ndarray
+
+    @cached_property
+    def rows(self) -> list[int]:
+        """Components that are not zero everywhere."""
+        return [i for i in range(6) if np.any(self.forward[i]) or np.any(self.reverse[i])]
+
+    @cached_property
+    def two_way(self) -> bool:
+        return not np.array_equal(self.forward, self.reverse)
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """(6,) largest size of each component."""
+        return np.abs(np.stack([self.forward, self.reverse])).max(axis=(0, 2, 3))
+
+    @cached_property
+    def slopes(self) -> tuple[np.ndarray, np.ndarray]:
+        """(6,) steepest change of each component along either axis."""
+        both = np.stack([self.forward, self.reverse])
+        along = np.abs(np.diff(both, axis=2)) / np.diff(self.nodes)[:, None]
+        across = np.abs(np.diff(both, axis=3)) / np.diff(self.others)
+        return along.max(axis=(0, 2, 3)), across.max(axis=(0, 2, 3))
+
+    @cached_property
+    def twist(self) -> np.ndarray:
+        """(6,) largest mixed second derivative of each component."""
+        both = np.diff(np.diff(np.stack([self.forward, self.reverse]), axis=2), axis=3)
+        area = np.diff(self.nodes)[:, None] * np.diff(self.others)
+        return (np.abs(both) / area).max(axis=(0, 2, 3))
+
+    def evaluate(self, position: np.ndarray, other: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
+        """Six (N,) columns, None for a component that is zero everywhere."""
+        result: list[np.ndarray | None] = [None] * 6
+        i, u = _interval(self.nodes, position)
+        j, v = _interval(self.others, other)
+        mean, half = (self.forward + self.reverse) / 2, (self.forward - self.reverse) / 2
+        for row in self.rows:
+            result[row] = _bilinear(mean[row], i, j, u, v)
+            if np.any(half[row]):
+                result[row] += approach * _bilinear(half[row], i, j, u, v)
+        return result
+
+
+def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) index of the node below and (N,) share of the interval above it; held beyond the ends."""
+    inside = np.clip(position, nodes[0], nodes[-1])
+    at = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, len(nodes) - 2)
+    return at, (inside - nodes[at]) / (nodes[at + 1] - nodes[at])
+
+
+def _bilinear(value: np.ndarray, i: np.ndarray, j: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    low = value[i, j] + (value[i + 1, j] - value[i, j]) * u
+    high = value[i, j + 1] + (value[i + 1, j + 1] - value[i, j + 1]) * u
+    return low + (high - low) * v

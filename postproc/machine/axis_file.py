@@ -1,0 +1,214 @@
+"""The CSV tables of a machine folder: one axis' errors over its position, or over its own and a second axis'.
+
+Reads strictly: every complaint names file and line.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+
+from postproc.errors import MachineError, Place
+from postproc.machine.chain import ROTARY
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.units import UM, URAD
+
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
+TURN = 360.0
+
+
+def text_of(path: Path) -> str:
+    """The text of a file; what is not UTF-8 is refused with its line."""
+    data = path.read_bytes()
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise MachineError(
+            f"byte {data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(str(path), line)
+        ) from None
+
+
+def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
+    """Read `Z.csv`: first column `Z_mm` (`B_deg` of a rotary axis), then components with their unit, by direction where
+    measured so.
+
+    Raises MachineError with file and line for a wrong column or unit, a number that is none, nodes that do not ascend, or
+    a slope over `max_slope` (mm/mm for translations).
+    """
+    columns, rows, lines = _rows(path, letter)
+    for above, row, line in zip(rows, rows[1:], lines[1:], strict=False):
+        if row[0] <= above[0]:
+            raise MachineError(
+                f"{position_name(letter)} = {row[0]:g} does not ascend after {above[0]:g}", "order the nodes, each once",
+                Place(str(path), line, text_of(path).splitlines()[line - 1]),
+            )  # fmt: skip
+    if len(rows) < 2:
+        raise MachineError(f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1))
+    data = np.array(rows).T
+    forward, reverse = _directions(columns, data)
+    table = AxisTable(letter, data[0], forward, reverse)
+    steep = np.abs(table.slopes[:3]).max(axis=(0, 1))
+    worst = int(np.argmax(steep))
+    if steep[worst] > max_slope:
+        raise _too_steep(path, lines[worst + 1], letter, steep[worst], data[0][worst], data[0][worst + 1], max_slope)
+    return table
+
+
+def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTable:
+    """Read what of axis `letter` depends on axis `other` too: first columns `Z_mm,X_mm`, then components of Z, a row for
+    every pair of a complete grid. Raises MachineError with file and line."""
+    columns, rows, lines = _rows(path, letter, other)
+    data = np.array(rows).T
+    nodes, others = np.unique(data[0]), np.unique(data[1])
+    if min(len(nodes), len(others)) < 2:
+        raise MachineError(
+            f"{len(nodes)} by {len(others)} nodes: a grid needs two each way at least", "", Place(str(path), 1)
+        )
+    i, j = np.searchsorted(nodes, data[0]), np.searchsorted(others, data[1])
+    at = i * len(others) + j
+    seen, first, count = np.unique(at, return_index=True, return_counts=True)
+    for k in np.flatnonzero(count > 1)[:1]:
+        line = lines[int(np.flatnonzero(at == seen[k])[1])]
+        raise MachineError("this pair of positions stands twice", "each once", Place(str(path), line))
+    missing = np.setdiff1d(np.arange(len(nodes) * len(others)), seen)
+    if len(missing):
+        a, b = divmod(int(missing[0]), len(others))
+        raise MachineError(
+            f"{letter} = {nodes[a]:g}, {other} = {others[b]:g} is missing: {len(missing)} of {len(nodes) * len(others)} pairs are",
+            "a grid needs a row for every pair", Place(str(path), lines[-1]),
+        )  # fmt: skip
+    flat_forward, flat_reverse = _directions(columns, data)
+    shape = (6, len(nodes), len(others))
+    grid = GridTable(
+        letter, other, nodes, others, flat_forward[:, first].reshape(shape), flat_reverse[:, first].reshape(shape)
+    )
+    for slope, name in zip(grid.slopes, (letter, other), strict=True):
+        if slope[:3].max() > max_slope:
+            raise MachineError(
+                f"the deviation changes by {slope[:3].max() * 1000:.2f} um/mm along {name} (limit {max_slope * 1000:g} um/mm)",
+                "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope = true in [limits]",
+                Place(str(path), lines[0]),
+            )
+    return grid
+
+
+def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTable:
+    """A table of one full turn, repeated over a travel of several. Others stay as they are. Raises MachineError where a
+    turn does not end as it began."""
+    if abs(table.nodes[-1] - table.nodes[0] - TURN) > 1e-9 or (table.nodes[0] <= low and high <= table.nodes[-1]):
+        return table
+    for values in (table.forward, table.reverse):
+        gap = np.abs(values[:, -1] - values[:, 0])
+        if gap.max() > 0:
+            name = f"{COMPONENTS[int(np.argmax(gap))]}{table.letter}"
+            raise MachineError(
+                f"{name} ends a full turn with another value than it began", "the last node is the first one again", Place(str(path), 1)
+            )  # fmt: skip
+    before = max(0, math.ceil((table.nodes[0] - max(low, -100 * TURN)) / TURN))
+    after = max(0, math.ceil((min(high, 100 * TURN) - table.nodes[-1]) / TURN))
+    turns = np.arange(-before, after + 1)
+    nodes = np.concatenate([table.nodes[:-1] + TURN * k for k in turns] + [table.nodes[-1:] + TURN * after])
+
+    def repeated(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([np.tile(values[:, :-1], len(turns)), values[:, -1:]], axis=1)
+
+    return AxisTable(table.letter, nodes, repeated(table.forward), repeated(table.reverse))
+
+
+def position_name(letter: str) -> str:
+    """The name of the column of an axis' position."""
+    return f"{letter}_deg" if letter in ROTARY else f"{letter}_mm"
+
+
+def _rows(path: Path, *letters: str) -> tuple[dict[tuple[int, str], int], list[list[float]], list[int]]:
+    """(component, direction) to column, the numbers, and the line of each row."""
+    header: list[str] = []
+    rows: list[list[float]] = []
+    lines: list[int] = []
+    columns: dict[tuple[int, str], int] = {}
+    for number, line in enumerate(text_of(path).splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        place = Place(str(path), number, line)
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([line]))]
+        except csv.Error as error:
+            raise MachineError(f"not a line of a CSV table: {error}", "numbers between commas", place) from None
+        if not header:
+            header = cells
+            columns = _columns(header, letters, place)
+            continue
+        if len(cells) != len(header):
+            raise MachineError(
+                f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place
+            )
+        for cell in cells:
+            if not NUMBER.fullmatch(cell):
+                raise MachineError(f"{cell!r} is not a number", "every node needs a value in every column", place)
+        values = [float(cell) for cell in cells]
+        if not all(map(math.isfinite, values)):
+            raise MachineError(
+                "a value is not finite (NaN or infinity)", "every node needs a value in every column", place
+            )
+        rows.append(values)
+        lines.append(number)
+    if not rows:
+        raise MachineError("0 nodes: a table needs two at least", "", Place(str(path), 1))
+    return columns, rows, lines
+
+
+def _directions(columns: dict[tuple[int, str], int], data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(6, N) forward and reverse, mm and rad, of columns as they stand in a file."""
+    forward, reverse = np.zeros((6, data.shape[1])), np.zeros((6, data.shape[1]))
+    for (component, direction), column in columns.items():
+        scale = UM if component < 3 else URAD
+        for wanted, into in (("rev", reverse), ("fwd", forward)):
+            if direction in ("", wanted):
+                into[component] = data[column] * scale
+    return forward, reverse
+
+
+def _too_steep(path, line, letter, steep, low, high, limit) -> MachineError:
+    unit = "degree" if letter in ROTARY else "mm"
+    return MachineError(
+        f"the deviation changes by {steep * 1000:.2f} um/{unit} between {letter} = {low:g} and {high:g} "
+        f"(limit {limit * 1000:g} um/{unit})",
+        "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope = true in [limits]",
+        Place(str(path), line),
+    )
+
+
+def _columns(header: list[str], letters: tuple[str, ...], place: Place) -> dict[tuple[int, str], int]:
+    """(component, direction) to column; direction "" for a component measured one way."""
+    letter = letters[0]
+    for i, x in enumerate(letters):
+        name = header[i] if i < len(header) else ""
+        if name != position_name(x):
+            nth, unit = ("first", "second")[i], "degrees" if x in ROTARY else "mm"
+            raise MachineError(
+                f"the {nth} column is {name!r}, not {position_name(x)!r}", f"positions are slide positions in {unit}", place
+            )  # fmt: skip
+    columns: dict[tuple[int, str], int] = {}
+    allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [f"{c}{letter}_urad" for c in COMPONENTS[3:]]
+    for i, name in enumerate(header[len(letters) :], len(letters)):
+        base, direction = (name[:-4], name[-3:]) if name.endswith(("_fwd", "_rev")) else (name, "")
+        if base not in allowed:
+            raise MachineError(
+                f"{name!r} is not a component of axis {letter}",
+                f"columns: {', '.join(allowed)}, each also with _fwd and _rev",
+                place,
+            )
+        key = (allowed.index(base), direction)
+        if key in columns:
+            raise MachineError(f"{name!r} stands twice", "", place)
+        columns[key] = i
+    for component in {c for c, _ in columns}:
+        others = {d for c, d in columns if c == component}
+        if others not in ({""}, {"fwd", "rev"}):
+            raise MachineError(f"{allowed[component]}: give one column, or both _fwd and _rev", "", place)
+    return columns

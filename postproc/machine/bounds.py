@@ -1,0 +1,197 @@
+"""How far a machine's deviation can bend between two places, and how fast it can change: what makes cuts and samples safe.
+
+Tables are linear between nodes. What bends in between are products: an angle times an arm that grows (twist), a table of
+two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place inside the travel.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.machine.chain import XYZ
+
+if TYPE_CHECKING:
+    from postproc.machine.model import Machine
+
+FARTHEST = 1e5  # mm: travels that are stated without end
+
+
+class Bounds:
+    """Bounds of one machine's deviation."""
+
+    def __init__(self, machine: Machine):
+        self.machine = machine
+
+    @cached_property
+    def kink(self) -> float:
+        """mm/mm: how much the slope of the deviation can differ between two places, at most. The chord of any path of
+        length s misses the deviation by at most kink * s / 4 (product terms apart)."""
+        total = self._grid_slopes()
+        for letter, table in self.machine.tables.items():
+            low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
+            spread = high - low
+            total += float(np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self.reach(letter))
+        return total
+
+    def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
+        machine, n = self.machine, low.shape[1]
+        kink, steep = np.full(n, self._grid_slopes()), np.full(n, self._constant)
+        for row, letter in enumerate(machine.letters):
+            table = machine.tables.get(letter)
+            if table is None or table.is_zero:
+                continue
+            spread, slope = table.slope_range(low[row], high[row])
+            reach = self.reach(letter)
+            kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
+            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
+            steep += (
+                np.linalg.norm(slope[:3], axis=0)
+                + np.linalg.norm(slope[3:], axis=0) * reach
+                + float(np.linalg.norm(angle))
+            )
+        return kink, steep
+
+    @cached_property
+    def steepest(self) -> float:
+        """mm/mm: bound of the deviation's change over the way travelled."""
+        total = self._constant
+        for letter, table in self.machine.tables.items():
+            slope = np.abs(table.slopes).max(axis=(1, 2))
+            angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
+            total += float(
+                np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(letter) + np.linalg.norm(angle)
+            )
+        return total
+
+    @cached_property
+    def _constant(self) -> float:
+        """mm/mm: what squareness, location, heat and tables of two axes add to the steepness everywhere."""
+        m = self.machine
+        total = sum(float(np.linalg.norm(stands[3:])) * (1 if x in XYZ else 2) for x, stands in m.locations.items())
+        total += sum(abs(growth.rate) for growth in m.expansions.values())
+        return total + self._grid_slopes() + sum(float(np.linalg.norm(grid.sizes[3:])) for grid in m.grids)
+
+    def _grid_slopes(self) -> float:
+        total = 0.0
+        for grid in self.machine.grids:
+            for slope in grid.slopes:
+                total += float(np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(grid.letter))
+        return total
+
+    def reach(self, letter: str) -> float:
+        """mm: the longest arm of an axis."""
+        m = self.machine
+        axis = m.axes[letter]
+        arm = np.abs(m.tool - axis.measured_at)
+        if m.chain.rotary:  # turned about, every part of the arm may point anywhere
+            slides = sum(self._travel(x) for x in m.chain.axes if x in XYZ)
+            centres = sum(2 * float(np.linalg.norm(m.axes[x].centre)) for x in m.chain.rotary)
+            return float(np.linalg.norm(m.tool) + np.linalg.norm(axis.measured_at)) + slides + centres
+        if letter in m.chain.axes:
+            for other in m.chain.arm(letter, axis.optic):
+                arm[XYZ.index(other)] += self._travel(other)
+        return float(np.linalg.norm(arm))
+
+    def _travel(self, letter: str) -> float:
+        return min(max(abs(t) for t in self.machine.axes[letter].travel), FARTHEST)
+
+    @cached_property
+    def second_order(self) -> float:
+        """mm: bound of what a sum of first order leaves out, the products of two errors: every angle turns every other
+        error and its arm. Sizes are those of the tables' nodes."""
+        m = self.machine
+        angle = shift = 0.0
+        for x in m.chain.axes:
+            size, lean, _, _ = self._sizes(x, np.zeros(1))
+            stands = m.locations.get(x)
+            if stands is not None:
+                size += 2 * float(np.linalg.norm(stands[:3]))
+                lean += 2 * float(np.linalg.norm(stands[3:]))
+            if x in m.expansions:
+                size += abs(m.expansions[x].rate) * 2 * self._travel(x)
+            angle += lean
+            shift += size + lean * (self.reach(x) + self._travel(x) if x in XYZ else self.reach(x))
+        return angle * shift
+
+    @cached_property
+    def twist(self) -> np.ndarray:
+        """(A, A) 1/mm: bound of the product terms; moving axis i by a and j by b bends the deviation by twist * a * b / 4."""
+        m = self.machine
+        result = np.zeros((len(m.letters),) * 2)
+
+        def add(one: str, other: str, size: float) -> None:
+            result[m.letters.index(one), m.letters.index(other)] += size
+
+        for letter, table in m.tables.items():
+            steep = float(np.linalg.norm(np.abs(table.slopes[3:]).max(axis=(1, 2))))
+            if letter in m.chain.axes:
+                for other in m.chain.arm(letter, m.axes[letter].optic):
+                    add(letter, other, steep)
+        for grid in m.grids:
+            mixed = grid.twist
+            add(
+                grid.letter,
+                grid.other,
+                float(np.linalg.norm(mixed[:3]) + np.linalg.norm(mixed[3:]) * self.reach(grid.letter)),
+            )
+            along, across = (float(np.linalg.norm(slope[3:])) for slope in grid.slopes)
+            for other in m.chain.arm(grid.letter, m.axes[grid.letter].optic):
+                add(grid.letter, other, along)
+                add(grid.other, other, across)
+        return result
+
+    def bend(self, way: np.ndarray) -> np.ndarray:
+        """(N,) mm: how far products can bend the deviation of straight motions away from its chord; way (A, N) mm and
+        degrees. It goes with the square of the length: cut in n parts, n * n times less."""
+        result = np.zeros(way.shape[1])
+        for i, j in zip(*np.nonzero(self.twist), strict=True):
+            result += self.twist[i, j] * np.abs(way[i] * way[j]) / 4
+        if self.machine.chain.rotary:
+            result += self._turning(way) / 8
+        return result
+
+    def _turning(self, way: np.ndarray) -> np.ndarray:
+        """(N,) mm: bound of the second derivative over the whole motion of everything that a rotary axis turns.
+
+        A product f R r of a table's value, nominal rotations and an arm has 2 f' R' r + 2 f' R r' + 2 f R' r' + f R'' r +
+        f R r''; every rotation adds its angle a to |R'| and a^2 to |R''|, and turns arms too.
+        """
+        m = self.machine
+        rows = {x: i for i, x in enumerate(m.letters)}
+        angle = sum((np.radians(np.abs(way[rows[x]])) for x in m.chain.rotary), np.zeros(way.shape[1]))
+        slide = np.sqrt(sum((way[rows[x]] ** 2 for x in m.chain.axes if x in XYZ), np.zeros(way.shape[1])))
+        total = np.zeros(way.shape[1])
+        for x in m.chain.axes:
+            arm = self.reach(x)
+            shift, lean, shift_rise, lean_rise = self._sizes(x, np.abs(way[rows[x]]))
+            stands = m.locations.get(x)
+            if stands is not None:
+                shift += 2 * float(np.linalg.norm(stands[:3]))
+                lean += 2 * float(np.linalg.norm(stands[3:]))
+            if x in m.expansions:
+                rate = abs(m.expansions[x].rate)
+                shift, shift_rise = shift + rate * self._travel(x), shift_rise + rate * np.abs(way[rows[x]])
+            total += 2 * shift_rise * angle + shift * angle**2
+            total += lean_rise * (4 * angle * arm + 2 * slide) + lean * (4 * angle**2 * arm + 4 * angle * slide)
+        return np.where(angle > 0, total, 0.0)
+
+    def _sizes(self, letter: str, way: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
+        """Largest translation mm and rotation rad of an axis, and (N,) how much they change over a way (N,)."""
+        axis = self.machine.axes[letter]
+        shift = lean = 0.0
+        shift_rise, lean_rise = np.zeros(len(way)), np.zeros(len(way))
+        if axis.table is not None:
+            size = np.abs(np.stack([axis.table.forward, axis.table.reverse])).max(axis=(0, 2))
+            slope = np.abs(axis.table.slopes).max(axis=(1, 2))
+            shift, lean = float(np.linalg.norm(size[:3])), float(np.linalg.norm(size[3:]))
+            shift_rise = np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * shift)
+            lean_rise = np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * lean)
+        for grid in axis.grids:
+            more, turn = float(np.linalg.norm(grid.sizes[:3])), float(np.linalg.norm(grid.sizes[3:]))
+            shift, lean = shift + more, lean + turn
+            shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn
+        return shift, lean, shift_rise, lean_rise

@@ -1,0 +1,159 @@
+"""The same sum for chains with rotary axes: errors are carried from the tool back to the workpiece, pose by pose.
+
+Read from the workpiece to the tool, every axis is a motion N_j of what follows it (a translation along its direction, or
+a rotation about its centre line), and its errors E_j are a small motion beside it. To first order the tool tip is off by
+the sum of every E_j at the place where it acts, turned by the nominal rotations before it. Translations and rotations of
+a rotary axis are those of ISO 230-7: about a point on its centre line, in the frame that does not turn with it. Where its
+centre line lies beside the nominal one (X0C, Y0C) or leans (A0C, B0C) is a motion before N_j and taken back behind it.
+
+The result is told along the slides, as a correction must move them: a table that turns the part turns their directions.
+Orientation of the tool is not corrected, its size is told by `orientation`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.errors import MachineError
+from postproc.machine.chain import ROTARY, XYZ, Chain, Parts
+
+SINGULAR = 0.1  # determinant of the slides' directions: below, one slide does nearly what another does
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What does not move. tool (3,) mm; location: axis to (6,) mm and rad, how its line lies beside the nominal one;
+    centre, measured: axis to (3,) mm; optic: axis to what its measured point was fixed to."""
+
+    chain: Chain
+    location: dict[str, np.ndarray]
+    tool: np.ndarray
+    centre: dict[str, np.ndarray]
+    measured: dict[str, np.ndarray]
+    optic: dict[str, str]
+
+
+def tip_deviation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """Three (N,) columns: mm by which the slides X, Y, Z seem to be off. position: axis to (N,) mm or degrees.
+
+    Raises MachineError at a pose where the slides' directions do not span what must be corrected.
+    """
+    off, _ = _carried(g, parts, position)
+    return _along_slides(g.chain, off, position)
+
+
+def orientation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> np.ndarray:
+    """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
+    return _carried(g, parts, position)[1]
+
+
+def _carried(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """(3, N) mm deviation of the tip and (3, N) rad of the tool, in the workpiece's frame."""
+    n = len(next(iter(position.values())))
+    tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)
+    off, lean = np.zeros((3, n)), np.zeros((3, n))
+    for letter in reversed(g.chain.axes):
+        moves, turns = _split(parts.get(letter), n)
+        q = position[letter]
+        stands = g.location.get(letter)
+        if letter in XYZ:
+            way = np.zeros((3, n))
+            way[XYZ.index(letter)] = q
+            if turns is not None:
+                own = (g.optic.get(letter) or g.chain.side(letter)) == "workpiece"
+                arm = tip + way if own else tip
+                off += np.cross(turns, arm - g.measured[letter][:, None], axis=0)
+                lean += turns
+            if moves is not None:
+                off += moves
+            if stands is not None:
+                off += np.cross(stands[3:, None], way, axis=0)
+            tip = tip + way
+            continue
+        centre = g.centre[letter][:, None]
+        carries_part = g.chain.side(letter) == "workpiece"
+        if carries_part:
+            off, lean = _added(off, lean, moves, turns, tip - centre - g.measured[letter][:, None])
+        turn = rotation(letter, np.radians(q))
+        if stands is not None:
+            off -= stands[:3, None] + np.cross(stands[3:, None], tip - centre, axis=0)
+            lean -= stands[3:, None]
+        tip = _turned(turn, tip - centre) + centre
+        off, lean = _turned(turn, off), _turned(turn, lean)
+        if stands is not None:
+            off += stands[:3, None] + np.cross(stands[3:, None], tip - centre, axis=0)
+            lean += stands[3:, None]
+        if not carries_part:
+            off, lean = _added(off, lean, moves, turns, tip - centre - g.measured[letter][:, None])
+    return off, lean
+
+
+def rotation(letter: str, angle: np.ndarray) -> np.ndarray:
+    """(3, 3, N) about X, Y or Z for A, B or C; angle (N,) rad, right-handed."""
+    i = ROTARY.index(letter)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    result = np.zeros((3, 3, len(angle)))
+    result[i, i] = 1.0
+    result[j, j] = result[k, k] = np.cos(angle)
+    result[k, j] = np.sin(angle)
+    result[j, k] = -result[k, j]
+    return result
+
+
+def _split(part: Parts | None, n: int) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """(3, n) translations and (3, n) rotations, None where all are zero."""
+    if part is None:
+        return None, None
+    halves = []
+    for half in (part[:3], part[3:]):
+        live = [np.zeros(n) if column is None else column for column in half]
+        halves.append(None if all(column is None for column in half) else np.stack(live))
+    return halves[0], halves[1]
+
+
+def _added(off, lean, moves, turns, arm):
+    if moves is not None:
+        off = off + moves
+    if turns is not None:
+        off, lean = off + np.cross(turns, arm, axis=0), lean + turns
+    return off, lean
+
+
+def _turned(turn: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    return np.einsum("ijn,jn->in", turn, vectors)
+
+
+def _along_slides(chain: Chain, off: np.ndarray, position: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """A deviation of the workpiece's frame, told along the slides that the machine has."""
+    n = off.shape[1]
+    before = np.repeat(np.eye(3)[:, :, None], n, axis=2)
+    slides: list[str] = []
+    directions: list[np.ndarray] = []
+    between = False  # whether a rotary axis lies between two slides
+    for letter in chain.axes:
+        if letter in ROTARY:
+            before = np.einsum("ijn,jkn->ikn", before, rotation(letter, np.radians(position[letter])))
+            between |= bool(slides) and any(x in XYZ for x in chain.axes[chain.axes.index(letter) :])
+        else:
+            slides.append(letter)
+            directions.append(before[:, XYZ.index(letter)])
+    result = [np.zeros(n) for _ in XYZ]
+    if not between:
+        for letter, direction in zip(slides, directions, strict=True):
+            result[XYZ.index(letter)] = (direction * off).sum(axis=0)
+        return result
+    matrix = np.stack(directions, axis=1).transpose(2, 0, 1)  # (N, 3, slides)
+    square = np.einsum("nij,nik->njk", matrix, matrix)
+    bad = np.flatnonzero(np.linalg.det(square) < SINGULAR**2)
+    if len(bad):
+        pose = ", ".join(f"{x} = {position[x][bad[0]]:g}" for x in chain.rotary)
+        raise MachineError(
+            f"at {pose} degrees the slides {' '.join(slides)} no longer move in directions of their own",
+            "the position can not be corrected there: keep away from this pose",
+        )
+    solved = np.linalg.solve(square, np.einsum("nij,in->nj", matrix, off)[:, :, None])[:, :, 0]
+    for k, letter in enumerate(slides):
+        result[XYZ.index(letter)] = solved[:, k].copy()
+    return result
