@@ -301,9 +301,11 @@ class Verifier:
         return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
 
     def report(self) -> str:
-        """One line for a person."""
+        """One line for a person: before, after, and their ratio."""
+        before, after = self.uncorrected.deviation, self.corrected.deviation
+        ratio = f", {before / after:.0f} times less" if after > 0 and before > after else ""
         return (
-            f"largest deviation from the nominal path {self.corrected.deviation / UM:.2f} um (line {self.corrected.line}), "
-            f"uncorrected {self.uncorrected.deviation / UM:.2f} um (line {self.uncorrected.line}); tolerance {self.tolerance / UM:g} um; "
+            f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
+            f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}; tolerance {self.tolerance / UM:g} um; "
             f"{self.motions_in} motions in, {self.motions_out} out"
         )

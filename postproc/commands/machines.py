@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.errors import GcompError, UsageError
 from postproc.machine import places
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
@@ -50,24 +50,36 @@ def show(machine: Machine) -> str:
     if machine.source:
         lines.append(f"source: {machine.source}")
     for letter, axis in machine.axes.items():
+        unit = "degrees" if letter in ROTARY else "mm"
         lines.append(
-            f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} mm, least increment {axis.least_increment:g} mm"
+            f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} {unit}, least increment {axis.least_increment:g} {unit}"
         )
+        if letter in machine.chain.rotary:
+            lines.append(
+                "  centre line through " + " ".join(f"{x}{v:g}" for x, v in zip(XYZ, axis.centre, strict=True)) + " mm"
+            )
+        lines += [
+            f"  {(XYZ + ROTARY)[i]}0{letter}  {axis.location[i] / UM:+.1f} um"
+            for i in map(int, np.flatnonzero(axis.location))
+        ]
+        lines += [f"  by {g.other} too: {len(g.nodes)} by {len(g.others)} nodes" for g in axis.grids]
+        if axis.expansion is not None:
+            lines.append(f"  heat: {axis.expansion.rate * 1e6:+.2f} um/m from {axis.expansion.fixed:g} mm")
         if axis.table is None:
             lines.append("  no error table")
             continue
         table = axis.table
-        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} mm, {len(table.nodes)} nodes")
+        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes")
         for row in range(6):
             forward, reverse = table.forward[row], table.reverse[row]
             if not (np.any(forward) or np.any(reverse)):
                 continue
-            scale, unit = (UM, "um") if row < 3 else (URAD, "urad")
+            scale, size = (UM, "um") if row < 3 else (URAD, "urad")
             both = np.stack([forward, reverse]) / scale
             worst = np.unravel_index(np.argmax(np.abs(both)), both.shape)
             ways = f", reversal up to {np.abs(both[0] - both[1]).max():.1f}" if np.any(forward != reverse) else ""
             lines.append(
-                f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {unit}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} mm{ways}"
+                f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {size}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} {unit}{ways}"
             )
         if table.is_zero:
             lines.append("  all zero")
@@ -87,6 +99,7 @@ def show(machine: Machine) -> str:
     )
     if not machine.is_zero:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
+        lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
     return "\n".join(lines)
 
 
@@ -97,6 +110,15 @@ def _chain(machine: Machine) -> list[str]:
 
 def _largest(machine: Machine) -> float:
     """mm: largest deviation vector over the grid of all nodes, both ways."""
-    nodes = [machine.tables[x].nodes if x in machine.tables and x in XYZ else np.zeros(1) for x in machine.letters]
+    nodes = [_some(machine, x) for x in machine.letters]
     grid = np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")])
     return max(float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max()) for s in (-1.0, 1.0))
+
+
+def _some(machine: Machine, letter: str) -> np.ndarray:
+    """Nodes of an axis: all of them, but where several axes make that too many, nine places spread over a turn or travel."""
+    nodes = machine.tables[letter].nodes if letter in machine.tables else np.zeros(1)
+    if letter in ROTARY and nodes[-1] - nodes[0] > 360.0:
+        nodes = np.arange(0.0, 360.0, 45.0)
+    most = 1000 if len(machine.letters) < 4 else 9
+    return nodes if len(nodes) <= most else nodes[np.linspace(0, len(nodes) - 1, most).astype(int)]

@@ -44,6 +44,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument(
         "--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value"
     )
+    how.add_argument(
+        "--temperature", metavar="Z=24.1,work=21", type=values.temperatures, default={},
+        help="temperatures of scales or screws, and of the work, degrees Celsius, for machines that state how they grow",
+    )  # fmt: skip
     how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
     program = parser.add_argument_group("how the program is read")
     program.add_argument(
@@ -113,7 +117,19 @@ def machine_of(options: argparse.Namespace) -> Machine:
         raise UsageError(
             "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
         )
-    return places.load(options.machine)
+    return _warmed(places.load(options.machine), getattr(options, "temperature", {}))
+
+
+def _warmed(machine: Machine, temperatures: dict[str, float]) -> Machine:
+    """The machine at other temperatures. Raises UsageError where it does not say how it grows."""
+    grows = [x for x, axis in machine.axes.items() if axis.expansion is not None]
+    for name in temperatures:
+        if not grows or (name != "work" and name not in grows):
+            raise UsageError(
+                f"--temperature names {name}, and {machine.name} does not say how {'anything' if not grows else name} grows",
+                "heat = { scale_um_m_K = 11.5, scale_C = 20.0, work_um_m_K = 11.5, work_C = 20.0, fixed_mm = 0.0 } in its [axes] section",
+            )
+    return machine.at_temperatures(temperatures) if temperatures else machine
 
 
 def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") -> Filter:

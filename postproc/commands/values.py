@@ -69,6 +69,17 @@ def offset(text: str) -> tuple[str, dict[str, float]]:
     return known, _words(text, rest, letters, OFFSET)
 
 
+def temperatures(text: str) -> dict[str, float]:
+    """Axis, or "work", to degrees Celsius, from "Z=24.1,work=21"."""
+    result: dict[str, float] = {}
+    for part in text.split(","):
+        found = re.fullmatch(r"\s*([XYZ]|work)\s*=?\s*([-+]?[0-9]+\.?[0-9]*)\s*C?\s*", part)
+        if not found or not -30 <= float(found[2]) <= 90:
+            raise argparse.ArgumentTypeError(f"{text!r} is not like Z=24.1,work=21 (degrees Celsius): {part.strip()!r}")
+        result[found[1]] = float(found[2])
+    return result
+
+
 def _words(whole: str, text: str, letters: str, wanted: str) -> dict[str, float]:
     """Letter to number of "X1,Z-2.5". `whole` and `wanted` are for the message."""
     result: dict[str, float] = {}

@@ -170,6 +170,16 @@ class Machine:
         slides carry."""
         return replace(self, tool=self.tool - np.array(length))
 
+    def at_temperatures(self, celsius: dict[str, float]) -> Machine:
+        """The same machine with other temperatures of its scales (by axis) and of the workpiece ("work")."""
+        axes = dict(self.axes)
+        for x, axis in self.axes.items():
+            if axis.expansion is not None:
+                e = axis.expansion
+                warm = replace(e, scale_at=celsius.get(x, e.scale_at), work_at=celsius.get("work", e.work_at))
+                axes[x] = replace(axis, expansion=warm)
+        return replace(self, axes=axes)
+
     def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(A, N) mm: actual - commanded of each linear axis, at commanded slide positions (A, N) mm.
 
