@@ -74,13 +74,10 @@ class Compensator:
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
         largest = 0.0
-        for table in self.machine.tables.values():
+        for _, table in self.machine.every_table:
             largest = max(largest, 2 * float(np.abs(table.half[:3]).max()))
         for grid in self.machine.grids:
             largest = max(largest, float(np.abs(grid.forward - grid.reverse)[:3].max()))
-        for term in self.machine.effects:
-            if term.name == "backlash":
-                largest = max(largest, abs(term.parameters["size_um"]) * 1e-3)
         return max(10 * largest, 0.5)
 
     def initial(self) -> Carry:

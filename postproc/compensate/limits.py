@@ -166,7 +166,7 @@ def bound_cutter(b: Batch) -> None:
         return
     reversal = ""
     if b.machine.two_way.any():
-        half = [np.abs(t.half[:3]).max() for t in b.machine.tables.values()]
+        half = [np.abs(t.half[:3]).max() for _, t in b.machine.every_table]
         reversal = f"; where an axis turns back its reversal of up to {2 * max(half, default=0.0) / UM:.1f} um is spread over the block"
     b.notices.append(
         Notice("cutter", f"inside G41 G42 the map is read at the programmed contour, not at the tool's centre: wrong by {b.machine.bounds.steepest / UM:.2f} um "

@@ -43,10 +43,9 @@ def candidates(
 def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, or product terms."""
     result = machine.bounds.bend(target - start) > slack
-    for row, letter in enumerate(machine.letters):
-        table = machine.tables.get(letter)
-        if table is not None and not table.is_zero:
-            result |= table.place(start[row])[0] != table.place(target[row])[0]
+    for letter, table in machine.every_table:
+        row = machine.letters.index(letter)
+        result |= table.place(start[row])[0] != table.place(target[row])[0]
     for grid in machine.grids:
         for letter, nodes in ((grid.letter, grid.nodes), (grid.other, grid.others)):
             row = machine.letters.index(letter)

@@ -1,28 +1,115 @@
-"""What moves the tool tip beyond the geometric tables. One file an effect, found by its name.
+"""The physics beyond the geometric tables. One file an effect, found by its name.
 
-A module holds PARAMETERS (name with unit to meaning), USE ("compensate", "simulate" or "recording") and
-`deviation(pose, axis, **parameters) -> (3, N)` in mm.
+A module holds
+
+- PARAMETERS: name with unit to "unit, meaning"; KIND: machine, instrument or data; USE: compensate, simulate or recording;
+- PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
+- NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
+  instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
+- TEXT: what it is and what to do about it;
+- shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}] where there are none;
+- columns(state, axis, **shape) -> (K, 3, N) mm of deviation at the tool (actual - commanded) for unit coefficients of 1 um;
+  of instruments (K, N) mm of the reading;
+- parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
+
+An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
+holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from types import ModuleType
 
 import numpy as np
 
+UM = 1e-3  # mm
+XYZ = "XYZ"
+
 
 @dataclass(frozen=True)
-class Pose:
-    """All that an effect may see. position, approach: axis letter to (N,), mm and -1..+1."""
+class State:
+    """N rows of a recording or a simulation, and what led there. What is not known is empty.
+
+    position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since that axis turned back
+    last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run (N,): which passage. channels: name to (N,), as
+    recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
+    (N,) mm: length of a laser's beam beyond its zero.
+    """
 
     position: dict[str, np.ndarray]
     approach: dict[str, np.ndarray]
+    travel: dict[str, tuple[float, float]]
+    velocity: dict[str, np.ndarray] = field(default_factory=dict)
+    acceleration: dict[str, np.ndarray] = field(default_factory=dict)
+    distance: dict[str, np.ndarray] = field(default_factory=dict)
+    since: dict[str, np.ndarray] = field(default_factory=dict)
+    time: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    run: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    channels: dict[str, np.ndarray] = field(default_factory=dict)
+    angles: dict[str, np.ndarray] = field(default_factory=dict)
+    beam: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))
+
+    def share(self, axis: str) -> np.ndarray:
+        """(N,) place along the travel, -1 to +1."""
+        low, high = self.travel[axis]
+        return 2 * (self.position[axis] - low) / (high - low) - 1
+
+    def channel(self, *names: str) -> np.ndarray | None:
+        """The first of these channels that was recorded."""
+        return next((self.channels[n] for n in names if n in self.channels), None)
+
+
+def along(axis: str, *values: np.ndarray) -> np.ndarray:
+    """(K, 3, N) mm of values (N,) um along one axis."""
+    result = np.zeros((len(values), 3, len(values[0])))
+    for k, value in enumerate(values):
+        result[k, XYZ.index(axis)] = value * UM
+    return result
+
+
+def warmth(state: State, axis: str, tau_s: float) -> np.ndarray:
+    """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes with time, 0 to 1."""
+    measured = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C")
+    if tau_s == 0 and measured is not None:
+        return measured - measured[0]
+    return 1.0 - np.exp(-(state.time - state.time.min()) / max(tau_s, 1.0))
+
+
+def swing(coefficients: np.ndarray) -> dict[str, float]:
+    """Amplitude and phase of a cosine and a sine."""
+    cosine, sine = coefficients
+    return {"amplitude_um": float(np.hypot(cosine, sine)), "phase_deg": float(np.degrees(np.arctan2(sine, cosine)))}
+
+
+def swing_coefficients(amplitude_um: float, phase_deg: float) -> np.ndarray:
+    """(2,) cosine and sine."""
+    return amplitude_um * np.array([np.cos(np.radians(phase_deg)), np.sin(np.radians(phase_deg))])
+
+
+def legendre(u: np.ndarray, degree: int) -> np.ndarray:
+    """(N,) Legendre polynomial; u within -1 to +1."""
+    return np.polynomial.legendre.Legendre.basis(degree)(u)
+
+
+def grid(low: float, high: float, number: int) -> list[float]:
+    """Values at equal ratios."""
+    return [float(v) for v in np.geomspace(low, high, number)]
+
+
+def one_way(
+    axis: str, component: str, travel: tuple[float, float], number: int, of: Callable[[np.ndarray], np.ndarray]
+):
+    """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in um."""
+    nodes = np.linspace(*travel, number)
+    value = of(nodes) * UM
+    return component, axis, nodes, value, value
 
 
 def names() -> list[str]:
@@ -35,3 +122,9 @@ def load(name: str) -> ModuleType:
     if name not in names():
         raise KeyError(name)
     return importlib.import_module(f"{__name__}.{name}")
+
+
+def deviation(module: ModuleType, state: State, axis: str, **parameters: float) -> np.ndarray:
+    """(3, N) mm: what an effect adds at the tool, (N,) mm of an instrument's reading."""
+    value, shape = module.coefficients(**parameters)
+    return np.tensordot(value, module.columns(state, axis, **shape), axes=1)

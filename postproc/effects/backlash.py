@@ -5,16 +5,35 @@ Positive when it stops short in either direction; negative when the control over
 
 import numpy as np
 
-from postproc.effects import Pose
-from postproc.units import UM
+from postproc.effects import UM, State, along
 
-PARAMETERS = {"size_um": "um, lost motion between the two directions of approach"}
-USE = "compensate"
-TWO_WAY = True
+PARAMETERS = {
+    "size_um": "um, lost motion between the two directions of approach",
+}
+KIND, USE, PER = "machine", "compensate", "axis"
+NEEDS, SEES = ("approach",), ("tool",)
+TEXT = (
+    "Lost motion in nut, bearing or coupling: the same gap wherever the axis turns back. "
+    "Set the control's backlash or let the compensator take it up; a growing value is wear."
+)
 
 
-def deviation(pose: Pose, axis: str, size_um: float) -> np.ndarray:
-    """(3, N) mm: -size/2 along the axis when it was reached in +, +size/2 in -, 0 before it has moved."""
-    result = np.zeros((3, len(pose)))
-    result["XYZ".index(axis)] = -size_um * UM / 2 * pose.approach[axis]
-    return result
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    return along(axis, -state.approach[axis] / 2)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"size_um": float(coefficients[0])}
+
+
+def coefficients(size_um: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um]), {}
+
+
+def tables(axis: str, travel: tuple[float, float], size_um: float):
+    nodes = np.array(travel)
+    return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -30,7 +30,7 @@ class Bounds:
         """mm/mm: how much the slope of the deviation can differ between two places, at most. The chord of any path of
         length s misses the deviation by at most kink * s / 4 (product terms apart)."""
         total = self._grid_slopes()
-        for letter, table in self.machine.tables.items():
+        for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
             spread = high - low
             total += float(np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self.reach(letter))
@@ -40,10 +40,8 @@ class Bounds:
         """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
         machine, n = self.machine, low.shape[1]
         kink, steep = np.full(n, self._grid_slopes()), np.full(n, self._constant)
-        for row, letter in enumerate(machine.letters):
-            table = machine.tables.get(letter)
-            if table is None or table.is_zero:
-                continue
+        for letter, table in machine.every_table:
+            row = machine.letters.index(letter)
             spread, slope = table.slope_range(low[row], high[row])
             reach = self.reach(letter)
             kink += np.linalg.norm(spread[:3], axis=0) + np.linalg.norm(spread[3:], axis=0) * reach
@@ -59,7 +57,7 @@ class Bounds:
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way travelled."""
         total = self._constant
-        for letter, table in self.machine.tables.items():
+        for letter, table in self.machine.every_table:
             slope = np.abs(table.slopes).max(axis=(1, 2))
             angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
             total += float(
@@ -126,7 +124,7 @@ class Bounds:
         def add(one: str, other: str, size: float) -> None:
             result[m.letters.index(one), m.letters.index(other)] += size
 
-        for letter, table in m.tables.items():
+        for letter, table in m.every_table:
             steep = float(np.linalg.norm(np.abs(table.slopes[3:]).max(axis=(1, 2))))
             if letter in m.chain.axes:
                 for other in m.chain.arm(letter, m.axes[letter].optic):
@@ -184,12 +182,13 @@ class Bounds:
         axis = self.machine.axes[letter]
         shift = lean = 0.0
         shift_rise, lean_rise = np.zeros(len(way)), np.zeros(len(way))
-        if axis.table is not None:
-            size = np.abs(np.stack([axis.table.forward, axis.table.reverse])).max(axis=(0, 2))
-            slope = np.abs(axis.table.slopes).max(axis=(1, 2))
-            shift, lean = float(np.linalg.norm(size[:3])), float(np.linalg.norm(size[3:]))
-            shift_rise = np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * shift)
-            lean_rise = np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * lean)
+        for table in (t for x, t in self.machine.every_table if x == letter):
+            size = np.abs(np.stack([table.forward, table.reverse])).max(axis=(0, 2))
+            slope = np.abs(table.slopes).max(axis=(1, 2))
+            more, turn = float(np.linalg.norm(size[:3])), float(np.linalg.norm(size[3:]))
+            shift, lean = shift + more, lean + turn
+            shift_rise = shift_rise + np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * more)
+            lean_rise = lean_rise + np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * turn)
         for grid in axis.grids:
             more, turn = float(np.linalg.norm(grid.sizes[:3])), float(np.linalg.norm(grid.sizes[3:]))
             shift, lean = shift + more, lean + turn

@@ -21,7 +21,7 @@ from postproc.machine import chain as chains
 from postproc.machine.axis_file import over_turns, read_grid, read_table, text_of
 from postproc.machine.chain import OPTICS, ROTARY, XYZ
 from postproc.machine.model import Axis, EffectTerm, Expansion, Limits, Machine
-from postproc.machine.tables import GridTable
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
@@ -325,6 +325,22 @@ def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
     return offsets
 
 
+def _effect_axis(toml: _Toml, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
+    """The axis of an effect, a pair of them, or "" for one of the whole machine."""
+    name = entry["name"]
+    axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
+    if module.PER == "all" and not axis:
+        return ""
+    wanted = 2 if module.PER == "pair" else 1
+    if len(axis) != wanted or len(set(axis)) != wanted or not all(x in axes and x in XYZ for x in axis):
+        what = "a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
+        message = f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
+            "no a pair", "not a pair"
+        )
+        raise toml.fault("effect", "axis", message, index=index)
+    return axis
+
+
 def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
     terms = []
     entries = toml.data.get("effect", [])
@@ -337,11 +353,15 @@ def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
         except KeyError:
             known = f"effects: {', '.join(effects.names())}"
             raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
-        axis = toml.string("effect", entry, "axis", index=i)
-        if axis not in axes or axis not in XYZ:
-            raise toml.fault("effect", "axis", f"effect {name}: {axis!r} is no linear axis of the machine", index=i)
+        axis = _effect_axis(toml, entry, module, axes, i)
         toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS), i)
         parameters = {p: toml.number("effect", entry, p, index=i) for p in module.PARAMETERS}
-        if module.USE == "compensate":
-            terms.append(EffectTerm(name, axis, parameters, module))
+        tables: list[AxisTable] = []
+        if module.USE == "compensate" and hasattr(module, "tables"):
+            moving = axis[1] if module.PER == "pair" else axis
+            for component, letter, nodes, forward, reverse in module.tables(axis, axes[moving].travel, **parameters):
+                both = np.zeros((2, 6, len(nodes)))
+                both[:, COMPONENTS.index(component)] = forward, reverse
+                tables.append(AxisTable(letter, nodes, both[0], both[1]))
+        terms.append(EffectTerm(name, axis, parameters, module, tuple(tables)))
     return tuple(terms)

@@ -8,7 +8,6 @@ from types import ModuleType
 
 import numpy as np
 
-from postproc import effects
 from postproc.machine import rotary
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import ROTARY, XYZ, Chain, Parts, tip_deviation
@@ -58,12 +57,14 @@ class Axis:
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """One accepted effect with its parameters."""
+    """One accepted effect with its parameters. tables: axis to the errors that it adds where the slides stand, none for an
+    effect that a place alone does not decide."""
 
     name: str
     axis: str
     parameters: dict[str, float]
     module: ModuleType
+    tables: tuple[AxisTable, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,9 +122,8 @@ class Machine:
     def knots(self) -> dict[str, list[np.ndarray]]:
         """Axis to the nodes at which a deviation bends."""
         found: dict[str, list[np.ndarray]] = {}
-        for x, table in self.tables.items():
-            if not table.is_zero:
-                found.setdefault(x, []).append(table.nodes)
+        for x, table in self.every_table:
+            found.setdefault(x, []).append(table.nodes)
         for grid in self.grids:
             found.setdefault(grid.letter, []).append(grid.nodes)
             found.setdefault(grid.other, []).append(grid.others)
@@ -145,12 +145,12 @@ class Machine:
     def is_zero(self) -> bool:
         """Whether no correction can ever be needed."""
         exact = all(t.is_zero for t in self.tables.values()) and not any(grid.rows for grid in self.grids)
-        return exact and not self.effects and not self.locations and not self.expansions
+        return exact and not self.locations and not self.expansions and not any(e.tables for e in self.effects)
 
     @cached_property
     def two_way(self) -> np.ndarray:
         """(A,) bool: axes whose direction of approach matters."""
-        by_effect = {e.axis for e in self.effects if getattr(e.module, "TWO_WAY", False)}
+        by_effect = {table.letter for e in self.effects for table in e.tables if table.two_way}
         by_effect |= {grid.letter for grid in self.grids if grid.two_way}
         return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
 
@@ -195,11 +195,6 @@ class Machine:
             measured = {x: axis.measured_at for x, axis in self.axes.items()}
             optic = {x: axis.optic for x, axis in self.axes.items()}
             parts = tip_deviation(self.chain, each, self.square, self.tool, measured, optic, q)
-        if self.effects:
-            pose = effects.Pose(q, s)
-            for term in self.effects:
-                extra = term.module.deviation(pose, term.axis, **term.parameters)
-                parts = [a + b for a, b in zip(parts, extra, strict=True)]
         result = np.zeros_like(position)
         for row in self.corrected:
             result[row] = parts[XYZ.index(self.letters[row])]
@@ -221,12 +216,29 @@ class Machine:
         each = {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
         return rotary.orientation(self.geometry, each, q)
 
+    @cached_property
+    def _added(self) -> dict[str, list[AxisTable]]:
+        """Axis to the tables that effects add."""
+        found: dict[str, list[AxisTable]] = {}
+        for term in self.effects:
+            for table in term.tables:
+                found.setdefault(table.letter, []).append(table)
+        return found
+
+    @cached_property
+    def every_table(self) -> list[tuple[str, AxisTable]]:
+        """Axis and table: measured ones that are not zero, and what effects add."""
+        own = [(x, table) for x, table in self.tables.items() if not table.is_zero]
+        return own + [(x, table) for x, tables in self._added.items() for table in tables]
+
     def _parts(self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth with temperature."""
         axis = self.axes[letter]
         part: Parts | None = None
         if axis.table is not None and axis.table.rows:
             part = axis.table.evaluate(q[letter], s[letter])
+        for table in self._added.get(letter, ()):
+            part = _sum(part, table.evaluate(q[letter], s[letter]))
         for grid in axis.grids:
             part = _sum(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
         growth = self.expansions.get(letter)

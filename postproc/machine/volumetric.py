@@ -95,6 +95,11 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     square = {f"{ROTARY[i]}0{x}": float(a) for x, v in machine.square.items() for i, a in enumerate(v) if a}
     notices = [f"growth of {x} with temperature is not written" for x in machine.expansions]
     notices += [f"effect {term.name} of {term.axis} is not written" for term in machine.effects]
+    if machine.tool.any() and machine.turns:
+        at = ", ".join(f"{v:g}" for v in machine.tool)
+        notices.append(
+            f"the tool of the machine's file ({at} mm) is part of the translations: a longer one counts from there"
+        )
     chain = machine.chain
     return VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)), left
 

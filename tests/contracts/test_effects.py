@@ -2,48 +2,128 @@
 
 from __future__ import annotations
 
+import inspect
+
 import numpy as np
 import pytest
 
 from postproc import effects
+from postproc.effects import State
 
 NAMES = effects.names()
-N = 7
-POSE = effects.Pose(
-    position={x: np.linspace(0.0, 100.0, N) for x in "XYZ"},
-    approach={x: np.array([-1, 1, 0, 1, -1, 0.5, -0.5]) for x in "XYZ"},
-)
+RNG = np.random.default_rng(5)
+N = 12
+T = np.sort(RNG.uniform(0, 7200, N))
+STATE = State(
+    position={x: RNG.uniform(0.0, 100.0, N) for x in "XYZ"},
+    approach={x: RNG.choice([-1.0, 1.0], N) for x in "XYZ"},
+    travel=dict.fromkeys("XYZ", (0.0, 100.0)),
+    velocity={x: RNG.uniform(-30, 30, N) for x in "XYZ"},
+    acceleration={x: RNG.uniform(-300, 300, N) for x in "XYZ"},
+    distance={x: RNG.uniform(0, 30, N) for x in "XYZ"},
+    since={x: RNG.uniform(0, 3, N) for x in "XYZ"},
+    time=T,
+    run=np.ones(N),
+    channels={
+        **{f"T_screw_{x}_C": 20 + RNG.uniform(0, 4, N) for x in "XYZ"},
+        **{f"force_{x}_N": RNG.uniform(0, 300, N) for x in "XYZ"},
+        "T_air_C": 20 + RNG.uniform(0, 2, N), "T_bed_C": 20 + RNG.uniform(0, 1, N), "spindle_rpm": RNG.uniform(0, 3000, N),
+        "part": np.arange(N, dtype=float), "material": RNG.choice([-1.0, 1.0], N),
+    },
+    angles={x: RNG.uniform(-5e-5, 5e-5, (3, N)) for x in "XYZ"},
+    beam=RNG.uniform(0, 500, N),
+)  # fmt: skip
+FOUND = {
+    "cyclic": {"period_mm": 7.3},
+    "encoder_cyclic": {"period_mm": 7.3},
+    "vibration": {"frequency_hz": 11.0},
+    "step_loss": {"t_s": 3000.0},
+}
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("axis", "XYZ")
-def test_gives_one_vector_a_pose(name, axis):
-    module = effects.load(name)
-    value = module.deviation(POSE, axis, **dict.fromkeys(module.PARAMETERS, 3.0))
-    assert value.shape == (3, N)
-    assert np.isfinite(value).all()
+def axis_of(module) -> str:
+    return {"axis": "X", "pair": "XZ", "all": ""}[module.PER]
+
+
+def shapes_of(name, module):
+    return [FOUND[name]] if name in FOUND else module.shapes(STATE, axis_of(module))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_says_what_it_is(name):
     module = effects.load(name)
+    assert module.KIND in ("machine", "instrument", "data")
     assert module.USE in ("compensate", "simulate", "recording")
-    assert module.__doc__
+    assert (module.USE == "recording") == (module.KIND != "machine")
+    assert module.PER in ("axis", "pair", "all")
+    assert len(module.__doc__.strip()) > 40
+    assert module.TEXT.count(".") >= 2, "what it is, and what to do"
     for parameter, meaning in module.PARAMETERS.items():
         assert "," in meaning, f"{parameter}: unit, then meaning"
+    assert list(inspect.signature(module.coefficients).parameters) == list(module.PARAMETERS)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_batch_does_not_matter(name):
+def test_columns_are_vectors_row_by_row(name):
     module = effects.load(name)
-    parameters = dict.fromkeys(module.PARAMETERS, 3.0)
-    whole = module.deviation(POSE, "X", **parameters)
-    for i in range(N):
-        one = effects.Pose(
-            {x: v[i : i + 1] for x, v in POSE.position.items()}, {x: v[i : i + 1] for x, v in POSE.approach.items()}
+    shapes = shapes_of(name, module)
+    assert shapes
+    for shape in shapes:
+        value = module.columns(STATE, axis_of(module), **shape)
+        reading = module.KIND == "instrument" and "laser" in module.SEES
+        assert value.ndim == (2 if reading else 3) and value.shape[-1] == N
+        assert reading or value.shape[1] == 3
+        assert np.isfinite(value).all() and np.abs(value).max() > 0
+        assert np.linalg.matrix_rank(value.reshape(len(value), -1)) == len(value), "two columns say the same"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_parameters_say_all_of_a_fit(name):
+    """Coefficients to named parameters and back are the same deviation; no coefficients are no deviation."""
+    module = effects.load(name)
+    for shape in shapes_of(name, module):
+        columns = module.columns(STATE, axis_of(module), **shape)
+        value = RNG.normal(size=len(columns))
+        named = module.parameters(value, shape)
+        assert set(named) == set(module.PARAMETERS)
+        again, same = module.coefficients(**named)
+        assert again == pytest.approx(value) and same == pytest.approx(shape)
+        assert effects.deviation(module, STATE, axis_of(module), **named) == pytest.approx(
+            np.tensordot(value, columns, axes=1)
         )
-        assert (module.deviation(one, "X", **parameters)[:, 0] == whole[:, i]).all()
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if hasattr(effects.load(n), "tables")])
+def test_tables_are_the_same_physics(name):
+    """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are linear between nodes).
+    Windup is fully built up in the table, so it is compared far from a reversal."""
+    module = effects.load(name)
+    assert module.USE == "compensate"
+    axis = axis_of(module)
+    for shape in shapes_of(name, module):
+        value = RNG.normal(size=len(module.columns(STATE, axis, **shape)))
+        named = module.parameters(value, shape)
+        far = effects.State(**{**vars(STATE), "distance": dict.fromkeys("XYZ", np.full(N, 1e6))})
+        wanted = effects.deviation(module, far, axis, **named)
+        got = np.zeros((3, N))
+        moving = axis[1] if module.PER == "pair" else axis
+        for component, letter, nodes, forward, reverse in module.tables(axis, STATE.travel[moving], **named):
+            assert (np.diff(nodes) > 0).all() and len(nodes) == len(forward) == len(reverse)
+            table = np.where(
+                STATE.approach[letter] > 0,
+                np.interp(STATE.position[letter], nodes, forward),
+                np.interp(STATE.position[letter], nodes, reverse),
+            )
+            got["XYZ".index(component[1])] += table
+        assert got == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max() + 1e-12)
+
+
+def test_an_instrument_never_reaches_a_program():
+    for name in NAMES:
+        module = effects.load(name)
+        if module.USE != "compensate":
+            assert not hasattr(module, "tables")
 
 
 def test_zero_backlash_is_none():
-    assert not effects.load("backlash").deviation(POSE, "X", size_um=0.0).any()
+    assert not effects.deviation(effects.load("backlash"), STATE, "X", size_um=0.0).any()

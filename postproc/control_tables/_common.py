@@ -1,0 +1,274 @@
+"""What the controls share: even points, zero at the reference, thinning, and the comparison of a written table with its map.
+
+No control: it knows no format and no sign.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, ExportOptions, TableError
+from postproc.errors import Place, UsageError
+from postproc.recordings import Source
+from postproc.units import MM_PER_INCH, UM
+
+GRAIN = 0.0001  # mm: positions closer than that are one
+NICE = (1.0, 2.0, 5.0)
+
+
+def mm_per_unit(options: ExportOptions) -> float:
+    """mm of one length unit of the control. Raises UsageError for a unit that is neither mm nor inch."""
+    if options.unit not in ("mm", "inch"):
+        raise UsageError(f"the unit {options.unit!r} is neither mm nor inch", "--unit mm, or --unit inch")
+    return MM_PER_INCH if options.unit == "inch" else 1.0
+
+
+def setting(options: ExportOptions, key: str, default: str, among: Sequence[str] = ()) -> str:
+    """A control's own option. Raises UsageError with the lawful values."""
+    value = options.extra.get(key, default)
+    if among and value not in among:
+        raise UsageError(f"{key} = {value!r} is not known", f"--set {key}= one of {', '.join(among)}")
+    return value
+
+
+def number(options: ExportOptions, key: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
+    """A control's own number. Raises UsageError where it is none, or outside low to high."""
+    text = options.extra.get(key, "")
+    try:
+        value = float(text) if text else default
+    except ValueError:
+        raise UsageError(f"{key} = {text!r} is not a number", f"--set {key}={default:g}") from None
+    if not low <= value <= high:
+        raise UsageError(f"{key} = {value:g} is not between {low:g} and {high:g}")
+    return value
+
+
+def whole(options: ExportOptions, key: str, default: int, low: int, high: int) -> int:
+    """As `number`, without a fraction."""
+    value = number(options, key, default, low, high)
+    if value != int(value):
+        raise UsageError(f"{key} = {value:g} is not a whole number")
+    return int(value)
+
+
+def checked(tables: Sequence[ErrorTable]) -> list[ErrorTable]:
+    """The tables, if they can be written at all. Raises TableError for none, one twice, or values that are not finite."""
+    if not tables:
+        raise TableError(
+            "there is nothing to write: no component is left", "see what the machine has: gcomp machines show"
+        )
+    seen: set[str] = set()
+    for table in tables:
+        if table.name in seen:
+            raise TableError(f"{table.name} is given twice", "a control adds them up: give their sum")
+        seen.add(table.name)
+        if not len(table.nodes) or np.any(np.diff(table.nodes) <= 0):
+            raise TableError(f"the nodes of {table.name} do not ascend")
+        if not all(np.all(np.isfinite(v)) for v in (table.nodes, table.forward, table.reverse)):
+            raise TableError(f"{table.name} has values that are not finite")
+    return list(tables)
+
+
+def own_axis(tables: Sequence[ErrorTable], control: str) -> tuple[list[ErrorTable], list[str]]:
+    """Tables of axes along themselves, and a notice for each other one, that this control has no place for.
+
+    Raises TableError where nothing is left.
+    """
+    tables = checked(tables)
+    kept = [t for t in tables if t.moving == t.along]
+    notices = [
+        f"{t.name} is not written: {control} has no table of {t.moving} that corrects {t.along}; {largest(t) / UM:.2f} um stay"
+        for t in tables
+        if t.moving != t.along
+    ]
+    if not kept:
+        raise TableError(
+            f"{control} only holds tables along the moving axis, and there is none among {', '.join(t.name for t in tables)}",
+            "correct the rest in the program: gcomp --machine M FILE",
+        )
+    return kept, notices
+
+
+def largest(table: ErrorTable) -> float:
+    """mm: the largest deviation of either direction."""
+    return float(max(np.abs(table.forward).max(), np.abs(table.reverse).max()))
+
+
+def mean(table: ErrorTable) -> ErrorTable:
+    """The same for both directions: their mean."""
+    middle = (table.forward + table.reverse) / 2
+    return replace(table, forward=middle, reverse=middle)
+
+
+def play(table: ErrorTable) -> float:
+    """mm: the lost motion that a control without tables by direction is told, positive where the axis stops short in both.
+
+    The middle between the largest and the smallest, so that the worst that stays is least.
+    """
+    gap = table.reverse - table.forward
+    return float(gap.max() + gap.min()) / 2
+
+
+def shifted(table: ErrorTable, by: float) -> ErrorTable:
+    """The table less a constant, mm."""
+    return replace(table, forward=table.forward - by, reverse=table.reverse - by)
+
+
+def reference(table: ErrorTable, options: ExportOptions, notices: list[str]) -> float:
+    """mm: the moving axis' reference position; 0 with a notice where it is not stated."""
+    if table.moving in options.reference:
+        return float(options.reference[table.moving])
+    text = f"the reference position of {table.moving} is not stated: taken as {table.moving} = 0 (--reference {table.moving}=0)"
+    if text not in notices:
+        notices.append(text)
+    return 0.0
+
+
+def zeroed(table: ErrorTable, at: float, approach: float, notices: list[str]) -> tuple[ErrorTable, float]:
+    """The table with zero at a position, for an approach (0: the mean), and the constant in mm that was taken off."""
+    by = float(table.at(np.array([at]), approach)[0])
+    if abs(by) > 1e-9:
+        notices.append(
+            f"{table.name}: {-by / UM:+.2f} um is added throughout, so that it is zero at the reference {table.moving} = {at:g}; "
+            f"that moves the zero of {table.along}, not the shape"
+        )
+    return shifted(table, by), by
+
+
+def sampled(table: ErrorTable, nodes: np.ndarray) -> ErrorTable:
+    """The table at other nodes."""
+    return replace(table, nodes=nodes, forward=table.at(nodes, 1.0), reverse=table.at(nodes, -1.0))
+
+
+def even_nodes(
+    table: ErrorTable, options: ExportOptions, anchor: float, most: int, multiple: float = GRAIN
+) -> np.ndarray:
+    """Evenly spaced positions, mm, of which one would be `anchor`, that cover the table's nodes.
+
+    The spacing is options.spacing, or the largest that meets every node; where that takes more than `most` points, the
+    smallest of 1, 2, 5, 10 ... that does not. Spacings are whole multiples of `multiple` mm. Raises TableError where the
+    spacing asked for needs more points than there are.
+    """
+    low, high = float(table.nodes[0]), float(table.nodes[-1])
+
+    def count(step: float) -> int:
+        return math.ceil((high - anchor) / step - 1e-6) - math.floor((low - anchor) / step + 1e-6) + 1
+
+    step = options.spacing
+    if step < 0 or (step and abs(step / multiple - round(step / multiple)) > 1e-6):
+        raise UsageError(f"a spacing of {step:g} mm is not a multiple of {multiple:g} mm")
+    if step:
+        if count(step) > most:
+            least = (high - low) / max(1, most - 2)
+            raise TableError(
+                f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points, and the control has {most}",
+                f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has more",
+            )
+    else:
+        ticks = np.append((table.nodes - anchor) / multiple, 0.0)
+        if np.all(np.abs(ticks - np.round(ticks)) < 1e-3):
+            step = math.gcd(*(int(t) for t in np.round(ticks))) * multiple
+        if not step or count(step) > most:
+            least = (high - low) / max(1, most - 2)
+            if len(table.nodes) > 1:
+                least = max(least, float(np.diff(table.nodes).min()) / 4)
+            step = next(v for v in _nice(multiple) if v >= least - 1e-9 and count(v) <= most)
+    first = math.floor((low - anchor) / step + 1e-6)
+    return np.round(anchor + step * np.arange(first, first + count(step)), 9)
+
+
+def _nice(multiple: float) -> Iterable[float]:
+    decade = multiple
+    while True:
+        yield from (decade * n for n in NICE)
+        decade *= 10
+
+
+def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
+    """At most `most` of the table's nodes, and the largest deviation in mm that straight lines between them miss."""
+    if len(table.nodes) <= most:
+        return table, 0.0
+    values = np.stack([table.forward, table.reverse])
+    low, high = 0.0, float(np.ptp(values, axis=1).max()) + UM
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (low, middle) if len(_chords(table.nodes, values, middle)) <= most else (middle, high)
+    keep = _chords(table.nodes, values, high)
+    result = replace(table, nodes=table.nodes[keep], forward=table.forward[keep], reverse=table.reverse[keep])
+    return result, left(table, result)
+
+
+def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
+    """Indices of nodes between which straight lines miss no node by more than `bound`, each as far as it goes."""
+    keep, first, last = [0], 0, len(nodes) - 1
+    while first < last:
+        reach = first + 1
+        # slopes that pass every node between within the bound
+        steep, flat = np.full(len(values), np.inf), np.full(len(values), -np.inf)
+        for i in range(first + 1, last + 1):
+            run = nodes[i] - nodes[first]
+            slope = (values[:, i] - values[:, first]) / run
+            if np.all(slope <= steep) and np.all(slope >= flat):
+                reach = i
+            steep = np.minimum(steep, slope + bound / run)
+            flat = np.maximum(flat, slope - bound / run)
+            if np.any(flat > steep):
+                break
+        keep.append(reach)
+        first = reach
+    return keep
+
+
+def left(table: ErrorTable, written: ErrorTable) -> float:
+    """mm: the largest deviation, of either direction, that a written table leaves of the map it was made from.
+
+    Exact: both are straight between their nodes and held beyond, so that no place between is worse.
+    """
+    places = np.union1d(table.nodes, written.nodes)
+    return float(max(np.abs(table.at(places, way) - written.at(places, way)).max() for way in (1.0, -1.0)))
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A number with so many decimals, never -0."""
+    text = f"{value:.{decimals}f}"
+    return text[1:] if text.startswith("-") and not float(text) else text
+
+
+def numbered(source: Source) -> list[tuple[int, str]]:
+    """Line number from 1 and text of every line. Raises TableError for an empty file or text that is not UTF-8."""
+    if not source.data.strip():
+        raise TableError("the file is empty", "", Place(source.name, 1))
+    return list(enumerate(source.text.splitlines(), 1))
+
+
+def fault(source: Source, line: int, message: str, advice: str = "", text: str = "") -> TableError:
+    """A fault of a file, with its place."""
+    return TableError(message, advice, Place(source.name, line, text))
+
+
+def finite(source: Source, line: int, word: str, what: str, text: str = "") -> float:
+    """A number of a file. Raises TableError with the place where it is none."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise fault(source, line, f"{what} {word.strip()!r} is not a number", "", text)
+    return value
+
+
+def letter_of(name: str, options: ExportOptions) -> str:
+    """The axis letter of a control's axis name: as --set axis_Z=NAME says, or its own first letter (Z1 is Z)."""
+    for key, value in options.extra.items():
+        if key.startswith("axis_") and value.upper() == name.upper():
+            return key[5:].upper()
+    return name[:1].upper()
+
+
+def axis_name(letter: str, options: ExportOptions, usual: str) -> str:
+    """The control's name of an axis."""
+    return options.extra.get(f"axis_{letter}", usual)

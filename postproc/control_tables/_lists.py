@@ -1,0 +1,48 @@
+"""Tables that a control only takes at its keyboard: a list to key in, one row a point, and its reader. No control."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+
+from postproc.control_tables import _common as common
+from postproc.recordings import Source
+
+
+def written(remarks: Sequence[str], columns: Sequence[str], rows: Sequence[Sequence[str]]) -> bytes:
+    """The list as CSV; remarks stand above it, behind #."""
+    lines = [*(f"# {remark}" for remark in remarks), ",".join(columns), *(",".join(row) for row in rows)]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def by_axis(source: Source, columns: Sequence[str], whole: Sequence[int] = ()) -> dict[str, list[list[float]]]:
+    """Axis letter to rows of numbers, in the order of the columns behind `axis`; `whole`: columns without a fraction.
+
+    The first of those columns ascends or descends steadily. Raises TableError with file and line.
+    """
+    header: list[str] = []
+    result: dict[str, list[list[float]]] = {}
+    for line, text in common.numbered(source):
+        if not text.strip() or text.startswith("#"):
+            continue
+        cells = [cell.strip() for cell in next(csv.reader([text]))]
+        if not header:
+            header = cells
+            if header != list(columns):
+                raise common.fault(source, line, f"the columns are {', '.join(header)}", ",".join(columns), text)
+            continue
+        if len(cells) != len(columns):
+            raise common.fault(source, line, f"{len(cells)} values under {len(columns)} columns", "", text)
+        if len(cells[0]) != 1 or not cells[0].isalpha():
+            raise common.fault(source, line, f"{cells[0]!r} is not an axis letter", "", text)
+        row = [common.finite(source, line, c, n, text) for c, n in zip(cells[1:], columns[1:], strict=True)]
+        for i in whole:
+            if row[i] != int(row[i]):
+                raise common.fault(source, line, f"{columns[i + 1]} {cells[i + 1]} is not a whole number", "", text)
+        rows = result.setdefault(cells[0].upper(), [])
+        if rows and row[0] <= rows[-1][0]:
+            raise common.fault(source, line, f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}", "", text)
+        rows.append(row)
+    if not result:
+        raise common.fault(source, 1, "there are no rows in this list")
+    return result

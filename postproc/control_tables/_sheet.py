@@ -1,0 +1,83 @@
+"""A sheet of evenly spaced values, for controls whose values are typed in and whose file is not known.
+
+`name = value` lines, then a heading of columns, then rows between commas; `#` begins a comment. It is gcomp's own layout.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, ExportOptions
+from postproc.control_tables import _common as common
+from postproc.recordings import Source
+
+HEAD = ("axis", "unit", "start", "length", "points")
+
+
+def text(
+    table: ErrorTable, options: ExportOptions, sign: float, columns: tuple[str, str], comments: list[str]
+) -> bytes:
+    """The sheet of a table with even nodes; sign times deviation under both columns, or under the first alone where the
+    table is the same for both directions."""
+    unit, decimals = common.mm_per_unit(options), 5 if options.unit == "mm" else 7
+    nodes = table.nodes / unit
+    values = [table.forward, table.reverse] if table.two_way else [table.forward]
+    head = dict(zip(HEAD, (table.moving, options.unit, nodes[0], nodes[-1] - nodes[0], len(nodes)), strict=True))
+    lines = [f"# {line}" for line in comments]
+    lines += [
+        f"{k} = {v}" if isinstance(v, (str, int)) else f"{k} = {common.fixed(float(v), decimals)}"
+        for k, v in head.items()
+    ]
+    lines.append(", ".join(["position", *columns[: len(values)]]))
+    cells = [nodes, *(sign * v / unit for v in values)]
+    lines += [", ".join(common.fixed(float(v), decimals) for v in row) for row in zip(*cells, strict=True)]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
+    """The sheet's table. Raises TableError with file and line."""
+    head: dict[str, str] = {}
+    heading: list[str] = []
+    rows: list[list[float]] = []
+    last = 1
+    for number, line in common.numbered(source):
+        plain = line.split("#", 1)[0].strip()
+        if not plain:
+            continue
+        last = number
+        cells = [cell.strip() for cell in plain.split(",")]
+        if not heading and "=" in plain:
+            key, _, value = (part.strip() for part in plain.partition("="))
+            if key not in HEAD or key in head:
+                raise common.fault(
+                    source, number, f"{key!r} is not known, or stands twice", f"one each of {', '.join(HEAD)}", line
+                )
+            head[key] = value
+        elif not heading:
+            heading = cells
+            if heading not in (["position", columns[0]], ["position", *columns]):
+                raise common.fault(
+                    source, number, "not the heading of this sheet", f"position, {', '.join(columns)}", line
+                )
+        else:
+            if len(cells) != len(heading):
+                raise common.fault(source, number, f"{len(cells)} values under {len(heading)} columns", "", line)
+            rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
+    absent = [key for key in HEAD if key not in head]
+    if absent:
+        raise common.fault(source, last, f"{absent[0]} is missing")
+    if head["axis"] not in ("X", "Y", "Z") or head["unit"] not in ("mm", "inch"):
+        raise common.fault(source, 1, f"axis {head['axis']} in {head['unit']}: X, Y or Z in mm or inch are read")
+    if len(rows) < 2 or head["points"] != str(len(rows)):
+        raise common.fault(
+            source, last, f"{len(rows)} rows, and points = {head['points']}", "two at least, and as many as told"
+        )
+    unit = common.mm_per_unit(ExportOptions(unit=head["unit"]))
+    data = np.array(rows).T * unit
+    gaps = np.diff(data[0])
+    if np.any(gaps <= 0) or np.ptp(gaps) > 0.001:
+        raise common.fault(source, last, "the positions do not ascend in even steps")
+    start, length = (common.finite(source, 1, head[key], key) * unit for key in ("start", "length"))
+    if abs(start - data[0][0]) > 0.001 or abs(length - (data[0][-1] - data[0][0])) > 0.001:
+        raise common.fault(source, 1, "start and length do not agree with the rows")
+    return ErrorTable(head["axis"], head["axis"], data[0], sign * data[1], sign * data[-1])

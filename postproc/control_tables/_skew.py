@@ -1,0 +1,112 @@
+"""What the firmwares of printers share: three skew factors and lost motion, from one-axis tables and back.
+
+A skew factor says how far an axis moves sideways per mm: the tool stands at x + xy y + xz z, y + yz z for a command x, y, z.
+So xy is the slope of EXY, xz that of EXZ, yz that of EYZ. With squareness of gcomp: xy = -C0Y, xz = B0Z, yz = -A0Z. An axis
+that leans the other way round (EYX, EZX, EZY: C0X, -B0X, A0Y) makes the same angle between both, only that the part is
+turned as a whole; its slope is added to the factor, and the turn is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, TableError
+from postproc.control_tables import _common as common
+from postproc.recordings import Source
+from postproc.units import UM, URAD
+
+PLANES = ("xy", "xz", "yz")
+FAR = 1000.0  # mm: how far to both sides a table that was read reaches; a factor itself has no ends
+STEEPEST = 0.1  # a larger factor is a slip
+
+
+@dataclass
+class Settings:
+    """skew: plane to factor; lost: axis to mm of lost motion; left: component to mm; notices."""
+
+    skew: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PLANES, 0.0))
+    lost: dict[str, float] = field(default_factory=dict)
+    left: dict[str, float] = field(default_factory=dict)
+    notices: list[str] = field(default_factory=list)
+
+
+def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings:
+    """Factors and lost motion of the tables, least squares over the nodes, and what they leave. backlash: whether the
+    control takes up lost motion. Raises TableError for no tables, or one twice."""
+    result = Settings()
+    for table in common.checked(tables):
+        mean = common.mean(table).forward
+        if table.moving == table.along:
+            lost = float(np.mean(table.reverse - table.forward)) if backlash else 0.0
+            if lost < 0:
+                result.notices.append(
+                    f"{table.name}: the deviation in - is {-lost / UM:.2f} um below that in +, the opposite of lost motion: not written"
+                )
+                lost = 0.0
+            elif lost:
+                result.lost[table.moving] = lost
+            result.left[table.name] = float(max(np.abs(table.forward).max(), np.abs(table.reverse - lost).max()))
+            continue
+        slope = float(np.polyfit(table.nodes, mean, 1)[0]) if len(table.nodes) > 1 else 0.0
+        if abs(slope) > STEEPEST:
+            raise TableError(
+                f"{table.name} leans by {slope:.3f} mm per mm", "a slip in the data or a wrong unit is likely"
+            )
+        plane = "".join(sorted(table.name[1:].lower()))
+        result.skew[plane] += slope
+        if table.along > table.moving and slope:
+            result.notices.append(
+                f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the part lies turned by as much"
+            )
+        line = slope * table.nodes
+        off = max(np.abs(table.forward - line).max(), np.abs(table.reverse - line).max())
+        result.left[table.name] = float(off)
+    large = {name: size for name, size in result.left.items() if size > 0.01 * UM}
+    if large:
+        sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(large.items()))
+        result.notices.append(
+            f"{control} holds straight leaning{' and lost motion' if backlash else ''} only; it leaves: {sizes}"
+        )
+    return result
+
+
+def tables(skew: dict[str, float], lost: dict[str, float]) -> list[ErrorTable]:
+    """Settings as tables from -FAR to FAR."""
+    nodes = np.array([-FAR, FAR])
+    found = []
+    for plane, factor in skew.items():
+        if factor:
+            along, moving = plane[0].upper(), plane[1].upper()
+            found.append(ErrorTable(moving, along, nodes, factor * nodes, factor * nodes))
+    for axis, size in lost.items():
+        if size:
+            found.append(ErrorTable(axis, axis, nodes, np.zeros(2), np.full(2, size)))
+    return found
+
+
+def lines_of(source: Source) -> list[tuple[int, str, list[str]]]:
+    """Line number, line, and words of every line that holds more than a comment. Raises TableError for an empty file."""
+    rows = [(number, text, text.split(";", 1)[0].upper().split()) for number, text in common.numbered(source)]
+    return [row for row in rows if row[2]]
+
+
+def words(source: Source, line: int, text: str, parts: list[str], lawful: str) -> dict[str, float]:
+    """Letter to number of a block's words. Raises TableError for a letter that is not lawful, or stands twice."""
+    found: dict[str, float] = {}
+    for part in parts:
+        letter = part[0]
+        if letter not in lawful or letter in found:
+            raise common.fault(
+                source, line, f"{part!r} is not read here, or stands twice", f"words: {' '.join(lawful)}", text
+            )
+        found[letter] = common.finite(source, line, part[1:], letter, text)
+    return found
+
+
+def factor(source: Source, line: int, value: float, text: str) -> float:
+    """A factor that can be one. Raises TableError."""
+    if abs(value) > STEEPEST:
+        raise common.fault(source, line, f"a skew factor of {value:g} is no machine's", f"up to {STEEPEST:g}", text)
+    return value

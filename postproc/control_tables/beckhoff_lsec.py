@@ -1,0 +1,156 @@
+"""Leadscrew error compensation of Beckhoff TwinCAT CNC and ISG kernels: the list kw.ssfk.* of one axis.
+
+Lengths are whole tenths of a micrometre (unit 1). interval 0: every point has its setpoint; else points stand evenly from
+kw_startpos on. bilateral 1: .pos for motion in +, .neg in -; the control spreads a reversal over lr_param.n_backlash_cyc
+cycles. Linear between points. Source: Beckhoff TF5200 axis compensation, "Overview" (management data), "Example -
+Non-equidistant bilateral SSFK", P-COMP-00017 to -00025, -00059.
+
+Sign: the manual's example computes the value as actual - setpoint (19856.5 um reached for 19866.7 um is -102): +e.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.recordings import Source
+from postproc.units import UM
+
+TITLE = "Beckhoff and ISG leadscrew error compensation list (kw.ssfk)"
+VERIFIED = True
+SIGN = "actual - setpoint = +deviation, in 0.1 um"
+TENTH = 0.0001  # mm, the unit of the list
+POINTS = 1500  # P-COMP-00059, its default
+EXTRA = {
+    "points": "how many entries kw.ssfk.max_points allows, 1500",
+    "axis_X": "the control's name of axis X",
+    "number_X": "its logical number",
+}
+LINE = re.compile(r"(kopf|kw)\.([a-z_0-9.]+?)(?:\[\s*(\d+)\s*\]\.(setpoint|pos|neg))?\s+(\S.*)")
+COMMENT = re.compile(r"/\*.*?\*/|#.*")
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """One list per axis. Raises TableError where there are more points than the control holds."""
+    most = common.whole(options, "points", POINTS, 2, 1_000_000)
+    kept, notices = common.own_axis(tables, "the list kw.ssfk")
+    files: dict[str, bytes] = {}
+    left: dict[str, float] = {}
+    for table in kept:
+        chosen = table if options.two_way or not table.two_way else common.mean(table)
+        if options.spacing:
+            nodes = common.even_nodes(chosen, options, float(np.round(chosen.nodes[0], 4)), most, TENTH)
+            chosen = common.sampled(chosen, nodes)
+        elif len(chosen.nodes) > most:
+            raise TableError(
+                f"{table.name} has {len(chosen.nodes)} points, the list holds {most}",
+                "--spacing for fewer, or --set points=N",
+            )
+        data = _text(chosen, options, notices)
+        name = f"achskw_{table.moving}.lis"
+        files[name] = data
+        left[table.name] = common.left(table, _parsed(Source(name, data), options, table.moving))
+        if table.two_way and not options.two_way:
+            notices.append(f"{table.name}: one table for both directions; the control's backlash must stay as it is")
+    notices += [
+        "activate with lr_param.ssfk 1 in the axis' parameters; with both directions in the list its own backlash must be 0",
+        "what the control does beyond the first and last point is not documented: the table must be as long as the travel",
+    ]
+    return Export(files, tuple(notices), left)
+
+
+def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> bytes:
+    places, pos, neg = (np.round(v / TENTH).astype(np.int64) for v in (table.nodes, table.forward, table.reverse))
+    if np.any(np.diff(places) <= 0):
+        raise TableError(f"two nodes of {table.name} are closer than {TENTH / UM:g} um", "leave one out")
+    x = table.moving
+    key = f"number_{x}"
+    usual = 1 + "XYZABC".index(x)
+    if key not in options.extra:
+        notices.append(f"{x} is written as logical axis {usual}: --set {key}=N if it is another")
+    logical = common.whole(options, key, usual, 1, 65535)
+    gap = int(places[1] - places[0]) if options.spacing and len(places) > 1 else 0
+    bilateral = int(not np.array_equal(pos, neg))
+    head = [
+        f"# {options.program}: {table.name}, actual - setpoint, 0.1 um",
+        f"kopf.achs_nr {logical}",
+        f"kopf.log_achs_name {common.axis_name(x, options, x)}",
+        f"kw.ssfk.interval {gap}",
+        f"kw.ssfk.kw_startpos {places[0]}",
+        f"kw.ssfk.kw_nr_max {len(places)}",
+        "kw.ssfk.unit 1",
+        f"kw.ssfk.bilateral {bilateral}",
+    ]
+    rows = [] if gap else [f"kw.ssfk.table[{i}].setpoint {v}" for i, v in enumerate(places)]
+    rows += [f"kw.ssfk.table[{i}].pos {v}" for i, v in enumerate(pos)]
+    rows += [f"kw.ssfk.table[{i}].neg {v}" for i, v in enumerate(neg)] if bilateral else []
+    return ("\n".join(head + rows) + "\n").encode()
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """The list's one table; the axis by its name in the list. Raises TableError with file and line."""
+    return [_parsed(source, options)]
+
+
+def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTable:
+    head: dict[str, tuple[int, str]] = {}
+    cells: dict[str, dict[int, float]] = {"setpoint": {}, "pos": {}, "neg": {}}
+    last = 1
+    for number, raw in common.numbered(source):
+        text = COMMENT.sub("", raw).strip()
+        if not text or text.lower() in ("end", "ende"):
+            continue
+        last = number
+        found = LINE.fullmatch(text)
+        if not found:
+            raise common.fault(source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw)
+        _, key, index, column, value = found.groups()
+        if index is None:
+            if key in head:
+                raise common.fault(source, number, f"{key} has been given in line {head[key][0]}", "", raw)
+            head[key] = (number, value.strip())
+        elif key != "ssfk.table":
+            raise common.fault(source, number, f"kw.{key} is not read: only kw.ssfk is", "", raw)
+        elif int(index) in cells[column]:
+            raise common.fault(source, number, f"table[{index}].{column} is given twice", "", raw)
+        else:
+            cells[column][int(index)] = common.finite(source, number, value, "the entry", raw)
+
+    def told(key: str, usual: float | None = None) -> float:
+        if key in head:
+            return common.finite(source, head[key][0], head[key][1], key)
+        if usual is None:
+            raise common.fault(source, last, f"kw.{key} is missing")
+        return usual
+
+    if told("ssfk.unit") != 1:
+        raise common.fault(
+            source, head["ssfk.unit"][0], "unit 0: lengths are encoder increments", "only unit 1, 0.1 um, is read"
+        )
+    if told("ssfk.modulo", 0):
+        raise common.fault(source, head["ssfk.modulo"][0], "a modulo axis: tables of rotary axes are not read")
+    count, gap = int(told("ssfk.kw_nr_max")), told("ssfk.interval", 0)
+    if count < 2:
+        raise common.fault(source, head["ssfk.kw_nr_max"][0], f"kw_nr_max is {count}: a table needs two points")
+    needed = (["pos"] if gap else ["setpoint", "pos"]) + (["neg"] if told("ssfk.bilateral", 0) else [])
+    for column in needed:
+        absent = [i for i in range(count) if i not in cells[column]]
+        if absent:
+            raise common.fault(source, last, f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}")
+    extra = [f"table[{i}].{c}" for c in cells for i in cells[c] if i >= count]
+    if extra:
+        raise common.fault(source, last, f"{extra[0]} is beyond kw_nr_max {count}")
+    column = {c: np.array([cells[c][i] for i in range(count)]) * TENTH for c in needed}
+    nodes = (told("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH if gap else column["setpoint"]
+    if np.any(np.diff(nodes) <= 0):
+        raise common.fault(source, last, "the setpoints do not ascend")
+    name = head.get("log_achs_name", (1, ""))[1]
+    axis = letter or common.letter_of(name, options)
+    if axis not in tuple("XYZ"):
+        raise common.fault(source, 1, f"log_achs_name is {name!r}: no linear axis X, Y or Z", "--set axis_X=NAME")
+    table = ErrorTable(axis, axis, nodes, column["pos"], column.get("neg", column["pos"]))
+    return replace(table, nodes=np.round(nodes, 7))

@@ -1,0 +1,266 @@
+"""ISG CSV: the volumetric compensation of ISG kernels and of Beckhoff TwinCAT CNC (VolComp, TF5280).
+
+A header names arguments (X Y Z, mm) and parameters (EXX .. ECZ, B0Z ..), rows of numbers follow, blanks between; `//` begins
+a comment, `#` a new table. Lengths are mm, angles rad. Source: Beckhoff TF5280, "ISG CSV format", "Units of measure", "List
+of parameters supported", "General configuration", P-VOLC-00007 (chain), -00008 (workpiece_axes), -00014 (interpolation).
+
+Sign: names are those of ISO 230-1, so a component is the deviation, actual - commanded: written as it is (+e). Squareness
+B0Z is a right-handed rotation about Y of axis Z, gcomp's own meaning: B0X > 0 leans X towards -Z, B0Z > 0 leans Z towards
++X, C0Y > 0 leans Y towards -X, A0Z > 0 leans Z towards -Y; written as it is. The chain is told from the workpiece to the
+tool, the first workpiece_axes of it carry the workpiece, exactly as the surveyor counted them.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.control_tables import _volumetric as volumetric
+from postproc.control_tables._volumetric import COMPONENT, LOCATION, Collected, plain
+from postproc.machine.chain import ROTARY, XYZ
+from postproc.machine.model import Machine
+from postproc.machine.tables import COMPONENTS
+from postproc.machine.volumetric import VolumetricMap, directions, of_machine
+from postproc.recordings import Source
+
+TITLE = "ISG CSV (volumetric compensation of ISG and Beckhoff VolComp)"
+VERIFIED = True
+SIGN = volumetric.SIGN
+EXTRA = volumetric.EXTRA
+OTHERS = re.compile(r"[PN]0[XYZ]|[PV][XYZ][XYZABC]|ID[XYZ]|LN[XYZABC]")
+LONE = 0.5  # mm to either side of the one place at which a component was measured
+
+
+# -- writing ------------------------------------------------------------------------------------------------------------
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """The tables as translations of each axis. Two-way tables are written as their mean. Raises TableError."""
+    found, left = volumetric.map_of(tables)
+    return _export(found, options, left, [])
+
+
+def write_machine(machine: Machine, options: ExportOptions) -> Export:
+    """All components, squareness, the chain. Raises TableError or MachineError for what VolComp can not hold."""
+    found, left = of_machine(machine)
+    missing = [x for x in XYZ if x not in found.chain]
+    if missing:
+        raise TableError(
+            f"{machine.name} has no axis {' '.join(missing)}: VolComp needs X, Y and Z",
+            "state the missing axis in the machine's chain, or write one-axis tables (beckhoff-lsec)",
+        )
+    notices = [
+        f"{x} travels from {machine.axes[x].travel[0]:g} to {machine.axes[x].travel[1]:g} mm, its table only from {t.nodes[0]:g} to {t.nodes[-1]:g} mm"
+        for x, t in found.axes.items()
+        if machine.axes[x].travel[0] < t.nodes[0] or machine.axes[x].travel[1] > t.nodes[-1]
+    ]
+    volumetric.add(left, directions(machine, found))
+    return _export(found, options, left, notices)
+
+
+def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float], notices: list[str]) -> Export:
+    mean = found.one_way()
+    lines = [
+        f"// {options.program}: mm and rad, deviation = actual - commanded, arms from machine zero",
+        f"// {volumetric.SIGN_NOTICE}",
+    ]
+    blocks = [_location(mean.square)] if mean.square else []
+    for key, names in _groups(mean).items():
+        blocks.append(_table(mean, key, names))
+    if not blocks:
+        raise TableError("there is no deviation to write", "the machine's tables are empty")
+    for i, block in enumerate(blocks):
+        lines += (["#"] if i else []) + block
+    name = options.program
+    records = sum(len(block) - 1 for block in blocks)
+    listing = [
+        f"chain                    {''.join(found.chain)}",
+        f"workpiece_axes           {found.workpiece_axes}",
+        *(f"{x}                        {1 + XYZ.index(x)}" for x in XYZ),
+        "interpolation            GRID",
+        f"file[0]                  {name}.csv",
+        "file_format[0]           ISG_CSV",
+    ]
+    notices = [
+        volumetric.SIGN_NOTICE, *found.notices, *notices, *volumetric.loss(left), volumetric.ENDS, volumetric.FLANGE,
+        f"the list gives X, Y, Z the logical axes 1, 2, 3: set yours; vol_comp[0].max_records must be {records} or more",
+    ]  # fmt: skip
+    files = {f"{name}.csv": "\n".join(lines) + "\n", f"{name}.lis": "\n".join(listing) + "\n"}
+    return Export({n: text.encode() for n, text in files.items()}, tuple(notices), left)
+
+
+def _location(square: dict[str, float]) -> list[str]:
+    return [" ".join(square), " ".join(plain(a) for a in square.values())]
+
+
+def _groups(found: VolumetricMap) -> dict[tuple[str, str], list[int]]:
+    """(axis, second axis or "") to the components that depend on just these. A parameter may stand only once, so what has
+    a grid is written there with its table added."""
+    others: dict[tuple[str, int], str] = {}
+    for grid in found.grids:
+        for row in grid.rows:
+            known = others.setdefault((grid.letter, row), grid.other)
+            if known != grid.other:
+                name = COMPONENTS[row] + grid.letter
+                raise TableError(f"{name} depends on {known} and on {grid.other}", "write one of the two")
+    groups: dict[tuple[str, str], list[int]] = {}
+    for (x, row), other in others.items():
+        groups.setdefault((x, other), []).append(row)
+    for x, table in found.axes.items():
+        for row in table.rows:
+            if (x, row) not in others:
+                groups.setdefault((x, ""), []).append(row)
+    return {key: sorted(rows) for key, rows in sorted(groups.items())}
+
+
+def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[str]:
+    letter, other = key
+    own = found.axes.get(letter)
+    names = [COMPONENTS[row] + letter for row in rows]
+    if not other:
+        assert own is not None
+        cells = [own.nodes, *own.forward[rows]]
+        return [" ".join([letter, *names]), *(" ".join(map(plain, row)) for row in zip(*cells, strict=True))]
+    grids = [g for g in found.grids if g.letter == letter and g.other == other]
+    nodes = np.unique(np.concatenate([g.nodes for g in grids] + ([own.nodes] if own is not None else [])))
+    others = np.unique(np.concatenate([g.others for g in grids]))
+    q, p = (v.ravel() for v in np.meshgrid(nodes, others))  # the second axis turns slowest, as in the manual's example
+    none = np.zeros(len(q))
+    values = np.zeros((6, len(q)))
+    parts = [g.evaluate(q, p, none) for g in grids] + ([own.evaluate(q, none)] if own is not None else [])
+    for part in parts:
+        for row in rows:
+            values[row] += 0.0 if part[row] is None else part[row]
+    cells = [p, q, *values[rows]]
+    return [" ".join([other, letter, *names]), *(" ".join(map(plain, row)) for row in zip(*cells, strict=True))]
+
+
+# -- reading ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Block:
+    """One table: where its header stands, its columns, rows with their lines."""
+
+    line: int
+    names: list[str]
+    rows: list[list[float]] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """The translations of each axis. Raises TableError for rotations, squareness or two arguments: see read_machine."""
+    return volumetric.tables_of(read_machine(source, options), source.name)
+
+
+def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
+    """A map. The order of the axes is not in the file: options.extra "chain" ("XYZ") and "workpiece_axes" ("0") tell it.
+
+    Raises TableError with file, line and reason for what is no such file.
+    """
+    found = Collected(source)
+    for block in _blocks(source):
+        data = np.array(block.rows)
+        arguments = [i for i, name in enumerate(block.names) if len(name) == 1]
+        for column, name in enumerate(block.names):
+            if column not in arguments:
+                found.once(block.line, name)
+                _parameter(found, block, name, data, arguments, column)
+    return found.map(options)
+
+
+def _blocks(source: Source) -> list[_Block]:
+    blocks: list[_Block] = []
+    fresh = True
+    for number, text in volumetric.lines_of(source):
+        cells = text.split()
+        if text.startswith("#"):
+            if text.strip("#-=* "):
+                advice = "write the header on a line of its own"
+                raise common.fault(source, number, "text behind #, which begins a new table", advice, text)
+            fresh = True
+        elif fresh:
+            _check_header(source, number, cells, text)
+            blocks.append(_Block(number, cells))
+            fresh = False
+        else:
+            if len(cells) != len(blocks[-1].names):
+                message = f"{len(cells)} values under {len(blocks[-1].names)} columns"
+                raise common.fault(source, number, message, "blanks part the columns", text)
+            blocks[-1].rows.append([volumetric.value_of(source, number, cell, text) for cell in cells])
+            blocks[-1].lines.append(number)
+    for block in blocks:
+        if not block.rows:
+            raise common.fault(source, block.line, "a header without rows")
+    if not blocks:
+        raise common.fault(source, 1, "no table stands in this file")
+    return blocks
+
+
+def _check_header(source: Source, line: int, names: list[str], text: str) -> None:
+    for name in names:
+        known = name in tuple(XYZ + ROTARY) or any(p.fullmatch(name) for p in (COMPONENT, LOCATION, OTHERS))
+        if not known:
+            advice = "a table begins with a header: X Y Z A B C, EXX .. ECC, A0Z B0Z C0Y .."
+            raise common.fault(source, line, f"{name[:40]!r} is not an argument or parameter", advice, text)
+        if names.count(name) > 1:
+            raise common.fault(source, line, f"{name} heads two columns", "", text)
+
+
+def _parameter(found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int) -> None:
+    component = COMPONENT.fullmatch(name)
+    if component and component[2] in XYZ:
+        _component(found, block, name, data, arguments, column)
+    elif component:
+        found.notices.append(f"{name}: components of rotary axes are not read")
+    elif np.ptp(data[:, column]) > 0:
+        raise common.fault(found.source, block.line, f"{name} changes from row to row: only a constant is known for it")
+    else:
+        found.location(name, float(data[0, column]))
+
+
+def _component(found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int) -> None:
+    """One component over its arguments; an argument that never changes is none."""
+    letter, letters = name[2], [block.names[i] for i in arguments]
+
+    def fault(line: int, message: str, advice: str = "") -> TableError:
+        return common.fault(found.source, line, message, advice)
+
+    if letter not in letters:
+        raise fault(block.line, f"{name} stands without its argument {letter}")
+    own = arguments[letters.index(letter)]
+    others = []
+    for i in arguments:
+        if i != own and np.ptp(data[:, i]) > 0:
+            others.append(i)
+        elif i != own:
+            found.notices.append(
+                f"{name} is given at {block.names[i]} = {data[0, i]:g} only: taken for all {block.names[i]}"
+            )
+    if len(others) > 1 or (others and block.names[others[0]] in ROTARY):
+        by = " and ".join(block.names[i] for i in others)
+        raise fault(block.line, f"{name} depends on {by} beside {letter}: one more linear axis is known at most")
+    nodes, first = np.unique(data[:, own], return_inverse=True)
+    second, last = (
+        np.unique(data[:, others[0]], return_inverse=True) if others else (np.zeros(1), np.zeros(len(data), int))
+    )
+    values = np.full((len(nodes), len(second)), np.nan)
+    for row, at in enumerate(zip(first.ravel(), last.ravel(), strict=True)):
+        if not np.isnan(values[at]):
+            raise fault(block.lines[row], f"{name} stands twice at the same place")
+        values[at] = data[row, column]
+    if np.isnan(values).any():
+        message = f"{len(data)} rows are no grid of {len(nodes)} by {len(second)} places"
+        raise fault(block.line, message, "every place of the grid needs its row")
+    if others and len(nodes) == 1:
+        nodes, values = np.array([nodes[0] - LONE, nodes[0] + LONE]), np.repeat(values, 2, axis=0)
+    if len(nodes) < 2:
+        raise fault(block.line, f"{name} has one row: a component needs two")
+    if others:
+        found.grid(name, block.names[others[0]], nodes, second, values)
+    else:
+        found.component(name, nodes, values[:, 0])

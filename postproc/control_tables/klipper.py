@@ -1,0 +1,89 @@
+"""Klipper: SET_SKEW, which takes the lengths of a measured parallelogram and makes skew factors of them.
+
+SET_SKEW XY=AC,BD,AD: both diagonals and the side along the first axis; side = sqrt(2 AC^2 + 2 BD^2 - 4 AD^2) / 2, factor =
+tan(pi/2 - acos((AC^2 - side^2 - AD^2) / (2 side AD))), the cotangent of the angle at A. The tool is sent to x - y xy - z (xz -
+xy yz), y - z yz. Written are the lengths that a square of 100 mm would have had on this machine. Source: Klipper3d/klipper,
+klippy/extras/skew_correction.py (calc_skew_factor, PrinterSkew.calc_skew, cmd_SET_SKEW), docs/Skew_Correction.md.
+
+Sign: Klipper subtracts factor times position, so a factor is the slope of the deviation: +e (xy = -C0Y, xz = B0Z, yz = -A0Z).
+Klipper takes up no lost motion. Its [axis_twist_compensation] is not written: klippy/extras/axis_twist_compensation.py adds
+it to what the probe has read (probe:update_results), not to where the tool goes.
+"""
+
+from __future__ import annotations
+
+import math
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions
+from postproc.control_tables import _common as common
+from postproc.control_tables import _skew as skews
+from postproc.recordings import Source
+
+TITLE = "Klipper skew correction (SET_SKEW)"
+VERIFIED = True
+SIGN = "skew factor = slope of the deviation"
+SIDE = 100.0  # mm
+DECIMALS = 9  # of mm: a factor to 1e-11
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """One file of commands for the start of every job. Raises TableError."""
+    found = skews.settings(tables, "Klipper", False)
+    planes = []
+    for plane, factor in found.skew.items():
+        ac, bd = math.hypot(SIDE + SIDE * factor, SIDE), math.hypot(SIDE - SIDE * factor, SIDE)
+        planes.append(f"{plane.upper()}={common.fixed(ac, DECIMALS)},{common.fixed(bd, DECIMALS)},{SIDE:g}")
+    lines = [f"; {options.program}: lengths of a square of {SIDE:g} mm", "SET_SKEW " + " ".join(planes)]
+    two_way = [t.name for t in tables if t.two_way]
+    notices = [
+        "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and SET_SKEW CLEAR=1 at its end, or keep "
+        "it with SKEW_PROFILE SAVE=name and SAVE_CONFIG",
+        *found.notices,
+        *(
+            [f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both directions"]
+            if two_way
+            else []
+        ),
+    ]
+    return Export({f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left)
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """Commands as tables. Raises TableError with file and line for lengths that are no parallelogram's."""
+    skew = dict.fromkeys(skews.PLANES, 0.0)
+    seen = False
+    for number, text, parts in skews.lines_of(source):
+        if parts[0] == "SKEW_PROFILE":
+            continue
+        if parts[0] != "SET_SKEW":
+            raise common.fault(source, number, f"{parts[0]} is not SET_SKEW", "keep only these lines", text)
+        seen = True
+        for part in parts[1:]:
+            plane, _, value = part.partition("=")
+            if plane == "CLEAR":
+                if value != "0":
+                    skew = dict.fromkeys(skews.PLANES, 0.0)
+            elif plane.lower() in skews.PLANES:
+                skew[plane.lower()] = skews.factor(source, number, _factor(source, number, value, text), text)
+            else:
+                raise common.fault(source, number, f"{plane!r} is no plane", "XY=AC,BD,AD XZ=.. YZ=..", text)
+    if not seen:
+        raise common.fault(source, 1, "no SET_SKEW stands in this file")
+    return skews.tables(skew, {})
+
+
+def _factor(source: Source, line: int, value: str, text: str) -> float:
+    """The cotangent of the angle at A of a parallelogram with these diagonals and this side."""
+    words = value.split(",")
+    if len(words) != 3:
+        raise common.fault(
+            source, line, f"{len(words)} lengths, where AC,BD,AD must stand", "no blanks between them", text
+        )
+    ac, bd, ad = (common.finite(source, line, w, "a length", text) for w in words)
+    square = (ac * ac + bd * bd) / 2 - ad * ad  # the other side's: both diagonals' squares are twice both sides'
+    if min(ac, bd, ad) <= 0 or square <= 0:
+        raise common.fault(source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text)
+    cosine = (ac * ac - bd * bd) / (4 * ad * math.sqrt(square))
+    if abs(cosine) >= 1:
+        raise common.fault(source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text)
+    return cosine / math.sqrt(1 - cosine * cosine)

@@ -1,0 +1,105 @@
+"""NcStudio (Weihong): axeserr.dat, screw error and backlash of all axes.
+
+`unit = mm`, then for each axis `[X]` and rows `nominal, forward error, backward error`, ascending, machine coordinates from the
+reference point by the nominal pitch; `;` begins a comment line. A control applies it by its parameter "Screw error
+compensation" = 2 (both directions). Source: Weihong NK200 manual, "Screw Error Compensation File", tables 3-1 and 3-2;
+EasyRoute manufacturer's manual, page 68.
+
+Sign: unverified. The manuals only say "error"; their example of an axis with nothing but 0.03 mm of backlash has forward 0
+and backward +0.030, and a tool that stays behind in - stands at actual - commanded = +0.030: so +deviation is written.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions
+from postproc.control_tables import _common as common
+from postproc.errors import UsageError
+from postproc.recordings import Source
+
+TITLE = "NcStudio (Weihong) screw error file axeserr.dat"
+VERIFIED = False
+SIGN = "+deviation, unverified: by the manual's example of backlash"
+NAME = "axeserr.dat"
+DECIMALS = 4
+NOTICE = (
+    "unverified: the sign, which follows from the manual's example of backlash only. Load one axis, move to a place with a large "
+    "error and measure: it must be gone, not doubled"
+)
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """The file of all axes. Raises TableError, UsageError for inches."""
+    if options.unit != "mm":
+        raise UsageError("NcStudio's file is in mm", "--unit mm")
+    kept, notices = common.own_axis(tables, "NcStudio")
+    lines = [f"; {options.program}", f"; {NOTICE}", "unit = mm"]
+    places: dict[str, float] = {}
+    for table in sorted(kept, key=lambda t: t.moving):
+        chosen = table if options.two_way or not table.two_way else common.mean(table)
+        if options.spacing:
+            chosen = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 10_000))
+        home = places[table.moving] = common.reference(table, options, notices)
+        lines.append(f"[{table.moving}]")
+        rows = zip(chosen.nodes - home, chosen.forward, chosen.reverse, strict=True)
+        lines += [", ".join(common.fixed(float(v), DECIMALS) for v in row) for row in rows]
+        if table.two_way:
+            notices.append(
+                f"{table.moving}: "
+                + (
+                    "its own backlash must be off, it is in both columns"
+                    if options.two_way
+                    else "backlash stays a setting"
+                )
+            )
+    data = ("\r\n".join(lines) + "\r\n").encode()
+    back = {t.name: t for t in read(Source(NAME, data), ExportOptions(reference=places))}
+    left = {t.name: common.left(t, back[t.name]) for t in kept}
+    notices.append("a nominal coordinate outside of the stroke makes the compensation invalid, says the manual")
+    return Export({NAME: data}, (NOTICE, *notices), left)
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """A table per axis of the file. Raises TableError with file and line."""
+    rows: dict[str, list[list[float]]] = {}
+    axis, unit, last = "", "", 1
+    for number, line in common.numbered(source):
+        text = line.strip()
+        told = re.fullmatch(r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE)  # the manual's example has the ; before it
+        if not text or (text.startswith(";") and not told):
+            continue
+        last = number
+        section = re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE)
+        if told:
+            unit = told[1].lower()
+            if unit != "mm":
+                raise common.fault(source, number, f"unit {told[1]}: only mm is supported", "", line)
+        elif section:
+            axis = section[1].upper()
+            if not unit or axis in rows:
+                raise common.fault(
+                    source, number, f"[{axis}] stands before the unit, or twice", "unit = mm comes first", line
+                )
+            rows[axis] = []
+        elif not axis:
+            raise common.fault(source, number, "a row outside of an axis", "like [X]", line)
+        else:
+            cells = [cell for cell in (c.strip() for c in text.split(",")) if cell]
+            if len(cells) != 3:
+                raise common.fault(
+                    source, number, f"{len(cells)} numbers, where nominal, forward, backward must stand", "", line
+                )
+            row = [common.finite(source, number, cell, "the entry", line) for cell in cells]
+            if rows[axis] and row[0] <= rows[axis][-1][0]:
+                raise common.fault(source, number, f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}", "", line)
+            rows[axis].append(row)
+    if not rows or any(len(r) < 2 for r in rows.values()):
+        raise common.fault(source, last, "an axis needs two rows at least")
+    found = []
+    for x, values in rows.items():
+        nominal, forward, reverse = np.array(values).T
+        found.append(ErrorTable(x, x, nominal + options.reference.get(x, 0.0), forward, reverse))
+    return found

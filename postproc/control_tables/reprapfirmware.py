@@ -1,0 +1,75 @@
+"""RepRapFirmware (Duet): M556, axis skew, and M425, lost motion.
+
+M556 S X Y Z: tangents X/S (XY), Y/S (YZ) and Z/S (XZ), S at least 10; before any other transform the tool is sent to x + XY y +
+XZ z, y + YZ z. P0: the XY angle is taken out of X (P1: out of Y). M425 X Y Z: mm of lost motion, never negative. Source:
+Duet3D/RepRapFirmware, src/Movement/Move.cpp (Move::AxisTransform, SetAxisCompensation, ConfigureBacklashCompensation),
+src/GCodes/GCodes2.cpp (case 556).
+
+Sign: the tangents are added, so they are the negative of the deviation's slope: -e. XZ is less by the product of both other
+slopes, because Y is corrected beside it. Lost motion is positive where the tool stays behind in -.
+"""
+
+from __future__ import annotations
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions
+from postproc.control_tables import _common as common
+from postproc.control_tables import _skew as skews
+from postproc.recordings import Source
+
+TITLE = "RepRapFirmware (Duet) axis skew (M556) and lost motion (M425)"
+VERIFIED = True
+SIGN = "tangent = -slope of the deviation; lost motion = deviation in - less that in +"
+HEIGHT = 100.0  # mm, S
+NOTICE = "unverified: that M425 adds the lost motion in the new direction was not read in the firmware; test with an indicator"
+LEAST_HEIGHT = 10.0  # below, the firmware ignores the block
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """One file of commands for config.g. Raises TableError."""
+    found = skews.settings(tables, "RepRapFirmware", options.two_way)
+    xy, xz, yz = (found.skew[p] for p in skews.PLANES)
+    values = (-xy * HEIGHT, -yz * HEIGHT, -(xz - xy * yz) * HEIGHT)
+    skew = " ".join(f"{x}{common.fixed(v, 8)}" for x, v in zip("XYZ", values, strict=True))
+    lines = [f"; {options.program}: axis skew and lost motion", f"M556 S{HEIGHT:g} {skew} P0"]
+    notices = [
+        "put the lines into config.g; M556 without words shows what is in force; M425 needs a firmware that has it"
+    ]
+    if found.lost:
+        sizes = " ".join(f"{x}{common.fixed(size, 6)}" for x, size in sorted(found.lost.items()))
+        lines += [f"; {NOTICE}", f"M425 {sizes}"]
+        notices.insert(0, NOTICE)
+    notices += found.notices
+    return Export({f"{options.program}.g": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left)
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """Commands as tables. Raises TableError with file and line for any other command, or what the firmware ignores."""
+    tangent, lost = dict.fromkeys("XYZ", 0.0), dict.fromkeys("XYZ", 0.0)
+    seen = False
+    for number, text, parts in skews.lines_of(source):
+        if parts[0] == "M556":
+            given = skews.words(source, number, text, parts[1:], "SXYZP")
+            height = given.get("S", 0.0)
+            if height < LEAST_HEIGHT:
+                raise common.fault(
+                    source, number, f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block", "", text
+                )
+            if given.get("P", 0.0) > 0:
+                raise common.fault(source, number, "P1 takes the XY angle out of Y: only P0 is read", "", text)
+            for x in tangent:
+                if x in given:
+                    tangent[x] = skews.factor(source, number, given[x] / height, text)
+        elif parts[0] == "M425":
+            given = skews.words(source, number, text, parts[1:], "SXYZ")
+            for x, size in given.items():
+                if size < 0:
+                    raise common.fault(source, number, f"{x} is {size:g}: lost motion is never negative", "", text)
+                if x in lost:
+                    lost[x] = size
+        else:
+            raise common.fault(source, number, f"{parts[0]} is neither M556 nor M425", "keep only these lines", text)
+        seen = True
+    if not seen:
+        raise common.fault(source, 1, "neither M556 nor M425 stands in this file")
+    xy, yz = -tangent["X"], -tangent["Y"]
+    return skews.tables({"xy": xy, "xz": -tangent["Z"] + xy * yz, "yz": yz}, lost)

@@ -1,0 +1,30 @@
+"""Delay: the recording is late by the same time in all axes."""
+
+import numpy as np
+
+from postproc.effects import State, along
+
+PARAMETERS = {
+    "delay_ms": "ms, how late the recording is",
+}
+KIND, USE, PER = "instrument", "recording", "all"
+NEEDS, SEES = ("velocity",), ("scale", "trace")
+TEXT = (
+    "The recording is late, in all axes alike. Align its clock with a reversal; correct the recording, not the machine."
+)
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    return sum((along(x, -v) for x, v in state.velocity.items()), np.zeros((1, 3, len(state))))
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"delay_ms": float(coefficients[0])}
+
+
+def coefficients(delay_ms: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([delay_ms]), {}

@@ -1,0 +1,28 @@
+"""Inertia: an error proportional to the acceleration, of a drive or a structure that gives."""
+
+import numpy as np
+
+from postproc.effects import State, along
+
+PARAMETERS = {
+    "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
+}
+KIND, USE, PER = "machine", "simulate", "axis"
+NEEDS, SEES = ("acceleration",), ("tool", "scale")
+TEXT = "The axis gives way when it is accelerated. Acceleration feed-forward, less jerk; a program can not correct it."
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    return along(axis, state.acceleration[axis])
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"um_per_mm_s2": float(coefficients[0])}
+
+
+def coefficients(um_per_mm_s2: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([um_per_mm_s2]), {}

@@ -1,0 +1,35 @@
+"""Reversal spike: a short excursion after an axis turns back (stiction, the quadrant glitch of a circular test, ISO 230-4)."""
+
+import numpy as np
+
+from postproc.effects import State, along, grid
+
+PARAMETERS = {
+    "size_um": "um, height of the excursion",
+    "slope_um": "um, its share that rises first",
+    "tau_ms": "ms, how long it lasts",
+}
+KIND, USE, PER = "machine", "simulate", "axis"
+NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
+TEXT = (
+    "The axis sticks when it turns back and lets go late. "
+    "Friction compensation in the drive, guideway lubrication; a program can not correct it."
+)
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{"tau_ms": v} for v in grid(6.0, 250.0, 9)]
+
+
+def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
+    q = state.since[axis] / (tau_ms * 1e-3)
+    fade = np.where(state.velocity[axis] != 0, np.exp(-np.minimum(q, 50.0)), 0.0) * state.approach[axis]
+    return along(axis, -fade, -q * fade)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"size_um": float(coefficients[0]), "slope_um": float(coefficients[1]), "tau_ms": shape["tau_ms"]}
+
+
+def coefficients(size_um: float, slope_um: float, tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um, slope_um]), {"tau_ms": tau_ms}

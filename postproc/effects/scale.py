@@ -1,0 +1,38 @@
+"""Scale: an error proportional to the position. A screw or a scale of the wrong length, or a wrong factor in the control.
+
+ISO 230-2: the slope of the positioning deviation.
+"""
+
+import numpy as np
+
+from postproc.effects import State, along, one_way
+
+PARAMETERS = {
+    "ppm": "um/m, how much too long the travel is per length",
+}
+KIND, USE, PER = "machine", "compensate", "axis"
+NEEDS, SEES = ("position",), ("tool", "part")
+TEXT = (
+    "The axis travels too far or too short in proportion. "
+    "Correct the pitch factor of the control or write it into the table; check the temperature of the screw first."
+)
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    return along(axis, state.position[axis] * 1e-3)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"ppm": float(coefficients[0])}
+
+
+def coefficients(ppm: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([ppm]), {}
+
+
+def tables(axis: str, travel: tuple[float, float], ppm: float):
+    return [one_way(axis, f"E{axis}", travel, 2, lambda p: ppm * p * 1e-3)]

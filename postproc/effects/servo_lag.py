@@ -1,0 +1,31 @@
+"""Servo lag: a following error proportional to the speed, v times the time by which the axis is late."""
+
+import numpy as np
+
+from postproc.effects import State, along
+
+PARAMETERS = {
+    "tau_ms": "ms, how late the axis is",
+}
+KIND, USE, PER = "machine", "simulate", "axis"
+NEEDS, SEES = ("velocity",), ("tool", "scale")
+TEXT = (
+    "The axis follows late in proportion to its speed. "
+    "Position gain and velocity feed-forward of the drive; the same for all axes that interpolate."
+)
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    return along(axis, -state.velocity[axis])
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"tau_ms": float(coefficients[0])}
+
+
+def coefficients(tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([tau_ms]), {}

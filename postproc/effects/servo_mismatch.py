@@ -1,0 +1,31 @@
+"""Servo mismatch: two axes follow with different lags; a circle becomes an ellipse at 45 degrees that turns over with the sense
+(ISO 230-4).
+"""
+
+import numpy as np
+
+from postproc.effects import State, along
+
+PARAMETERS = {
+    "delta_tau_ms": "ms, lag of the first axis minus that of the second",
+}
+KIND, USE, PER = "machine", "simulate", "pair"
+NEEDS, SEES = ("velocity",), ("tool",)
+TEXT = "Two axes follow with different lags. Match the position gains of the two drives."
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    first, second = axis[0], axis[1]
+    return along(first, -state.velocity[first] / 2) - along(second, -state.velocity[second] / 2)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"delta_tau_ms": float(coefficients[0])}
+
+
+def coefficients(delta_tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([delta_tau_ms]), {}

@@ -1,0 +1,30 @@
+"""Tool size: the tool's diameter is not the one that was assumed; every wall is off by half of the difference."""
+
+import numpy as np
+
+from postproc.effects import State
+
+PARAMETERS = {
+    "diameter_um": "um, how much larger the tool is",
+}
+KIND, USE, PER = "machine", "compensate", "all"
+NEEDS, SEES = ("part",), ("part",)
+TEXT = "The tool's diameter is not what the control believes. Measure the tool and set its radius."
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{}]
+
+
+def columns(state: State, axis: str) -> np.ndarray:
+    value = np.zeros((1, 3, len(state)))
+    value[:] = state.channels["material"] * 1e-3
+    return value
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"diameter_um": float(coefficients[0])}
+
+
+def coefficients(diameter_um: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([diameter_um]), {}

@@ -1,0 +1,42 @@
+"""Windup: a reversal error that builds up with the distance after the reversal (pre-sliding friction, an elastic drive).
+
+Dahl's model: Dahl, A solid friction model, 1968.
+"""
+
+import numpy as np
+
+from postproc.effects import UM, State, along, grid
+
+PARAMETERS = {
+    "size_um": "um, lost motion when it is fully built up",
+    "length_mm": "mm, distance over which it builds up",
+}
+KIND, USE, PER = "machine", "compensate", "axis"
+NEEDS, SEES = ("approach", "distance"), ("tool",)
+TEXT = (
+    "The drive winds up before the slide follows. "
+    "A staircase of small reversals shows its length; the take-up must be that long."
+)
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return [{"length_mm": v} for v in grid(0.1, 10.0, 9)]
+
+
+def columns(state: State, axis: str, length_mm: float) -> np.ndarray:
+    built = 1 - 2 * np.exp(-state.distance[axis] / length_mm)
+    return along(axis, -state.approach[axis] / 2 * built)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    return {"size_um": float(coefficients[0]), "length_mm": shape["length_mm"]}
+
+
+def coefficients(size_um: float, length_mm: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um]), {"length_mm": length_mm}
+
+
+def tables(axis: str, travel: tuple[float, float], size_um: float, length_mm: float):
+    """Fully built up: what is left right after a reversal is as long as length_mm says."""
+    nodes = np.array(travel)
+    return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

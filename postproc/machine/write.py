@@ -1,0 +1,111 @@
+"""The text of a machine folder, as file.py reads it: machine.toml with a comment where a number needs its source, and the
+CSV table of an axis, with a second table of how certain each value is.
+
+Writes no file. Numbers are given in the units of the format, deviations to 0.1 nm and 0.1 nrad.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+DECIMALS = 4
+FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source")
+SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effect")
+
+
+def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
+    """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the top of the file) to what
+    stands behind it. Keys keep their order within the order of the format."""
+    lines = [f"# {line}" for line in comments.get("", "").splitlines()]
+    plain = {k: v for k, v in data.items() if not _is_section(v)}
+    order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
+    lines += [_entry(key, plain[key], comments.get(key, "")) for key in order]
+    sections = [k for k in data if _is_section(data[k])]
+    for key in sorted(sections, key=lambda k: SECTIONS.index(k) if k in SECTIONS else len(SECTIONS)):
+        value = data[key]
+        if isinstance(value, list):
+            for part in value:
+                lines += ["", f"[[{key}]]", *(_entry(k, v, "") for k, v in part.items())]
+        elif key == "axes":
+            for letter, part in value.items():
+                lines += ["", *_section(f"axes.{letter}", part, comments)]
+        else:
+            lines += ["", *_section(key, value, comments)]
+    return "\n".join(lines) + "\n"
+
+
+def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()) -> str:
+    """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit; comments: lines above."""
+    position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
+    lines = [f"# {c}" for c in comments] + [",".join([position, *columns])]
+    for k, node in enumerate(nodes):
+        lines.append(",".join([number(float(node), 6), *(number(float(c[k]), DECIMALS) for c in columns.values())]))
+    return "\n".join(lines) + "\n"
+
+
+def uncertainty_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
+    """`Z_uncertainty.csv`: a row for every value that stands behind the axis table. rows: the columns below by name; None
+    and NaN are left empty. No reader of machines needs it."""
+    position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
+    names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
+    lines = [f"# {c}" for c in comments] + [",".join(names)]
+    for row in rows:
+        cells = []
+        for name in names:
+            value = row.get(name)
+            if isinstance(value, float):
+                cells.append("" if np.isnan(value) else number(value, 6 if name == position else DECIMALS))
+            else:
+                cells.append("" if value is None else str(value))
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def number(value: float, decimals: int) -> str:
+    """Without the zeros that say nothing, and without a minus before nothing."""
+    text = f"{value:.{decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text in ("-0", "") else text
+
+
+def _is_section(value: Any) -> bool:
+    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and isinstance(value[0], Mapping))
+
+
+def _section(name: str, data: Mapping[str, Any], comments: Mapping[str, str]) -> list[str]:
+    return [f"[{name}]"] + [_entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()]
+
+
+def _entry(key: str, value: Any, comment: str) -> str:
+    line = f"{_key(key)} = {_value(value)}"
+    return f"{line:<38} # {' '.join(comment.split())}" if comment else line
+
+
+def _key(key: str) -> str:
+    return key if BARE.fullmatch(key) else _text(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return repr(float(value))
+    if isinstance(value, Mapping):
+        inner = ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items())
+        return "{ " + inner + " }" if inner else "{}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return _text(str(value))
+
+
+def _text(value: str) -> str:
+    """A TOML basic string: quotes, backslashes and control characters escaped."""
+    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04X}" for c in escaped) + '"'
