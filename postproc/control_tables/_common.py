@@ -238,6 +238,11 @@ def fixed(value: float, decimals: int) -> str:
     return text[1:] if text.startswith("-") and not float(text) else text
 
 
+def place(value: float) -> str:
+    """A position or a spacing to 8 decimals, without needless zeros."""
+    return f"{round(value, 8) + 0.0:.12g}"
+
+
 def numbered(source: Source) -> list[tuple[int, str]]:
     """Line number from 1 and text of every line. Raises TableError for an empty file or text that is not UTF-8."""
     if not source.data.strip():

@@ -1,0 +1,252 @@
+"""Fanuc's parameters and compensation numbers as text: CSV, G10 programs, and the N..P.. records of a memory card.
+
+Knows numbers and where they stand; what they do is said in fanuc.py. No control.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+
+from postproc.control_tables import ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.errors import Place, UsageError
+from postproc.recordings import Source
+
+MEANING = {
+    1851: "backlash compensation",
+    1852: "backlash compensation at rapid",
+    3605: "bit 0: tables by direction",
+    3620: "pitch table number of the reference position",
+    3621: "smallest table number",
+    3622: "largest table number",
+    3623: "magnification",
+    3624: "interval in um",
+    3625: "",
+    3626: "smallest table number for travel in -",
+    3627: "compensation at the reference from the other side",
+}
+ORDER = (3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627, 1851, 1852)
+PITCH = 10000  # N10051 is compensation number 51
+LAST = 1535
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+
+
+@dataclass
+class Listing:
+    """settings: axis to parameter number to value; pitch: compensation number to increment; owner: the axis that the file
+    itself states for it; line: compensation number to its line; points: parameters whose value bore a decimal point, so that
+    it is a length and not a count."""
+
+    source: Source
+    settings: dict[str, dict[int, float]] = field(default_factory=dict)
+    pitch: dict[int, int] = field(default_factory=dict)
+    owner: dict[int, str] = field(default_factory=dict)
+    line: dict[int, int] = field(default_factory=dict)
+    lengths: set[tuple[str, int]] = field(default_factory=set)
+
+    def take(self, source: Source, line: int, text: str, number: int, value: str, axis: str, pitch: bool) -> None:
+        """One number of the file. Raises TableError where it can not be one, or stands twice."""
+        amount = common.finite(source, line, value, "the value", text)
+        if not pitch:
+            if number not in MEANING:
+                raise common.fault(
+                    source, line, f"parameter {number} is none of pitch error or backlash compensation",
+                    f"parameters: {', '.join(map(str, sorted(MEANING)))}", text,
+                )  # fmt: skip
+            known = self.settings.setdefault(axis, {})
+            if number in known:
+                raise common.fault(source, line, f"parameter {number} of {axis} stands twice", "", text)
+            known[number] = amount
+            if "." in value:
+                self.lengths.add((axis, number))
+            elif amount != int(amount):
+                raise common.fault(source, line, f"parameter {number} = {value} is not a whole number", "", text)
+            return
+        if not 0 <= number <= LAST:
+            raise common.fault(source, line, f"compensation number {number} is not between 0 and {LAST}", "", text)
+        if amount != int(amount) or not -128 <= amount <= 127:
+            raise common.fault(
+                source,
+                line,
+                f"{value} is not an increment of pitch error compensation",
+                "a whole number from -128 to 127",
+                text,
+            )
+        if number in self.pitch:
+            raise common.fault(source, line, f"compensation number {number} stands twice", "", text)
+        self.pitch[number], self.line[number] = int(amount), line
+        if axis:
+            self.owner[number] = axis
+
+
+def parse(source: Source, options: ExportOptions) -> Listing:
+    """Any of the forms, told by how they begin. Raises TableError with file and line."""
+    lines = common.numbered(source)
+    listing = Listing(source)
+    head = next(text for _, text in lines if text.strip())
+    if head.lower().startswith("axis,"):
+        _csv_pitch(listing, source, lines)
+        settings = options.extra.get("settings", "")
+        if settings:
+            other = Source(options.extra.get("settings_name", "settings"), settings.encode())
+            _csv_settings(listing, other, common.numbered(other))
+    elif head.lower().startswith("parameter_no,"):
+        _csv_settings(listing, source, lines)
+    else:
+        _words(listing, source, lines, options)
+    return listing
+
+
+def _cells(source: Source, lines: list[tuple[int, str]], header: list[str]) -> list[tuple[int, str, list[str]]]:
+    rows = []
+    for line, text in lines:
+        if not text.strip() or text.startswith("#"):
+            continue
+        cells = [cell.strip() for cell in next(csv.reader([text]))]
+        if not header:
+            header += cells
+            continue
+        if len(cells) != len(header):
+            raise common.fault(source, line, f"{len(cells)} values under {len(header)} columns", "", text)
+        rows.append((line, text, cells))
+    return rows
+
+
+def _csv_pitch(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
+    header: list[str] = []
+    rows = _cells(source, lines, header)
+    if header != ["axis", "parameter_no", "value"]:
+        raise common.fault(source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value")
+    for line, text, (axis, name, value) in rows:
+        if not re.fullmatch(r"[A-Za-z]", axis) or not name.isdigit():
+            raise common.fault(source, line, f"{axis},{name} is not an axis and a number", "like X,51,0", text)
+        listing.take(source, line, text, int(name), value, axis.upper(), pitch=int(name) not in MEANING)
+
+
+def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
+    header: list[str] = []
+    rows = _cells(source, lines, header)
+    axes = [name.upper() for name in header[2:]]
+    if header[:2] != ["parameter_no", "meaning"] or not axes or not all(re.fullmatch("[A-Z]", a) for a in axes):
+        raise common.fault(source, 1, f"the columns are {', '.join(header)}", "parameter_no,meaning,x,y,z")
+    for line, text, cells in rows:
+        if not cells[0].isdigit():
+            raise common.fault(source, line, f"{cells[0]!r} is not a parameter number", "", text)
+        for axis, value in zip(axes, cells[2:], strict=True):
+            if value:
+                listing.take(source, line, text, int(cells[0]), value, axis, pitch=False)
+
+
+def _words(listing: Listing, source: Source, lines: list[tuple[int, str]], options: ExportOptions) -> None:
+    """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2 P200 between %."""
+    axes = axis_order(options)
+    entering = False
+    program = any("G10" in re.sub(r"\([^)]*\)", "", text).upper().replace(" ", "") for _, text in lines)
+    for line, text in lines:
+        plain = re.sub(r"\([^)]*\)", "", text).strip().rstrip(";").strip().upper()
+        if not plain or plain == "%" or re.fullmatch(r"[O:]\d+", plain) or plain in ("M30", "M02", "M99", "M2"):
+            continue
+        if program and re.fullmatch(r"G10\s*L(50|52)", plain):
+            entering = True
+            continue
+        if program and plain == "G11":
+            entering = False
+            continue
+        words = [(letter, value) for letter, value in WORD.findall(plain)]
+        if WORD.sub("", plain).strip() or not words or words[0][0] != "N" or (program and not entering):
+            raise common.fault(
+                source, line, "this is no parameter or compensation number" + (" between G10 and G11" if program else ""),
+                "like N10051 R1 in G10 L50, or N10051 P1", text,
+            )  # fmt: skip
+        number = int(float(words[0][1]))
+        rest = words[1:]
+        if number >= PITCH:
+            value = [v for letter, v in rest if letter == ("R" if program else "P")]
+            if len(value) != 1:
+                raise common.fault(source, line, f"N{number} has no value", "", text)
+            listing.take(source, line, text, number - PITCH, value[0], "", pitch=True)
+            continue
+        first, second = ("P", "R") if program else ("A", "P")
+        if len(rest) < 2 or len(rest) % 2 or [letter for letter, _ in rest] != [first, second] * (len(rest) // 2):
+            raise common.fault(source, line, f"parameter {number} needs {first} axis and {second} value", "", text)
+        for (_, axis), (_, value) in zip(rest[::2], rest[1::2], strict=True):
+            index = int(float(str(axis)))
+            if not 1 <= index <= len(axes):
+                raise common.fault(
+                    source, line, f"there is no axis number {index}: axes are {', '.join(axes)}", "--set axes=XZ", text
+                )
+            listing.take(source, line, text, number, str(value), axes[index - 1], pitch=False)
+    if entering:
+        raise TableError("G11 is missing: the program is not whole", "", Place(source.name, lines[-1][0]))
+
+
+def axis_order(options: ExportOptions) -> str:
+    """Letters of the control's axes 1, 2, 3 ...: --set axes=XZ, else XYZ."""
+    axes = options.extra.get("axes", "XYZ").upper()
+    if not re.fullmatch("[A-Z]+", axes) or len(set(axes)) != len(axes):
+        raise UsageError(f"axes = {axes!r} is not the axes' letters in the control's order", "--set axes=XYZ")
+    return axes
+
+
+def csv_files(settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], name: str) -> dict[str, bytes]:
+    """The two CSV files: compensation numbers by axis, and the parameters, a column an axis."""
+    rows = [f"{axis},{n},{v}" for axis, numbers in pitch.items() for n, v in sorted(numbers.items())]
+    table = ["parameter_no,meaning," + ",".join(axis.lower() for axis in settings)]
+    for number in ORDER:
+        if any(number in known for known in settings.values()):
+            cells = [f"{settings[axis][number]:g}" if number in settings[axis] else "" for axis in settings]
+            table.append(f"{number},{MEANING[number]}," + ",".join(cells))
+    return {
+        f"{name}_pitch.csv": ("\n".join(["axis,parameter_no,value", *rows]) + "\n").encode(),
+        f"{name}_settings.csv": ("\n".join(table) + "\n").encode(),
+    }
+
+
+def g10(
+    settings: dict[str, dict[int, float]],
+    pitch: dict[str, dict[int, int]],
+    comments: list[str],
+    options: ExportOptions,
+    form: str,
+) -> bytes:
+    """A program that enters the numbers: G10 L50 (0i 16i 18i), or L52 for parameters and L50 for pitch numbers (30i, 0i-F)."""
+    axes = axis_order(options)
+    lines = ["%", f"O{common.whole(options, 'program_number', 7900, 1, 9999):04d}"]
+    lines += [f"({re.sub('[^A-Z0-9 .,:=+/-]', ' ', text.upper())})" for text in comments]
+    lines.append("G10 L52" if form == "l52" else "G10 L50")
+    for number in ORDER:
+        if number == 3605:
+            continue  # the other bits of that byte would be overwritten
+        for axis, known in settings.items():
+            if number in known:
+                lines.append(f"N{number} P{axes.index(axis) + 1} R{_value(number, known[number], form, options)}")
+    if form == "l52":
+        lines += ["G11", "G10 L50"]
+    lines += [f"N{PITCH + n} R{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())]
+    return ("\n".join([*lines, "G11", "M30", "%"]) + "\n").encode()
+
+
+def _value(number: int, value: float, form: str, options: ExportOptions) -> str:
+    if number == 3624 and form == "l52":  # a length with a decimal point on these controls
+        return f"{value * increment(options) / common.mm_per_unit(options):.4f}"
+    return f"{value:g}"
+
+
+def records(settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], options: ExportOptions) -> bytes:
+    """The records of a memory card: N3620 A1 P100 A2 P200, N10051 P1."""
+    axes = axis_order(options)
+    lines = ["%"]
+    for number in ORDER:
+        have = [(axes.index(axis) + 1, known[number]) for axis, known in settings.items() if number in known]
+        if have and number != 3605:
+            lines.append(f"N{number:05d} " + " ".join(f"A{i} P{v:g}" for i, v in sorted(have)))
+    lines += [f"N{PITCH + n} P{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())]
+    return ("\n".join([*lines, "%"]) + "\n").encode()
+
+
+def increment(options: ExportOptions) -> float:
+    """mm of the least input increment, in which 3624 is counted: 0.001 mm or 0.0001 inch, or --set increment_mm=."""
+    usual = 0.001 if options.unit == "mm" else 0.0001 * common.mm_per_unit(options)
+    return common.number(options, "increment_mm", usual, 1e-6, 0.1)

@@ -1,0 +1,208 @@
+"""Siemens 840D, 828D: cross error compensation $AN_CEC (sag, squareness, straightness; with DIRECTION position by direction).
+
+A table adds its value to the compensation axis over the position of the base axis; DIRECTION 1 and -1 make a pair for the
+two directions of travel, 0 is for both. A product of two tables (MULT_BY_TABLE: the number of the other, its index + 1)
+is neither written nor read. Points, STEP, MIN, MAX, DIRECTION: function manual K3, pages 249 and 264, and 802D sl, page
+222. The SIGN is not in the pages found: one public generator writes -deviation, so does this; `cec_sign=+` flips it. The
+dial-gauge test in the notices tells, at a tenth of the weight, which is right.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head
+from postproc.recordings import Source
+from postproc.units import UM
+
+TITLE = "Siemens 840D 828D cross error compensation ($AN_CEC)"
+VERIFIED = False
+SIGN = "-deviation by default (unverified; --set cec_sign=+ flips it)"
+EXTRA = {
+    "cec_sign": "- or +, -",
+    "points": "points of one table (MD18342), 200",
+    "tables": "tables there are, 8",
+    "first_table": "index of the first, 0",
+    "axis_Z": "the control's name of axis Z, AX and its number in XYZ",
+}
+WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
+KEYS = ("_INPUT_AXIS", "_OUTPUT_AXIS", "_STEP", "_MIN", "_MAX", "_DIRECTION", "_MULT_BY_TABLE", "_IS_MODULO")
+
+
+def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
+    """One file with all tables. Raises TableError where tables or points do not suffice."""
+    unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
+    sign = 1.0 if common.setting(options, "cec_sign", "-", ("-", "+")) == "+" else -1.0
+    most = common.whole(options, "points", 200, 2, 10000)
+    first = common.whole(options, "first_table", 0, 0, 100)
+    room = common.whole(options, "tables", 8, 1, 100)
+    tables = common.checked(tables)
+    notices = [
+        "unverified: the sign of $AN_CEC is from one public generator, not from the manual; run the dial-gauge test first"
+    ]
+    lines: list[str] = []
+    used = first
+    shifts: dict[str, float] = {}
+    for table in tables:
+        at = common.reference(table, options, notices)
+        chosen = table if options.two_way else common.mean(table)
+        written = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most))
+        written, shifts[table.name] = common.zeroed(written, at, 0.0, notices)
+        ways = (("1", written.forward), ("-1", written.reverse)) if written.two_way else (("0", written.forward),)
+        for direction, values in ways:
+            lines += _table(used, written, direction, sign * values / unit, unit, decimals, options)
+            used += 1
+    if used - first > room:
+        raise TableError(
+            f"{used - first} tables are needed, and the control has {room}",
+            "--component for fewer, --one-way for one instead of two, or --set tables=N if your control has more",
+        )
+    note = "; unverified sign: dial-gauge test at SD41310 = 0.1 before use"
+    file = "NC_CEC.INI"
+    data = ("\n".join(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"]) + "\n").encode()
+    back = {t.name: t for t in read(Source(file, data), options)}
+    remainder = {t.name: common.left(common.shifted(t, shifts[t.name]), back[t.name]) for t in tables}
+    notices += _advice(tables, options, most)
+    return Export({file: data}, tuple(notices), remainder)
+
+
+def _table(
+    index: int,
+    table: ErrorTable,
+    direction: str,
+    values: np.ndarray,
+    unit: float,
+    decimals: int,
+    options: ExportOptions,
+) -> list[str]:
+    first, last = table.nodes[0] / unit, table.nodes[-1] / unit
+    step = (last - first) / max(1, len(table.nodes) - 1)
+    head = [
+        f"$AN_CEC_INPUT_AXIS[{index}]=({_name(table.moving, options)})",
+        f"$AN_CEC_OUTPUT_AXIS[{index}]=({_name(table.along, options)})",
+        f"$AN_CEC_STEP[{index}]={common.place(step)}",
+        f"$AN_CEC_MIN[{index}]={common.place(first)}",
+        f"$AN_CEC_MAX[{index}]={common.place(last)}",
+        f"$AN_CEC_DIRECTION[{index}]={direction}",
+        f"$AN_CEC_MULT_BY_TABLE[{index}]=0",
+        f"$AN_CEC_IS_MODULO[{index}]=0",
+    ]
+    return head + [f"$AN_CEC[{index},{i}]={common.fixed(float(v), decimals)}" for i, v in enumerate(values)]
+
+
+def _name(letter: str, options: ExportOptions) -> str:
+    return common.axis_name(letter, options, f"AX{'XYZUVW'.index(letter) + 1}")
+
+
+def _advice(tables: list[ErrorTable], options: ExportOptions, most: int) -> list[str]:
+    table = max(tables, key=common.largest)
+    curve = np.abs(table.forward)
+    low, high = float(table.nodes[int(np.argmin(curve))]), float(table.nodes[int(np.argmax(curve))])
+    rise = (float(table.at(np.array([high]), 1.0)[0]) - float(table.at(np.array([low]), 1.0)[0])) / UM
+    weight = "0.1"
+    return [
+        f"dial-gauge test: set SD41310 = {weight} (weight), gauge along {table.along}, move {table.moving} in + from {low:g} to {high:g}; "
+        f"without tables the gauge shows a deviation of {rise:+.1f} um, with them {0.9 * rise:+.1f} um if the sign is right and "
+        f"{1.1 * rise:+.1f} um if it is wrong (then --set cec_sign=+)",
+        f"MD18342 must hold {most} points (changing it formats the memory), MD32710 = 1, SD41300 = 1 for each table, then SD41310 = 1",
+        "axis names in the file: " + ", ".join(f"{x} is {_name(x, options)}" for x in sorted({t.moving for t in tables} | {t.along for t in tables})),
+        "what depends on two axes (a rotation times an arm) needs MULT_BY_TABLE, which is not written: see the notices on what stays",
+    ]  # fmt: skip
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """One table per pair of axes. Raises TableError with the line for gaps, products, modulo, or tables that overlap."""
+    unit = common.mm_per_unit(options)
+    sign = 1.0 if common.setting(options, "cec_sign", "-", ("-", "+")) == "+" else -1.0
+    values: dict[int, dict[int, float]] = {}
+    heads: dict[int, dict[str, tuple[float, int]]] = {}
+    axes: dict[tuple[int, str], str] = {}
+    places: dict[int, int] = {}
+    ended, line = False, 1
+    for line, text in common.numbered(source):
+        plain = text.split(";")[0].strip()
+        if not plain or plain.startswith("%") or plain.upper().startswith("CHANDATA") or plain.upper() == "M0":
+            continue
+        if ended:
+            raise common.fault(source, line, "text after M17, which ends the file", "", text)
+        if plain.upper() in ("M17", "M02", "M30"):
+            ended = True
+            continue
+        found = WORD.fullmatch(plain)
+        key = (found[1] or "").upper() if found else "?"
+        if found is None or (key and key not in KEYS):
+            raise common.fault(
+                source, line, "this is no line of a cross error compensation", "$AN_CEC[0,0]=0.003", text
+            )
+        indices = [p.strip() for p in re.split("[,.]", found[2])]
+        if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
+            raise common.fault(
+                source, line, f"[{found[2]}] is not the index of a {'table' if key else 'point'}", "", text
+            )
+        t = int(indices[0])
+        places[t] = line
+        if key.endswith("_AXIS"):
+            axes[t, key] = found[3].strip("()\"' ").upper()
+        elif key:
+            heads.setdefault(t, {})[key] = (common.finite(source, line, found[3], "the value", text), line)
+        elif int(indices[1]) in values.setdefault(t, {}):
+            raise common.fault(source, line, f"point {indices[1]} of table {t} stands twice", "", text)
+        else:
+            values[t][int(indices[1])] = common.finite(source, line, found[3], "the value", text) * unit * sign
+    if not ended:
+        raise common.fault(source, line, "M17 is missing: the file is not whole")
+    if not values:
+        raise common.fault(source, 1, "there is no $AN_CEC[...] in this file")
+    return _joined(source, values, heads, axes, places, unit, options)
+
+
+def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTable]:
+    """Tables of the same two axes made one: DIRECTION 1 forward, -1 reverse, 0 both."""
+    columns: dict[tuple[str, str], dict[str, tuple[np.ndarray, np.ndarray]]] = {}
+    for t, points in values.items():
+        head, name = heads.get(t, {}), f"table {t}"
+        nodes = even_head(source, name, head, len(points), places[t], unit)
+        if sorted(points) != list(range(len(points))):
+            raise common.fault(source, places[t], f"table {t} has a gap: the control keeps what stood there before")
+        if head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
+            raise common.fault(source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read")
+        way = f"{head.get('_DIRECTION', (0.0, 0))[0]:g}"
+        if way not in ("0", "1", "-1"):
+            raise common.fault(source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1")
+        pair = []
+        for key in ("_INPUT_AXIS", "_OUTPUT_AXIS"):
+            if (t, key) not in axes:
+                raise common.fault(source, places[t], f"{key[1:]} of table {t} is missing")
+            pair.append(_letter(source, axes[t, key], places[t], options))
+        known = columns.setdefault((pair[0], pair[1]), {})
+        if way in known or ("0" in known) or (way == "0" and known):
+            raise common.fault(
+                source,
+                places[t],
+                f"table {t} acts from {pair[0]} on {pair[1]} in a direction that another has already",
+                "give their sum",
+            )
+        known[way] = nodes, np.array([points[i] for i in range(len(points))])
+    result = []
+    for (moving, along), ways in columns.items():
+        none = (np.zeros(1), np.zeros(1))
+        up, down = (ways["0"], ways["0"]) if "0" in ways else (ways.get("1", none), ways.get("-1", none))
+        nodes = np.union1d(up[0], down[0]) if "1" in ways and "-1" in ways else (up if len(up[0]) > 1 else down)[0]
+        result.append(ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down)))
+    return result
+
+
+def _letter(source: Source, name: str, line: int, options: ExportOptions) -> str:
+    for key, value in options.extra.items():
+        if key.startswith("axis_") and value.upper() == name:
+            return key[5:].upper()
+    number = re.fullmatch(r"AX([1-6])", name)
+    if number:
+        return "XYZUVW"[int(number[1]) - 1]
+    if name[:1] in "XYZUVW":
+        return name[:1]
+    raise common.fault(source, line, f"which axis is {name}?", f"--set axis_X={name}")

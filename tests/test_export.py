@@ -1,0 +1,140 @@
+"""`gcomp export` as a user does it: files, the table of what is left, what is unverified, and nothing overwritten."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from pytest import approx
+
+from postproc import control_tables
+from postproc.cli import main
+from postproc.machine.file import read_machine
+
+ROOT = Path(__file__).resolve().parents[1]
+STUDER = ROOT / "machines" / "studer-s36"
+SEED = ROOT.parent / "shared" / "seed"
+
+
+def gcomp(*words: str) -> int:
+    return main(["export", *map(str, words)])
+
+
+def export(out: Path, control: str, *more: str) -> int:
+    return gcomp("--machine", STUDER, "--control", control, "-o", out, *more)
+
+
+def test_the_table_says_component_nodes_correction_and_what_is_left(tmp_path, capsys):
+    assert export(tmp_path, "linuxcnc") == 0
+    out = capsys.readouterr().out
+    rows = {line.split()[0]: line for line in out.splitlines() if line.startswith("E")}
+    assert rows["EXX"].split() == ["EXX", "18", "30.50", "um", "0.000", "um"]
+    assert "not written" in rows["EZX"] and "80.71" in rows["EZX"]
+    assert "ignores BACKLASH" in out and "a table of one axis can not hold" in out and "diameters" in out
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]
+    assert (tmp_path / "X.comp").read_text().startswith("0.000000 0.008400 -0.000400\n")
+
+
+@pytest.mark.parametrize("control", [n for n in control_tables.names() if not control_tables.load(n).VERIFIED])
+def test_what_is_unverified_is_said_loudly(control, tmp_path, capsys):
+    assert export(tmp_path / "out", control, "--reference", "X=180,Z=520") == 0
+    assert "UNVERIFIED: " in capsys.readouterr().out
+
+
+def test_nothing_is_overwritten_without_force_and_then_no_file_is_touched(tmp_path, capsys):
+    (tmp_path / "Z.comp").write_text("mine")
+    assert export(tmp_path, "linuxcnc") == 2
+    assert "Z.comp is there already" in capsys.readouterr().err
+    assert (tmp_path / "Z.comp").read_text() == "mine" and not (tmp_path / "X.comp").exists()
+    assert export(tmp_path, "linuxcnc", "--force") == 0
+    assert (tmp_path / "Z.comp").read_text() != "mine"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]  # no half-written file beside them
+
+
+def test_a_single_file_may_be_named_and_several_need_a_folder(tmp_path, capsys):
+    assert export(tmp_path / "EEC.INI", "siemens-enc-comp") == 0
+    assert (tmp_path / "EEC.INI").is_file()
+    (tmp_path / "file").write_text("")
+    assert export(tmp_path / "file", "linuxcnc") == 2
+    assert "-o FOLDER" in capsys.readouterr().err
+
+
+def test_only_an_axis_or_a_component_is_written_when_asked_for(tmp_path, capsys):
+    assert export(tmp_path / "z", "siemens-cec", "--axis", "Z") == 0
+    text = (tmp_path / "z").read_text()
+    assert "INPUT_AXIS[0]=(AX3)" in text and "(AX1)\n$AN_CEC_STEP" in text and "INPUT_AXIS[0]=(AX1)" not in text
+    assert export(tmp_path / "c", "siemens-cec", "--component", "EZX") == 0
+    assert (tmp_path / "c").read_text().count("OUTPUT_AXIS") == 2
+    capsys.readouterr()
+    assert export(tmp_path / "d", "siemens-cec", "--component", "EYX") == 2
+    assert "components: EXX, EZX, EXZ, EZZ" in capsys.readouterr().err
+    assert export(tmp_path / "d", "siemens-cec", "--axis", "Y") == 2
+
+
+def test_what_a_table_takes_out_reads_as_an_axis_table_of_a_machine(tmp_path, capsys):
+    """Written for LinuxCNC, read back, put in the machine's place: the same positioning errors, to the nanometre."""
+    assert export(tmp_path, "linuxcnc") == 0
+    capsys.readouterr()
+    assert gcomp("--read", tmp_path / "Z.comp", "--control", "linuxcnc") == 0
+    copy = tmp_path / "copy"
+    shutil.copytree(STUDER, copy)
+    (copy / "Z.csv").write_text(capsys.readouterr().out)
+    mine, other = read_machine(STUDER).tables["Z"], read_machine(copy).tables["Z"]
+    assert other.forward[2] == approx(mine.forward[2], abs=1e-6)
+    assert other.reverse[2] == approx(mine.reverse[2], abs=1e-6)
+    assert not other.forward[0].any()  # straightness was not in it
+
+
+@pytest.mark.skipif(not SEED.exists(), reason="the seed's tables are not here")
+def test_fanucs_numbers_are_read_with_their_settings(capsys):
+    pitch, settings = SEED / "table_7_2_mv1060_fanuc_pitch.csv", SEED / "table_7_2_mv1060_fanuc_settings.csv"
+    assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "--axis", "Y") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1:3] == ["Y_mm,EYY_um_fwd,EYY_um_rev", "-600,11,13"]
+    assert gcomp("--read", pitch, "--control", "fanuc") == 2
+    assert "--settings FILE" in capsys.readouterr().err
+
+
+def test_a_broken_table_names_file_and_line(tmp_path, capsys):
+    (tmp_path / "X.comp").write_text("; nominal\n0 0 0\n")
+    assert gcomp("--read", tmp_path / "X.comp", "--control", "linuxcnc") == 2
+    assert f"{tmp_path}/X.comp:1: not three numbers" in capsys.readouterr().err
+
+
+def test_the_list_shows_every_control_with_its_sign(capsys):
+    assert gcomp("--list") == 0
+    out = capsys.readouterr().out
+    for name in control_tables.names():
+        assert f"\n{name}" in f"\n{out}"
+    assert out.count("sign: ") == len(control_tables.names()) and "UNVERIFIED" in out
+    assert gcomp("--list", "--control", "fanuc") == 0
+    assert "--set range_X" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--control", "linuxcnc"], "either --machine M is written, or --read FILE is read"),
+        (["--machine", str(STUDER)], "--control is missing"),
+        (["--machine", str(STUDER), "--control", "nope", "-o", "x"], "there are no tables of a control 'nope'"),
+        (["--machine", str(STUDER), "--control", "linuxcnc"], "-o is missing"),
+        (["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "typ=1"], "has no such key"),
+        (["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "type=7"], "type = '7' is not known"),
+        (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--first", "X=1.5"], "without a fraction"),
+        (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--reference", "X:1"], "is not like X=0"),
+        (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--step", "-1"], "above zero"),
+    ],
+)
+def test_a_command_line_that_can_not_be_is_one_sentence(words, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert gcomp(*words) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_template_is_filled(tmp_path):
+    (tmp_path / "empty.com").write_text("BEGIN A.COM MM\nNR      AXISPOS     X           Z           BACKLASH\n[END]\n")
+    assert export(tmp_path / "t", "heidenhain", "--template", str(tmp_path / "empty.com"), "--axis", "Z") == 0
+    lines = (tmp_path / "t").read_text().splitlines()
+    assert lines[0] == "BEGIN A.COM MM" and lines[2].split() == ["0", "0.00000", "-0.00025", "0.00070", "0.00200"]

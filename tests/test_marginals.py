@@ -1,0 +1,118 @@
+"""A machine as tables of one axis each: whole where nothing turns, and honest about what they can not hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from postproc.machine import marginals as module
+from postproc.machine.chain import Chain
+from postproc.machine.file import read_machine
+from postproc.machine.marginals import marginals
+from postproc.machine.model import Axis, Machine
+from postproc.machine.tables import AxisTable
+from postproc.units import UM, URAD
+
+STUDER = Path(__file__).resolve().parents[1] / "machines" / "studer-s36"
+CHAINS = ["w-b-X-Y-Z-t", "w-X-Y-b-Z-t", "w-Z-b-X-Y-t", "w-Y-X-Z-b-t"]
+
+
+def machine(chain: str, turning: bool, seed: int = 1) -> Machine:
+    """Three axes with all translations, squareness, and perhaps rotations."""
+    draw = np.random.default_rng(seed)
+    axes = {}
+    for x in "XYZ":
+        forward = draw.normal(0, 5 * UM, (6, 6))
+        forward[3:] = draw.normal(0, 20 * URAD, (3, 6)) if turning else 0.0
+        reverse = forward + draw.normal(0, 1, (6, 1)) * np.array([UM] * 3 + [0.0] * 3)[:, None]
+        table = AxisTable(x, np.array([0.0, 40.0, 100.0, 150.0, 220.0, 300.0]), forward, reverse)
+        axes[x] = Axis(x, (0.0, 300.0), 1e-4, draw.uniform(0, 300, 3), table)
+    parts = chain.split("-")
+    letters = tuple(p for p in parts if p in "XYZ")
+    square = {"X": np.array([0.0, 50 * URAD, -30 * URAD]), "Y": np.array([20 * URAD, 0.0, 0.0])}
+    return Machine("m", "", "linuxcnc", Chain(letters, parts.index("b") - 1), axes, square=square)
+
+
+def total(found, position, approach):
+    """(3, N) mm: what tables of one axis add up to."""
+    result = np.zeros_like(position)
+    for t in found:
+        m, a = "XYZ".index(t.moving), "XYZ".index(t.along)
+        for way in (1.0, -1.0):
+            column = t.forward if way > 0 else t.reverse
+            result[a] += np.where(approach[m] == way, np.interp(position[m], t.nodes, column), 0.0)
+    return result
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_without_rotations_the_tables_of_single_axes_are_the_whole_machine(chain):
+    m = machine(chain, turning=False)
+    found, notices = marginals(m)
+    draw = np.random.default_rng(2)
+    position, approach = draw.uniform(0, 300, (3, 500)), draw.choice([-1.0, 1.0], (3, 500))
+    np.testing.assert_allclose(total(found, position, approach), m.deviation(position, approach), atol=1e-9)
+    assert not notices
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_with_rotations_they_are_off_by_no_more_than_the_notices_say(chain):
+    m = machine(chain, turning=True)
+    at = {"X": 150.0, "Y": 100.0, "Z": 50.0}
+    found, notices = marginals(m, at)
+    said = np.zeros((3, 3))
+    for n in notices:
+        said["XYZ".index(n[1]), "XYZ".index(n[2])] = float(n.rsplit("up to ", 1)[1].split()[0]) * UM
+    draw = np.random.default_rng(3)
+    position, approach = draw.uniform(0, 300, (3, 2000)), draw.choice([-1.0, 1.0], (3, 2000))
+    off = np.abs(total(found, position, approach) - m.deviation(position, approach)).max(axis=1)
+    bound = said.sum(axis=1) + 9 * module.SEEN
+    assert np.all(off <= bound)
+    assert np.all(off >= 0.2 * said.max(axis=1)) and off.max() > UM  # and they do not cry wolf
+
+
+def test_at_the_stated_place_each_axis_is_right_by_itself():
+    m = machine("w-X-Y-b-Z-t", turning=True)
+    at = {"X": 150.0, "Y": 100.0, "Z": 50.0}
+    found, _ = marginals(m, at)
+    walk = np.linspace(0, 300, 1201)
+    for i, moving in enumerate("XYZ"):
+        alone = replace(
+            m, axes={x: a if x == moving else a.bare for x, a in m.axes.items()},
+            square={x: v for x, v in m.square.items() if x == moving},
+        )  # fmt: skip
+        position = np.array([[at[x]] * len(walk) for x in "XYZ"])
+        position[i] = walk
+        approach = np.ones_like(position)
+        mine = [t for t in found if t.moving == moving]
+        np.testing.assert_allclose(
+            total(mine, position, approach), alone.deviation(position, approach), atol=module.SEEN
+        )
+
+
+def test_the_studers_tables_are_those_measured_and_its_squareness_is_a_line():
+    found, notices = marginals(read_machine(STUDER))
+    by = {f"E{t.along}{t.moving}": t for t in found}
+    assert set(by) == {"EXX", "EZX", "EXZ", "EZZ"}
+    assert (by["EXX"].forward[-1] / UM, by["EXX"].reverse[0] / UM) == approx((30.5, -0.4))
+    assert (by["EZZ"].nodes[0], by["EZZ"].nodes[-1], len(by["EZZ"].nodes)) == (0.0, 510.0, 18)
+    # straightness 8.3 um at 170 mm, and +65 um of squareness (thesis 6.3.4); at the end of travel the line goes on
+    at = dict(zip(by["EZX"].nodes, by["EZX"].forward / UM, strict=True))
+    assert at[170.0] == approx(8.3 + 65.0) and at[175.0] == approx(8.3 + 65.0 * 175 / 170)
+    # yaw of Z, 8.7 urad at most, at an arm of 175 mm: 1.52 um
+    assert len(notices) == 1 and "EZZ" in notices[0] and "1.52 um" in notices[0]
+
+
+def test_what_belongs_to_no_single_slide_is_said():
+    """A turntable whose line lies 10 um beside the nominal one: at 90 degrees the part stands off by 10 um in X and in Y."""
+    m = machine("w-b-X-Y-Z-t", turning=False)
+    line = np.array([10 * UM, 0.0, 0.0, 0.0, 0.0, 0.0])
+    table = Axis("C", (0.0, 90.0), 1e-4, np.zeros(3), location=line)
+    found, notices = marginals(replace(m, chain=Chain(("C", "X", "Y", "Z"), 1), axes={**m.axes, "C": table}))
+    assert {t.moving for t in found} == {"X", "Y", "Z"}
+    said = [n for n in notices if "belong to no single slide" in n]
+    assert [n.split(" along ")[1][0] for n in said] == ["X", "Y"]
+    assert all(9.0 < float(n.split()[2]) <= 10.01 for n in said)
