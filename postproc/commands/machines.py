@@ -91,6 +91,11 @@ def show(machine: Machine) -> str:
         lines.append(
             f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
         )
+    for own in machine.control_tables:
+        lines.append(
+            f"table of the control ({own.control}): {'on' if own.active else 'off'} at work, the map was measured with it "
+            f"{'on' if own.measured else 'off'}"
+        )
     for name, zero in machine.offsets.items():
         lines.append(f"offset {name}: " + " ".join(f"{x}{v:g}" for x, v in zero.items()))
     limits = machine.limits

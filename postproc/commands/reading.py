@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from postproc import ports
 from postproc.commands import values
@@ -117,7 +120,39 @@ def machine_of(options: argparse.Namespace) -> Machine:
         raise UsageError(
             "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
         )
-    return _warmed(places.load(options.machine), getattr(options, "temperature", {}))
+    machine = with_control_tables(places.load(options.machine))
+    return _warmed(machine, getattr(options, "temperature", {}))
+
+
+def with_control_tables(machine: Machine) -> Machine:
+    """The machine as it moves with the control's own tables as they are at work: what a table does that was off while the
+    map was measured is taken out of it, and what one did that is off now is put back."""
+    from postproc import control_tables
+    from postproc.machine.model import EffectTerm
+    from postproc.machine.tables import COMPONENTS, AxisTable
+    from postproc.recordings import Source
+
+    terms = []
+    for table in machine.control_tables:
+        if table.active == table.measured or table.file is None:
+            continue
+        extra = dict(table.more) | ({"axis": table.axis} if table.axis else {})
+        if table.settings is not None:
+            extra |= {
+                "settings": table.settings.read_text("utf-8"),
+                "settings_name": str(table.settings),
+            }
+        source = Source(str(table.file), table.file.read_bytes())
+        sign = -1.0 if table.active else 1.0
+        added = []
+        for found in control_tables.load(table.control).read(source, control_tables.ExportOptions(extra=extra)):
+            if found.moving not in machine.axes or found.along not in machine.axes:
+                continue
+            both = np.zeros((2, 6, len(found.nodes)))
+            both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack([found.forward, found.reverse])
+            added.append(AxisTable(found.moving, found.nodes, both[0], both[1]))
+        terms.append(EffectTerm(f"{table.control} table {'on' if table.active else 'off'}", "", {}, None, tuple(added)))
+    return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
 
 
 def _warmed(machine: Machine, temperatures: dict[str, float]) -> Machine:

@@ -20,14 +20,15 @@ from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
 from postproc.machine.axis_file import over_turns, read_grid, read_table, text_of
 from postproc.machine.chain import OPTICS, ROTARY, XYZ
-from postproc.machine.model import Axis, EffectTerm, Expansion, Limits, Machine
+from postproc.machine.model import Axis, ControlTable, EffectTerm, Expansion, Limits, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
 KEYS = {
-    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location"},
+    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table"},
     "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat"},
+    "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
     "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
     "tool": set(XYZ),
     "limits": {"max_correction", "max_slope", "outside", "accept_slope"},
@@ -152,7 +153,7 @@ def read_machine(folder: Path) -> Machine:
         name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
         control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
         square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
-        offsets=_offsets(toml, axes), limits=limits, effects=_effects(toml, axes),
+        control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=_effects(toml, axes),
         source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal,
     )  # fmt: skip
 
@@ -309,6 +310,51 @@ def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
         if value:
             square.setdefault(name[2], np.zeros(3))[ROTARY.index(name[0])] = value * URAD
     return square
+
+
+def _control_tables(toml: _Toml, digest) -> tuple[ControlTable, ...]:
+    """[[control_table]]: tables of the control itself, and whether the map was measured with them."""
+    entries = toml.data.get("control_table", [])
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise toml.fault("", "control_table", "control tables are sections [[control_table]], with two brackets")
+    result = []
+    for i, entry in enumerate(entries):
+        toml.check_keys("control_table", entry, KEYS["control_table"], i)
+        measured, active = entry.get("measured"), entry.get("active", True)
+        if measured not in ("on", "off") or not isinstance(active, bool):
+            raise toml.fault(
+                "control_table", "measured", f"measured = {measured!r}, active = {active!r}",
+                'was the map measured with this table "on" or "off"? and is it active (true or false) at work?', i,
+            )  # fmt: skip
+        files = {}
+        for key in ("file", "settings"):
+            if key in entry:
+                path = toml.path.parent / toml.string("control_table", entry, key, index=i)
+                if not path.is_file():
+                    raise toml.fault("control_table", key, f"there is no file {path}", index=i)
+                digest.update(path.read_bytes())
+                files[key] = path
+        if "file" not in files and (measured == "on") != active:
+            raise toml.fault(
+                "control_table", "control", "what this table does is not known", "file = the table's file", i
+            )
+        more = entry.get("set", {})
+        if not isinstance(more, dict):
+            raise toml.fault("control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i)
+        control = toml.string("control_table", entry, "control", index=i)
+        axis = toml.string("control_table", entry, "axis", "", i)
+        result.append(
+            ControlTable(
+                control,
+                files.get("file"),
+                files.get("settings"),
+                measured == "on",
+                active,
+                axis,
+                {k: str(v) for k, v in more.items()},
+            )
+        )
+    return tuple(result)
 
 
 def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -63,8 +64,23 @@ class EffectTerm:
     name: str
     axis: str
     parameters: dict[str, float]
-    module: ModuleType
+    module: ModuleType | None
     tables: tuple[AxisTable, ...] = ()
+
+
+@dataclass(frozen=True)
+class ControlTable:
+    """A table with which the control corrects by itself. file, settings: where it stands; measured: whether the map was
+    measured with it; active: whether it is on at work; axis: the one it is for, where the file does not say; more: what
+    its reader must be told."""
+
+    control: str
+    file: Path | None
+    settings: Path | None
+    measured: bool
+    active: bool
+    axis: str
+    more: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -91,6 +107,7 @@ class Machine:
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)
     limits: Limits = Limits()
     effects: tuple[EffectTerm, ...] = ()
+    control_tables: tuple[ControlTable, ...] = ()
     source: str = ""
     digest: str = ""
     reversal: str = "step"

@@ -21,7 +21,7 @@ SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effe
 def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the top of the file) to what
     stands behind it. Keys keep their order within the order of the format."""
-    lines = [f"# {line}" for line in comments.get("", "").splitlines()]
+    lines = [f"# {_comment(line)}" for line in comments.get("", "").splitlines()]
     plain = {k: v for k, v in data.items() if not _is_section(v)}
     order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
     lines += [_entry(key, plain[key], comments.get(key, "")) for key in order]
@@ -42,7 +42,7 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
 def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()) -> str:
     """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit; comments: lines above."""
     position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
-    lines = [f"# {c}" for c in comments] + [",".join([position, *columns])]
+    lines = [f"# {_comment(c)}" for c in comments] + [",".join([position, *columns])]
     for k, node in enumerate(nodes):
         lines.append(",".join([number(float(node), 6), *(number(float(c[k]), DECIMALS) for c in columns.values())]))
     return "\n".join(lines) + "\n"
@@ -53,7 +53,7 @@ def uncertainty_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: 
     and NaN are left empty. No reader of machines needs it."""
     position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
     names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
-    lines = [f"# {c}" for c in comments] + [",".join(names)]
+    lines = [f"# {_comment(c)}" for c in comments] + [",".join(names)]
     for row in rows:
         cells = []
         for name in names:
@@ -83,7 +83,7 @@ def _section(name: str, data: Mapping[str, Any], comments: Mapping[str, str]) ->
 
 def _entry(key: str, value: Any, comment: str) -> str:
     line = f"{_key(key)} = {_value(value)}"
-    return f"{line:<38} # {' '.join(comment.split())}" if comment else line
+    return f"{line:<38} # {_comment(comment)}" if _comment(comment) else line
 
 
 def _key(key: str) -> str:
@@ -106,6 +106,16 @@ def _value(value: Any) -> str:
 
 
 def _text(value: str) -> str:
-    """A TOML basic string: quotes, backslashes and control characters escaped."""
-    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04X}" for c in escaped) + '"'
+    """A TOML basic string: quotes, backslashes and what can not be printed escaped."""
+    escaped = _encodable(value).replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in escaped) + '"'
+
+
+def _comment(text: str) -> str:
+    """One line that can stand behind a `#`: a file's name may hold anything."""
+    return "".join(c if c.isprintable() else " " for c in _encodable(text)).strip()
+
+
+def _encodable(text: str) -> str:
+    """Bytes of a file name that are no UTF-8 come as lone surrogates, which no file can hold."""
+    return text.encode("utf-8", "replace").decode()
