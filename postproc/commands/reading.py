@@ -148,9 +148,11 @@ def with_control_tables(machine: Machine) -> Machine:
         for found in control_tables.load(table.control).read(source, control_tables.ExportOptions(extra=extra)):
             if found.moving not in machine.axes or found.along not in machine.axes:
                 continue
-            both = np.zeros((2, 6, len(found.nodes)))
+            # One point holds everywhere, as two do that say the same.
+            nodes = found.nodes if len(found.nodes) > 1 else found.nodes[0] + np.array([0.0, 1.0])
+            both = np.zeros((2, 6, len(nodes)))
             both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack([found.forward, found.reverse])
-            added.append(AxisTable(found.moving, found.nodes, both[0], both[1]))
+            added.append(AxisTable(found.moving, nodes, both[0], both[1]))
         terms.append(EffectTerm(f"{table.control} table {'on' if table.active else 'off'}", "", {}, None, tuple(added)))
     return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
 
