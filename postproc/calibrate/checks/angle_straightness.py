@@ -1,0 +1,91 @@
+"""A carriage that follows its rail points along it: its angle, integrated, is its straightness but for a line.
+
+After Ekinci and Mayer (the thesis' reference 22): a negative correlation means that the sign of one of them is turned,
+an angle that predicts many times the curvature that was read is in another unit. A rail's short waves, which a long
+carriage averages out, lower the correlation without meaning anything.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.calibrate import Finding
+from postproc.machine.chain import XYZ
+from postproc.machine.tables import COMPONENTS
+from postproc.units import UM
+
+TURNED, FOLLOWS, TOO_MUCH = -0.5, 0.5, 3.0
+FEEBLE = 0.15  # of what was read: a path that explains less agrees or not by chance
+FEWEST = 5
+
+
+def check(calibration) -> list[Finding]:
+    found = []
+    for letter in [x for x in calibration.options.chain.axes if x in XYZ]:
+        for turn in range(3):
+            own = XYZ.index(letter)
+            if turn == own:
+                continue
+            across = 3 - own - turn
+            angle = calibration.measured.get(f"{COMPONENTS[3 + turn]}{letter}")
+            straight = calibration.measured.get(f"E{XYZ[across]}{letter}")
+            if angle is None or straight is None:
+                continue
+            # eps x u_own points along `across` with this sign; seen from the workpiece's side both turn round.
+            sign = 1.0 if (turn + 1) % 3 == own else -1.0
+            found += _compare(calibration, letter, angle, straight, sign)
+    return found
+
+
+def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Finding]:
+    low, high = max(angle.nodes[0], straight.nodes[0]), min(angle.nodes[-1], straight.nodes[-1])
+    nodes = np.unique(np.concatenate([angle.nodes, straight.nodes]))
+    nodes = nodes[(nodes >= low) & (nodes <= high)]
+    if len(nodes) < FEWEST or not np.any(angle.value) or not np.any(straight.value):
+        return []
+    pairs = []
+    for way in (0, 1) if angle.two_way and straight.two_way else (-1,):
+        turn, read = (np.interp(nodes, c.nodes, c.mean if way < 0 else c.value[way]) for c in (angle, straight))
+        if calibration.options.chain.side(letter) == "workpiece":
+            if (calibration.optics.get(letter) or "workpiece") == "tool":
+                read = read - sign * turn * nodes  # of a point that stays on the table, whose path the rail makes
+            follow = -sign
+        else:
+            follow = sign
+        path = np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))]) * follow
+        pairs.append((_without_line(nodes, read), _without_line(nodes, path)))
+    measured, predicted = (max(float(np.ptp(p[i])) for p in pairs) for i in (0, 1))
+    correlation = float(np.mean([_correlation(*p) for p in pairs]))
+    numbers = {"correlation": correlation, "measured_um": measured / UM, "predicted_um": predicted / UM}
+    both = f"{angle.name}, integrated, and {straight.name}, lines off both: correlation {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
+    u = 0.0 if not np.isfinite(straight.largest_u) else straight.largest_u
+    if measured < 4 * u:
+        return [
+            Finding(
+                "angle-straightness",
+                "note",
+                straight.name,
+                f"{both}: within the uncertainty, nothing can be said",
+                numbers,
+            )
+        ]
+    if predicted > TOO_MUCH * measured and predicted > 1 * UM:
+        text = f"{both}: the angle is {predicted / measured:.0f} times too large for it. Its unit (or the arm's) is probably wrong"
+        return [Finding("angle-straightness", "doubt", angle.name, text, numbers)]
+    if predicted < FEEBLE * measured:
+        text = f"{both}: the angle explains too little of it to say anything"
+        return [Finding("angle-straightness", "note", straight.name, text, numbers)]
+    if correlation < TURNED:
+        text = f"{both}: the sign of {angle.name} or of {straight.name} is probably turned"
+        return [Finding("angle-straightness", "doubt", straight.name, text, numbers)]
+    says = "they agree" if correlation > FOLLOWS else "they neither agree nor contradict each other"
+    return [Finding("angle-straightness", "note", straight.name, f"{both}: {says}", numbers)]
+
+
+def _without_line(nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return values - np.polyval(np.polyfit(nodes, values, 1), nodes)
+
+
+def _correlation(a: np.ndarray, b: np.ndarray) -> float:
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size else 0.0

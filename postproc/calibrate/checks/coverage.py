@@ -1,0 +1,60 @@
+"""Targets that do not reach over the travel, and what happens beyond them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.calibrate import Finding
+from postproc.calibrate.assign import place_name, unit_of
+
+NEAR = 0.01  # mm
+WORTH = 1.0  # um or urad
+
+
+def check(calibration) -> list[Finding]:
+    found = []
+    bare = [x for x in calibration.options.chain.axes if x not in calibration.axes()]
+    if bare:
+        found.append(
+            Finding("no-table", "note", "", f"nothing to correct of {', '.join(bare)}: written without a table")
+        )
+    for letter in calibration.axes():
+        low, high = calibration.travel(letter)
+        nodes = calibration.nodes(letter)
+        unit = place_name(letter)
+        if letter not in calibration.options.travel:
+            text = f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken as from the first target to the last"
+            found.append(Finding("travel", "note", letter, text))
+        beyond = [(side, d) for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1])) if d > NEAR]
+        outside = [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]
+        if outside:
+            text = f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to {high:g}"
+            found.append(Finding("travel", "doubt", letter, text, {"at": float(outside[0])}))
+        if beyond:
+            where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond)
+            does = (
+                "is refused there" if calibration.options.outside == "error" else "is corrected as at the last target"
+            )
+            text = f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel from {low:g} to {high:g}: {where} are not covered, a program {does}"
+            found.append(Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)}))
+        for component in calibration.of(letter):
+            found += _held(calibration, component, low, high)
+    return found
+
+
+def _held(calibration, component, low: float, high: float) -> list[Finding]:
+    """End values that count for more than their own target."""
+    unit, one = unit_of(component.name)
+    nodes = calibration.nodes(component.letter)
+    ends = []
+    for at, edge, travel in ((0, nodes[0], low), (-1, nodes[-1], high)):
+        own = component.nodes[at]
+        clamped = calibration.options.outside == "clamp" and abs(travel - own) > NEAR
+        worst = float(np.abs(component.value[:, at]).max()) / one
+        if (clamped or abs(own - edge) > NEAR) and worst > WORTH:
+            far = travel if clamped else edge
+            ends.append((abs(far - own), f"{worst:.1f} {unit} from {own:g} to {far:g}"))
+    if not ends:
+        return []
+    text = f"{component.name} is held beyond its own targets: " + ", ".join(t for _, t in ends)
+    return [Finding("held", "doubt", component.name, text, {"over_mm": max(d for d, _ in ends)})]

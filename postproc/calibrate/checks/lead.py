@@ -1,0 +1,41 @@
+"""What repeats with every turn of the screw is invisible where all targets lie at the same angle of the screw."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.calibrate import Finding
+
+SAME_ANGLE = 0.95  # length of the mean of unit vectors at the targets' angles: 1 where all are the same
+
+
+def check(calibration) -> list[Finding]:
+    found = []
+    for letter, lead in calibration.options.leads.items():
+        component = calibration.measured.get(f"E{letter}{letter}")
+        if component is None:
+            continue
+        phase = 2 * np.pi * component.nodes / lead
+        alike = float(np.abs(np.exp(1j * phase).mean()))
+        twice = float(np.abs(np.exp(2j * phase).mean()))
+        spacing = float(np.median(np.diff(component.nodes)))
+        numbers = {"lead_mm": lead, "spacing_mm": spacing, "alike": alike}
+        text = f"{component.name}: targets every {spacing:g} mm"
+        if alike > SAME_ANGLE:
+            text += f" are whole turns of the screw ({lead:g} mm): its cyclic error is invisible. Add a part of the lead to each target (ISO 230-2), or a fine run over two turns"
+            found.append(Finding("lead", "doubt", component.name, text, numbers))
+        elif twice > SAME_ANGLE:
+            text += f" are half turns of the screw ({lead:g} mm): its cyclic error shows in part only, and as a zigzag"
+            found.append(Finding("lead", "doubt", component.name, text, numbers))
+        elif spacing > lead / 2:
+            text += f" are further apart than half the lead ({lead:g} mm): its cyclic error looks like scatter between targets, and the table does not correct it"
+            found.append(Finding("lead", "note", component.name, text, numbers))
+    asked = [
+        c.letter
+        for n, c in calibration.components.items()
+        if n == f"E{c.letter}{c.letter}" and c.letter in "XYZ" and c.letter not in calibration.options.leads
+    ]
+    if asked:
+        text = f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the targets hide its cyclic error is not looked at"
+        found.append(Finding("lead", "note", "", text))
+    return found

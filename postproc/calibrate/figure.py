@@ -1,0 +1,70 @@
+"""The components of a calibration as a picture: means of both directions with their band of 2 u. Needs matplotlib."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
+from postproc.errors import GcompError
+
+# Okabe and Ito's colours, which the colour-blind can tell apart; each curve has its own marker too.
+FORWARD, REVERSE, BOTH, INK, FAINT = "#0072B2", "#D55E00", "#333333", "#333333", "#999999"
+FORMATS = ("png", "svg", "pdf")
+
+
+def draw(calibration: Calibration, kind: str) -> bytes:
+    """The picture as a file of `kind` (png, svg, pdf). Raises GcompError where matplotlib is not installed."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise GcompError("a figure needs matplotlib, which is not installed", "pip install 'gcomp[figures]'") from None
+    left = {c.name for c, _ in calibration.left_out}
+    shown = sorted(calibration.measured.values(), key=lambda c: ("XYZABC".index(c.letter), c.name))
+    columns = 1 if len(shown) < 2 else 2 if len(shown) < 7 else 3
+    rows = -(-len(shown) // columns)
+    figure = Figure(figsize=(4.6 * columns, 2.7 * rows + 0.5), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axis, component in zip(axes, shown, strict=False):
+        _component(axis, calibration, component, component.name in left)
+    for axis in axes[len(shown) :]:
+        axis.set_visible(False)
+    known = any(np.isfinite(c.u).any() for c in shown)
+    bands = "bands: \N{PLUS-MINUS SIGN}2u, 95 %" if known else "uncertainty not known"
+    figure.suptitle(f"Deviation = actual \N{MINUS SIGN} commanded; {bands}", fontsize=9, color=INK)
+    out = io.BytesIO()
+    figure.savefig(out, format=kind, dpi=130)
+    return out.getvalue()
+
+
+def _component(axis, calibration: Calibration, component: Component, left_out: bool) -> None:
+    unit, one = unit_of(component.name)
+    shown_unit = {"um": "µm", "urad": "µrad"}[unit]
+    ways = (
+        ((0, FORWARD, "approached in +", "o"), (1, REVERSE, "approached in \N{MINUS SIGN}", "s"))
+        if component.two_way
+        else ((0, BOTH, {1: "approached in +", -1: "approached in \N{MINUS SIGN}", 0: "one direction"}[component.cells.one_way], "o"),)
+    )  # fmt: skip
+    for way, colour, label, marker in ways:
+        value, u = component.value[way] / one, component.u[way] / one
+        if np.isfinite(u).any():
+            axis.fill_between(component.nodes, value - 2 * u, value + 2 * u, color=colour, alpha=0.2, linewidth=0)
+        axis.plot(component.nodes, value, color=colour, marker=marker, markersize=2.5, linewidth=1.0, label=label)
+    for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
+        k = int(np.argmin(np.abs(component.nodes - outlier.position)))
+        way = 1 if outlier.approach < 0 and component.two_way else 0
+        height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
+        if np.isfinite(height):
+            axis.plot(outlier.position, height, "x", color=INK, markersize=7, label=None if n else "outlier")
+    axis.axhline(0, color=FAINT, linewidth=0.6, zorder=0)
+    note = " (left out)" if left_out else " (line off)" if component.lined else ""
+    axis.set_title(component.name + note, fontsize=9, loc="left", color=INK)
+    axis.set_xlabel(f"{component.letter} / {place_name(component.letter)}", fontsize=8)
+    axis.set_ylabel(f"{component.name} / {shown_unit}", fontsize=8)
+    axis.tick_params(labelsize=7)
+    axis.legend(fontsize=6, frameon=False)
+    for side in ("top", "right"):
+        axis.spines[side].set_visible(False)

@@ -1,0 +1,166 @@
+"""A calibration as the text of a machine folder: what a machine model had or the user said, and what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
+from postproc.machine.chain import Chain
+from postproc.machine.write import axis_table, machine_toml, uncertainty_table
+from postproc.units import URAD
+
+FORMAT = "gcomp-machine/1"
+KEPT = (
+    "travel",
+    "least_increment",
+    "max_velocity",
+    "max_acceleration",
+    "max_jerk",
+    "centre",
+    "heat",
+)  # of a model's axis
+
+
+def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """File name to text.
+
+    head: keys of machine.toml beside the axes and the squareness (name, title, control, diameter, tool, offsets,
+    limits, ...); axes: letter to what is said of it (travel, least_increment, ...). Everything measured comes from the
+    calibration.
+    """
+    data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
+    comments = {"": _top(calibration)}
+    data["source"] = head.get("source") or _source(calibration)
+    sections: dict[str, dict[str, Any]] = {}
+    texts: dict[str, str] = {}
+    written = calibration.axes()
+    for letter in [*calibration.options.chain.axes, *(x for x in axes if x not in calibration.options.chain.axes)]:
+        said = axes.get(letter, {})
+        section = {k: said[k] for k in KEPT if k in said}
+        if "travel" not in section:
+            section = {"travel": [float(t) for t in calibration.travel(letter)], **section}
+            comments[f"axes.{letter}.travel"] = f"{place_name(letter)}, from the first target to the last: not stated"
+        sections[letter] = section
+        if letter not in written:
+            continue
+        section["table"] = f"{letter}.csv"
+        comments[f"axes.{letter}.table"] = "; ".join(dict.fromkeys(c.file for c in calibration.of(letter)))
+        at = calibration.measured_at.get(letter, {})
+        if at and letter in "XYZ":
+            section["measured_at"] = {x: round(v, 6) for x, v in at.items()}
+            comments[f"axes.{letter}.measured_at"] = "where the other axes of the arm stood"
+        if calibration.optics.get(letter):
+            section["optic"] = calibration.optics[letter]
+            comments[f"axes.{letter}.optic"] = "what the measured point went along with"
+        texts[f"{letter}.csv"] = _table(calibration, letter)
+        texts[f"{letter}_uncertainty.csv"] = _uncertainty(calibration, letter)
+    data["axes"] = sections
+    if calibration.squareness:
+        data["squareness"] = {s.name: round(s.value / URAD, 6) for s in calibration.squareness.values()}
+        for one in calibration.squareness.values():
+            u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}, k = 1"
+            comments[f"squareness.{one.name}"] = f"urad, {u}; {one.source}"
+    return {"machine.toml": machine_toml(data, comments), **texts}
+
+
+def chain_text(chain: Chain) -> str:
+    """w-b-Z-X-t of a chain."""
+    return "-".join(["w", *chain.axes[: chain.workpiece_side], "b", *chain.axes[chain.workpiece_side :], "t"])
+
+
+def files(calibration: Calibration) -> list[str]:
+    """The recordings that stand behind a calibration, each once."""
+    series = [s.file for c in calibration.measured.values() for s in c.series]
+    return list(dict.fromkeys(series + [d.file for d in calibration.diagonals]))
+
+
+def _source(calibration: Calibration) -> str:
+    instruments = {str(s.head.get("instrument", "")) for c in calibration.measured.values() for s in c.series} - {""}
+    by = f" ({', '.join(sorted(instruments))})" if instruments else ""
+    return f"calibrated by gcomp from {', '.join(files(calibration))}{by}"
+
+
+def _top(calibration: Calibration) -> str:
+    lines = [
+        "Written by gcomp calibrate. Deviation = actual - commanded, tool against workpiece, slide positions, radius."
+    ]
+    doubts = [f.message for f in calibration.findings if f.level == "doubt"]
+    if doubts:
+        lines += ["In doubt when it was written:"] + [f"- {' '.join(text.split())}" for text in doubts]
+    for component, why in calibration.left_out:
+        lines.append(f"Left out: {component.name}, {LEFT_OUT[why]}")
+    return "\n".join(lines)
+
+
+LEFT_OUT = {
+    "range": "its range is below its expanded uncertainty",
+    "noise": "it is what the scatter of the runs alone makes",
+}
+
+
+def treatment(component: Component) -> str:
+    """What was done to a component's zero and line."""
+    says = []
+    if component.straight:
+        slope = f"slope {component.slope / URAD:+.2f} urad"
+        says.append(f"its line was taken off ({slope})" if component.lined else f"its line is left in ({slope})")
+    unit = place_name(component.letter)
+    says.append(
+        "zero as recorded"
+        if component.datum is None
+        else f"zero at {component.letter} = {component.datum:g} {unit}, mean of both directions"
+    )
+    return ", ".join(says)
+
+
+def _table(calibration: Calibration, letter: str) -> str:
+    nodes = calibration.nodes(letter)
+    columns: dict[str, np.ndarray] = {}
+    comments = []
+    for component in calibration.of(letter):
+        unit, one = unit_of(component.name)
+        value = calibration.values(component) / one
+        if calibration.two_way(component):
+            columns |= {f"{component.name}_{unit}_fwd": value[0], f"{component.name}_{unit}_rev": value[1]}
+        else:
+            columns[f"{component.name}_{unit}"] = value[0]
+        comments.append(f"{component.name}: {component.file}; {treatment(component)}")
+        comments += [f"{component.name}: {text}" for text in component.shifts]
+        if len(component.nodes) < len(nodes):
+            comments.append(
+                f"{component.name}: measured at {len(component.nodes)} of these targets, linear between them"
+            )
+    return axis_table(letter, nodes, columns, comments)
+
+
+def _uncertainty(calibration: Calibration, letter: str) -> str:
+    """Every value with its runs, their standard deviation s and its u; U95 = 2 u covers 95 %."""
+    position = f"{letter}_{place_name(letter)}"
+    rows = []
+    for component in calibration.of(letter):
+        unit, one = unit_of(component.name)
+        for way in (0, 1) if component.two_way else (0,):
+            for k, node in enumerate(component.nodes):
+                u = float(component.u[way, k]) / one
+                rows.append(
+                    {
+                        position: float(node), "component": component.name, "unit": unit,
+                        "approach": "+-"[way] if component.two_way else {1: "+", -1: "-", 0: ""}[component.cells.one_way],
+                        "runs": int(component.cells.n[way, k]), "mean": float(component.cells.mean[way, k]) / one,
+                        "s": float(component.cells.s[way, k]) / one, "value": float(component.value[way, k]) / one,
+                        "u": u, "U95": math.nan if math.isnan(u) else 2 * u,
+                    }
+                )  # fmt: skip
+    return uncertainty_table(
+        letter, rows,
+        (
+            "mean and s: of the runs as recorded. value: mean without its zero and line, as in the axis table.",
+            "u: standard uncertainty of value, the factor t / 2 of few runs in it; U95 = 2 u covers 95 %.",
+        ),
+    )  # fmt: skip

@@ -1,0 +1,130 @@
+"""Readings that do not belong: against the other runs at the same target, and against the neighbours in position.
+
+Nothing is removed here. With few runs a standard deviation of one cell says little, so the scale is never smaller than
+what is usual over the whole recording.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.calibrate.assign import Series
+from postproc.calibrate.statistics import Cells, chi_squared, step_of
+
+RUNS, NEIGHBOURS = 5.0, 6.0  # how many standard deviations
+WINDOW = 3  # targets on either side that say what is smooth
+MAD = 1.4826  # median absolute deviation to standard deviation, normal law
+NO_POWER = 3.0  # leverage beyond which a target at the end says nothing about itself
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """row: of the series; value: the reading, mm or rad; off: how far from where it should be; times: in standard
+    deviations; against: "runs" or "neighbours"."""
+
+    component: str
+    file: str
+    row: int
+    line: int
+    position: float
+    approach: int
+    value: float
+    off: float
+    times: float
+    against: str
+
+
+def find(series: Series, cells: Cells) -> list[Outlier]:
+    """All outliers of one series, in the order of its file. A reading is named once."""
+    found = {o.row: o for o in _against_neighbours(series, cells)}
+    found |= {o.row: o for o in _against_runs(series, cells)}
+    return [found[row] for row in sorted(found)]
+
+
+def _outlier(series: Series, row: int, off: float, scale: float, against: str) -> Outlier:
+    return Outlier(
+        series.component, series.file, row, int(series.lines[row]), float(series.position[row]),
+        int(series.approach[row]), float(series.reading[row]), float(off), float(abs(off) / scale), against,
+    )  # fmt: skip
+
+
+def _floor(series: Series) -> float:
+    """mm or rad: the least scatter that readings of this resolution have, of a stated instrument a tenth of its own."""
+    return max(step_of(series.reading) / np.sqrt(12.0), 0.1 * (series.u or 0.0), 1e-9)
+
+
+def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
+    """Three runs or more: each reading against the median of the others at its target."""
+    many = np.isfinite(cells.s) & (cells.n >= 3)
+    if not many.any():
+        return []
+    dof = cells.n[many] - 1.0
+    typical = np.sqrt(np.median(cells.s[many] ** 2 * dof / [chi_squared(d, 0.0) for d in dof]))
+    typical = max(float(typical), _floor(series))
+    result = []
+    for cell in np.unique(cells.index[cells.index >= 0]):
+        rows = np.flatnonzero(cells.index == cell)
+        if len(rows) < 3:
+            continue
+        for row in rows:
+            others = series.reading[rows[rows != row]]
+            middle = float(np.median(others))
+            spread = MAD * float(np.median(np.abs(others - middle)))
+            scale = max(typical, spread) * np.sqrt(1.0 + np.pi / 2 / len(others))
+            off = float(series.reading[row]) - middle
+            if abs(off) > RUNS * scale:
+                result.append(_outlier(series, int(row), off, scale, "runs"))
+    return result
+
+
+def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
+    """A target's mean against a parabola through its neighbours of the same direction, where the other direction shows
+    nothing of the kind: what both directions show, the machine does."""
+    ways = [0, 1] if cells.two_way else [0]
+    off, spread, local = np.zeros((3, 2, len(cells.nodes)))
+    for way in ways:
+        off[way], spread[way], local[way] = _residuals(cells.nodes, cells.mean[way])
+    known = [way for way in ways if np.isfinite(spread[way]).any()]
+    if not known:
+        return []
+    usual = MAD * float(np.nanmedian(np.abs(off[known] / spread[known])))
+    result = []
+    for way in known:
+        for k in np.flatnonzero(np.isfinite(spread[way])):
+            noise = _floor(series) + (cells.s[way, k] / np.sqrt(cells.n[way, k]) if cells.n[way, k] > 1 else 0.0)
+            scale = spread[way, k] * max(usual, float(local[way, k]), noise)
+            if abs(off[way, k]) <= NEIGHBOURS * scale:
+                continue
+            other = off[1 - way, k]
+            if cells.two_way and other * off[way, k] > 0 and abs(other) > abs(off[way, k]) / 2:
+                continue
+            mine = np.flatnonzero(cells.index == (k + len(cells.nodes) * way if cells.two_way else k))
+            result += [_outlier(series, int(row), off[way, k], scale, "neighbours") for row in mine]
+    return result
+
+
+def _residuals(nodes: np.ndarray, mean: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(K,) each: how far a mean lies from the parabola through up to three neighbours on each side; that difference's
+    standard deviation in units of one mean's (NaN where it can not be judged); standard deviation of the neighbours
+    about their own parabola."""
+    off, spread, local = np.zeros(len(nodes)), np.full(len(nodes), np.nan), np.zeros(len(nodes))
+    there = np.flatnonzero(np.isfinite(mean))
+    for i, k in enumerate(there):
+        first = min(max(0, i - WINDOW), max(0, len(there) - 2 * WINDOW - 1))
+        near = np.delete(there[first : first + 2 * WINDOW + 1], i - first)
+        if len(near) < 5:
+            continue
+        reach = float(np.abs(nodes[near] - nodes[k]).max())
+        terms = np.vander((nodes[near] - nodes[k]) / reach, 3)
+        solve = np.linalg.pinv(terms)
+        at = solve[2]  # the parabola's value at the target itself
+        off[k] = mean[k] - at @ mean[near]
+        leverage = float(at @ at)
+        if leverage > NO_POWER:
+            continue
+        left = mean[near] - terms @ (solve @ mean[near])
+        local[k] = np.sqrt(left @ left / (len(near) - 3))
+        spread[k] = np.sqrt(1.0 + leverage)
+    return off, spread, local

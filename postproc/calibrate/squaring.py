@@ -1,0 +1,204 @@
+"""Which squareness a calibration has, and from what: a stated value, two straightnesses on one reference, diagonals.
+
+A stated value goes first; what else the recordings say is compared with it and told. Two sources never add up.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.calibrate import CalibrationError, Finding, square
+from postproc.calibrate.component import Component
+from postproc.calibrate.square import Squareness
+from postproc.calibrate.statistics import cells_of
+from postproc.machine.chain import XYZ
+from postproc.units import URAD
+
+if TYPE_CHECKING:
+    from postproc.calibrate.assign import Series
+    from postproc.calibrate.calibration import Calibration
+
+APART = 2.0  # combined standard uncertainties beyond which two sources contradict each other
+
+
+def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Finding]]:
+    """Squareness by name. Raises CalibrationError for a source that is asked for and not there."""
+    options = calibration.options
+    axes = tuple(x for x in options.chain.axes if x in XYZ)
+    found: dict[str, dict[str, Squareness]] = {}
+    told: list[Finding] = []
+    for pair in ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2)):
+        name = square.name_for(pair, options.squareness, axes)
+        one = _straightness(calibration, name)
+        if one is not None:
+            found.setdefault(name, {})["straightness"] = one
+    if calibration.diagonals:
+        many, says = _diagonals(calibration, axes)
+        told += says
+        for one in many:
+            found.setdefault(one.name, {})["diagonals"] = one
+    result: dict[str, Squareness] = {}
+    for name, wanted in options.squareness.items():
+        if not isinstance(wanted, str):
+            result[name] = Squareness(name, wanted[0], wanted[1], "stated")
+        elif wanted in found.get(name, {}):
+            result[name] = found[name][wanted]
+        else:
+            there = f"there is {' and '.join(found[name])}" if name in found else "the recordings give none"
+            raise CalibrationError(
+                f"squareness {name} can not be had from {wanted}: {there}",
+                "straightness: both axes of the pair against one square, lines taken off; diagonals: two in its plane",
+            )
+    for name, sources in found.items():
+        if name not in result:
+            best = min(sources.values(), key=lambda s: np.inf if s.u is None else s.u)
+            result[name] = best
+        told += _compare(result[name], sources)
+    if options.keep_lines:
+        told += _counted_twice(calibration, result)
+    return result, told
+
+
+def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding]:
+    """What the other sources say."""
+    told = []
+    if chosen.told:
+        told.append(Finding("squareness", "note", chosen.name, f"{chosen.name}: {chosen.told}"))
+    for other in sources.values():
+        if other is chosen:
+            continue
+        apart = (other.value - chosen.value) / URAD
+        u = np.hypot(chosen.u or 0.0, other.u or 0.0) / URAD
+        doubt = abs(apart) > APART * u and bool(u)
+        text = (
+            f"{chosen.name} is {chosen.value / URAD:+.1f} urad ({chosen.source}); {other.source} would give "
+            f"{other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
+        )
+        told.append(
+            Finding("squareness", "doubt" if doubt else "note", chosen.name, text, {"apart_urad": apart, "u_urad": u})
+        )
+    return told
+
+
+def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> list[Finding]:
+    """Lines that were left in beside a squareness."""
+    told = []
+    for one in result.values():
+        for a, b in itertools.permutations(square.pair_of(one.name)):
+            component = calibration.components.get(f"E{a}{b}")
+            if component is not None and component.slope:
+                length = float(np.ptp(component.nodes))
+                text = (
+                    f"{component.name} keeps its line of {component.slope / URAD:+.1f} urad and {one.name} = {one.value / URAD:+.1f} urad "
+                    f"is added to it: what of the line is squareness counts twice, up to {abs(component.slope) * length * 1e3:.1f} um"
+                )
+                told.append(
+                    Finding("squareness", "doubt", component.name, text, {"slope_urad": component.slope / URAD})
+                )
+    return told
+
+
+def _slope(series: Series, kind: str) -> float:
+    """rad: of the reference line of one file's means."""
+    cells = cells_of(series.position, series.approach, series.reading)
+    mean = np.nanmean(cells.mean, axis=0)
+    if kind == "end-points":
+        return float((mean[-1] - mean[0]) / (cells.nodes[-1] - cells.nodes[0]))
+    return float(np.polyfit(cells.nodes, mean, 1)[0])
+
+
+def _straightness(calibration: Calibration, name: str) -> Squareness | None:
+    """From both straightnesses of a pair against one reference: files that name the same `reference`, or all of them
+    where the user asks for it. `reversed = true` in a head: the square lay turned over, and its own error drops out."""
+    a, b = tuple(square.pair_of(name))
+    parts = [calibration.measured.get(f"E{a}{b}"), calibration.measured.get(f"E{b}{a}")]
+    options = calibration.options
+    asked = options.squareness.get(name) == "straightness"
+    if parts[0] is None or parts[1] is None or options.keep_lines:
+        return None
+    sums: dict[bool, list[float]] = {}
+    for one in parts[0].series:
+        for other in parts[1].series:
+            same = bool(one.head.get("reference")) and one.head.get("reference") == other.head.get("reference")
+            turned = bool(one.head.get("reversed", False))
+            if (same or asked) and turned == bool(other.head.get("reversed", False)):
+                slopes = {s.component: _slope(s, options.line) for s in (one, other)}
+                sums.setdefault(turned, []).append(square.from_slopes(name, slopes))
+    if not sums:
+        return None
+    scatter = float(np.hypot(_known(parts[0]), _known(parts[1])))
+    means = {turned: float(np.mean(values)) for turned, values in sums.items()}
+    files = " and ".join(dict.fromkeys(c.file for c in (parts[0], parts[1])))
+    if len(means) == 2:
+        own = -square.sign(name) * (means[True] - means[False]) / 2
+        told = f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and dropped out"
+        return Squareness(name, sum(means.values()) / 2, scatter / np.sqrt(2), f"two straightnesses, {files}", told)
+    value = next(iter(means.values()))
+    if options.square_error is not None:
+        over, u = options.square_error
+        return Squareness(
+            name, square.with_square(name, value, over), float(np.hypot(scatter, u)), f"two straightnesses, {files}"
+        )
+    told = "the square's own error is in it: turn the square over (reversed = true) or state it with --square-error"
+    return Squareness(name, value, None, f"two straightnesses, {files}", told)
+
+
+def _known(component: Component) -> float:
+    return 0.0 if not np.isfinite(component.u_slope) else component.u_slope
+
+
+def _diagonals(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Squareness], list[Finding]]:
+    """Squareness of all pairs that the diagonals cross, from what the measured components do not explain."""
+    options = calibration.options
+    slopes, directions, spread, told = [], [], [], []
+    pairs: list[str] = []
+    for diagonal in calibration.diagonals:
+        slope, u = _leftover(calibration, diagonal)
+        slopes.append(slope)
+        directions.append(diagonal.direction)
+        spread.append(u)
+        crossed = [x for x in XYZ if x in diagonal.path]
+        pairs += [p for p in ("".join(c) for c in itertools.combinations(crossed, 2)) if p not in pairs]
+        lacking = [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]
+        if lacking:
+            text = f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the diagonal's scale contains it"
+            told.append(Finding("diagonal", "note", diagonal.name, text))
+    names = [square.name_for(pair, options.squareness, axes) for pair in pairs]
+    try:
+        values, u_of, scale = square.from_diagonals(slopes, directions, spread, names)
+    except CalibrationError as error:
+        return [], [*told, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
+    text = f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not explain"
+    u_scale = float(np.sqrt(np.sum(np.square(spread))) / len(spread))
+    doubt = abs(scale) > 3 * u_scale and abs(scale) > 2 * URAD
+    told.append(Finding("diagonal", "doubt" if doubt else "note", "", text, {"scale_um_per_m": scale / URAD}))
+    files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
+    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
+
+
+def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
+    """rad: slope over its length of what a diagonal's reading has beyond the components, and its u."""
+    machine = calibration.machine
+    position = np.zeros((len(machine.letters), len(diagonal.reading)))
+    approach = np.zeros_like(position)
+    for x, at in diagonal.rest.items():
+        if x in machine.letters:
+            position[machine.letters.index(x)] = at
+    for x, path in diagonal.path.items():
+        row = machine.letters.index(x)
+        position[row] = path
+        approach[row] = diagonal.approach * np.sign(diagonal.direction[x])
+    expected = machine.deviation(position, approach)
+    along = sum(c * expected[machine.letters.index(x)] for x, c in diagonal.direction.items())
+    left = diagonal.reading - along
+    s = np.asarray(sum(c * diagonal.path[x] for x, c in diagonal.direction.items()))
+    # Each direction of travel has its own height: a reversal is not a slope.
+    terms = np.column_stack([s - s.mean(), diagonal.approach >= 0, diagonal.approach < 0]).astype(float)
+    terms = terms[:, terms.any(axis=0)]
+    fit, *_ = np.linalg.lstsq(terms, left, rcond=None)
+    rest = left - terms @ fit
+    free = max(1, len(left) - terms.shape[1])
+    return float(fit[0]), float(np.sqrt(rest @ rest / free * np.linalg.pinv(terms.T @ terms)[0, 0]))

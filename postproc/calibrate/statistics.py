@@ -1,0 +1,141 @@
+"""Means of the runs at every target and direction, their scatter, and what the few runs cost in certainty.
+
+A cell is one target approached in one direction. Row 0 of every (2, K) array is approached in +, row 1 in -.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+SAME = 0.01  # mm: targets nearer to each other are one target
+LEVEL = 0.95  # of the tests
+
+# Student's factor for 95.45 % by degrees of freedom, as JCGM 100 (GUM) table G.2 prints it; between them linear in 1/dof.
+DOF = np.array([1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 25, 30, 40, 50, 100, np.inf])
+T95 = np.array(
+    [13.97, 4.53, 3.31, 2.87, 2.65, 2.52, 2.43, 2.37, 2.32, 2.28, 2.23, 2.20, 2.17, 2.15, 2.13, 2.11, 2.09, 2.06, 2.05, 2.025, 2.0]
+)  # fmt: skip
+
+
+def t_factor(dof: np.ndarray | float) -> np.ndarray:
+    """Coverage factor for 95.45 % at `dof` degrees of freedom: 2 for many, 2.87 for five runs."""
+    return np.interp(1.0 / np.maximum(dof, 1.0), 1.0 / DOF[::-1], T95[::-1])
+
+
+def chi_squared(dof: float, z: float = 1.645) -> float:
+    """Quantile of chi-squared, of 95 % where z = 1.645, 50 % where z = 0 (Wilson and Hilferty 1931; to 1 % from 3 on)."""
+    a = 2.0 / (9.0 * dof)
+    return float(dof * (1.0 - a + z * np.sqrt(a)) ** 3)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """nodes (K,); mean, s, n (2, K): of the runs, NaN where there is none (s: where there are fewer than two); index (N,):
+    of each reading, which cell (0..K-1 approached in +, K..2K-1 in -, -1 in none). one_way: the only direction
+    measured, +1 or -1, 0 where both were or where it is not known."""
+
+    nodes: np.ndarray
+    mean: np.ndarray
+    s: np.ndarray
+    n: np.ndarray
+    index: np.ndarray
+    two_way: bool
+    one_way: int
+
+    @cached_property
+    def scatter(self) -> Scatter:
+        return _scatter(self.s, self.n)
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """s (2, K): standard deviation of one reading in each cell; dof (2, K); pooled: whether all cells share one."""
+
+    s: np.ndarray
+    dof: np.ndarray
+    pooled: bool
+
+    @property
+    def known(self) -> bool:
+        return bool(np.isfinite(self.s).any())
+
+
+def nodes_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) targets, ascending, and (N,) the target of each reading."""
+    order = np.argsort(position, kind="stable")
+    new = np.diff(position[order], prepend=-np.inf) > SAME
+    index = np.empty(len(position), np.int64)
+    index[order] = np.cumsum(new) - 1
+    count = np.bincount(index)
+    return np.round(np.bincount(index, position) / count, 6), index
+
+
+def cells_of(position: np.ndarray, approach: np.ndarray, reading: np.ndarray) -> Cells:
+    """Means over runs. Where only one direction was measured, or none is known, both rows hold the same.
+
+    Where both are there, readings whose direction is not known are in no cell.
+    """
+    nodes, at = nodes_of(position)
+    k = len(nodes)
+    ways = sorted({int(a) for a in approach} - {0})
+    two_way = len(ways) == 2
+    index = np.where(approach > 0, at, np.where(approach < 0, at + k, -1)) if two_way else at
+    mean, s, n = _moments(index, reading, 2 * k if two_way else k)
+    if not two_way:
+        mean, s, n = (np.tile(a, 2) for a in (mean, s, n))
+    return Cells(
+        nodes, mean.reshape(2, k), s.reshape(2, k), n.reshape(2, k), index, two_way,
+        0 if two_way or not ways else ways[0],
+    )  # fmt: skip
+
+
+def _moments(index: np.ndarray, reading: np.ndarray, cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean, standard deviation and number of each cell."""
+    used = index >= 0
+    index, reading = index[used], reading[used]
+    n = np.bincount(index, minlength=cells)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.bincount(index, reading, cells) / n
+        square = np.bincount(index, (reading - mean[index]) ** 2, cells)
+        s = np.sqrt(square / (n - 1))
+    s[n < 2] = np.nan
+    return mean, s, n
+
+
+def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
+    """One standard deviation for all cells where their differences are what chance makes (Bartlett's test, 95 %), else
+    each cell its own; a cell of one reading takes the common one."""
+    dof = np.where(np.isfinite(s), n - 1.0, 0.0)
+    total = float(dof.sum())
+    if total == 0:
+        return Scatter(np.full(s.shape, np.nan), np.ones(s.shape), False)
+    common = float(np.nansum(dof * np.nan_to_num(s) ** 2) / total)
+    few = dof == 0
+    variance = np.where(few, common, np.nan_to_num(s) ** 2)
+    pooled = True
+    has = ~few
+    if common > 0 and has.sum() > 1:
+        # A resolution step makes s = 0 now and then; a floor keeps its logarithm from deciding the test.
+        logs = np.log(np.maximum(variance[has], common * 1e-2))
+        cells = int(has.sum())
+        spread = 1 + (np.sum(1 / dof[has]) - 1 / total) / (3 * (cells - 1))
+        statistic = (total * np.log(common) - np.sum(dof[has] * logs)) / spread
+        pooled = bool(statistic < chi_squared(cells - 1))
+    if pooled:
+        return Scatter(np.full(s.shape, np.sqrt(common)), np.full(s.shape, total), True)
+    return Scatter(np.sqrt(variance), np.where(few, total, dof), False)
+
+
+def with_mean(cells: Cells, mean: np.ndarray) -> Cells:
+    """The same cells about other means."""
+    return replace(cells, mean=mean)
+
+
+def step_of(reading: np.ndarray) -> float:
+    """The smallest difference between two readings: the step of their last decimal, 0 where there is but one value."""
+    different = np.diff(np.unique(reading))
+    different = different[different > 1e-12]
+    return float(different.min()) if len(different) else 0.0

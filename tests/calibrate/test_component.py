@@ -1,0 +1,243 @@
+"""One component: zero, line, gaps, several files; and the measured grinder given back by its own tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pytest import approx
+
+from postproc.calibrate import CalibrationError, Options
+from postproc.calibrate.assign import assign
+from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.component import build
+from postproc.machine.chain import parse
+from postproc.recordings import Recording
+from tests.calibrate import seed
+from tests.calibrate.simulation import Slide, everything, recording, slide, three_axes, truth, two_axes
+
+UM, URAD = 1e-3, 1e-6
+GRINDER, MILL = parse("w-b-Z-X-t"), parse("w-X-Y-b-Z-t")
+REST = {"X": 80.0, "Z": 200.0}
+needs_seed = pytest.mark.skipif(not seed.SEED.is_dir(), reason="the measured tables are not beside the project")
+
+
+@needs_seed
+def test_the_grinders_tables_come_back_where_zeros_and_lines_are_kept():
+    """Tables 6.1 and 6.2 as they stand in machines/studer-s36, to 0.05 um."""
+    from pathlib import Path
+
+    from postproc.machine.file import read_machine
+
+    tables = read_machine(Path(__file__).resolve().parents[2] / "machines" / "studer-s36").tables
+    result = calibrate(seed.all_recordings(), Options(GRINDER, keep_lines=True, keep_zero=True)).components
+    assert sorted(result) == sorted(seed.COLUMNS)
+    for name, component in result.items():
+        row = ("EX", "EY", "EZ", "EA", "EB", "EC").index(name[:2])
+        table = tables[name[2]]
+        assert component.nodes == approx(table.nodes, abs=0)
+        one = URAD if name == "EBZ" else UM
+        assert component.value[0] / one == approx(table.forward[row] / one, abs=0.05)
+        assert component.value[1] / one == approx(table.reverse[row] / one, abs=0.05)
+
+
+@needs_seed
+def test_the_grinders_line_is_taken_off_once():
+    """EZX: slope of the mean of both directions by numpy's polyfit, -91.9 urad; only B0X is added back."""
+    stated = -382.352941 * URAD
+    result = calibrate(seed.all_recordings(), Options(GRINDER, squareness={"B0X": (stated, None)}))
+    component = result.components["EZX"]
+    raw = component.cells.mean
+    slope, height = np.polyfit(component.nodes, raw.mean(axis=0), 1)
+    assert component.slope == approx(slope, rel=1e-9)
+    assert component.slope / URAD == approx(-91.9, abs=0.1)
+    assert component.lined
+    expected = raw - (slope * component.nodes + height)
+    expected -= expected[:, 0].mean()
+    assert component.value == approx(expected, abs=1e-9)
+    x = np.array([[170.0], [0.0]])
+    deviation = result.machine.deviation(x, np.zeros((2, 1)))[1, 0]
+    assert deviation == approx(component.mean[-1] - component.mean[0], abs=1e-9)  # the model itself adds no slope
+    assert np.polyfit(component.nodes, component.mean, 1)[0] == approx(0.0, abs=1e-12)
+    assert not [f for f in result.findings if f.check == "squareness"]
+
+
+@needs_seed
+def test_lines_that_are_kept_beside_a_squareness_are_told():
+    options = Options(GRINDER, keep_lines=True, squareness={"B0X": (-382.352941 * URAD, None)})
+    told = [f for f in calibrate(seed.all_recordings(), options).findings if f.check == "squareness"]
+    assert [f.component for f in told] == ["EXZ", "EZX"]
+    assert all(f.level == "doubt" and "counts twice" in f.message for f in told)
+
+
+def made(letter="X", component="EZX", values=None, nodes=None, ways=(1, -1)) -> Recording:
+    """One run each way of given values, um."""
+    nodes = np.linspace(0, 400, 5) if nodes is None else np.asarray(nodes, float)
+    values = values or {1: nodes * 0.01, -1: nodes * 0.01 - 1}
+    n = len(nodes)
+    columns = {
+        "X_mm": np.tile(nodes, len(ways)), "approach_X": np.repeat(np.array(ways, float), n),
+        "reading_um": np.concatenate([np.asarray(values[w], float) for w in ways]),
+    }  # fmt: skip
+    quantity = "displacement" if component == "EXX" else "straightness"
+    return Recording(
+        "targets",
+        {"quantity": quantity, "sensitive": {component[1]: 1.0}},
+        columns,
+        "r.csv",
+        np.arange(n * len(ways)) + 5,
+    )
+
+
+@pytest.mark.parametrize("line", ["least-squares", "end-points"])
+def test_both_lines_leave_the_reversal(line):
+    """A straight line with a step between the directions: nothing is left but half a um up and half down."""
+    component = build([assign(made())], Options(MILL, line=line))
+    assert component.slope / URAD == approx(10.0)
+    assert component.value / UM == approx(np.array([[0.5] * 5, [-0.5] * 5]))
+    assert component.reversal / UM == approx(np.ones(5))
+
+
+def test_the_two_lines_differ_where_the_rail_is_bent():
+    """0, 0, 0, 0, 4 um at 0 to 400 mm: through the ends 10 urad; least squares 8 urad, by hand (sum (q-200) y / sum (q-200)^2)."""
+    bent = made(values={1: [0, 0, 0, 0, 4], -1: [0, 0, 0, 0, 4]})
+    assert build([assign(bent)], Options(MILL, line="end-points")).slope / URAD == approx(10.0)
+    assert build([assign(bent)], Options(MILL)).slope / URAD == approx(8.0)
+
+
+@pytest.mark.parametrize("datum, zero", [({}, 0.0), ({"X": 50.0}, 50.0), ({"X": 400.0}, 400.0)])
+def test_the_mean_of_both_directions_is_zero_at_the_datum(datum, zero):
+    values = {1: [3, 5, 1, 0, 7], -1: [1, 4, -2, 0, 8]}
+    component = build([assign(made(component="EXX", values=values))], Options(MILL, datum=datum))
+    assert component.datum == zero
+    assert np.interp(zero, component.nodes, component.mean) == approx(0.0, abs=1e-12)
+    assert np.diff(component.value[0]) / UM == approx([2, -4, -1, 7])
+
+
+def test_without_position_zero_the_datum_is_the_first_target():
+    component = build([assign(made(nodes=[100, 200, 300, 400, 500]))], Options(MILL))
+    assert component.datum == 100.0
+    with pytest.raises(CalibrationError, match="600 lies outside"):
+        build([assign(made())], Options(MILL, datum={"X": 600.0}))
+
+
+def test_a_direction_that_was_not_read_is_filled_and_told():
+    """In - at 400 nothing (no overrun): 8 from the other direction less the reversal of 300; at 100 half way."""
+    full = made(component="EXX", values={1: [0, 2, 4, 6, 8], -1: [-1, 1, 3, 4, 9]})
+    rows = np.delete(np.arange(10), [6, 9])
+    component = build([assign(full.pick(rows))], Options(MILL, keep_zero=True))
+    assert component.value[1] / UM == approx([-1, 1.0, 3, 4, 6])
+    assert component.filled == ((1, 1), (1, 4))
+    assert list(np.isnan(component.reversal)) == [False, True, False, False, True]
+
+
+def test_one_direction_holds_for_both():
+    component = build([assign(made(component="EXX", values={-1: [0, 1, 2, 3, 5]}, ways=(-1,)))], Options(MILL))
+    assert not component.two_way
+    assert component.value[0] == approx(component.value[1])
+    assert component.cells.one_way == -1
+    assert np.isnan(component.reversal).all()
+
+
+def test_files_of_one_component_are_joined_whatever_their_zeros_and_lines():
+    rng = np.random.default_rng(8)
+    machine = two_axes(rng)
+    for name in ("EXZ", "EZZ"):
+        files = [recording(rng, machine["Z"], name, {"X": 80.0}, runs=3, file=f"{i}.csv") for i in range(2)]
+        component = build([assign(f) for f in files], Options(GRINDER))
+        assert (component.cells.n == 6).all()
+        off = component.value / UM - truth(machine["Z"], name, {"X": 80.0})
+        assert np.abs(off).max() < 0.8
+        s = component.cells.scatter.s[0, 0] / UM
+        assert s == approx(0.3, abs=0.06)
+
+
+def test_files_whose_zeros_nothing_connects_are_refused():
+    rng = np.random.default_rng(8)
+    axis = two_axes(rng)["Z"]
+    up, down = (recording(rng, axis, "EZZ", {"X": 80.0}, ways=(w,), file=f"{w}.csv") for w in (1, -1))
+    with pytest.raises(CalibrationError, match="nothing connects their zeros") as caught:
+        build([assign(up), assign(down)], Options(GRINDER))
+    assert caught.value.place.file == "-1.csv"
+
+
+def test_the_same_component_at_another_place_of_the_others_is_refused():
+    """The first that is named counts; of an angle both do, a carriage turns as a whole."""
+    rng = np.random.default_rng(8)
+    axis = two_axes(rng)["Z"]
+    parts = [recording(rng, axis, n, {"X": x}, file=f"{n}{x:g}.csv") for x in (0.0, 100.0) for n in ("EZZ", "EBZ")]
+    result = calibrate(parts, Options(GRINDER))
+    assert [e.message for e in result.refused] == [
+        "EZZ is measured at X = 100 here, and at X = 0 in EZZ0.csv, which was named first"
+    ]
+    assert result.refused[0].place.file == "EZZ100.csv"
+    assert (result.components["EZZ"].cells.n == 5).all()
+    assert (result.components["EBZ"].cells.n == 10).all()
+
+
+def test_one_target_is_no_component():
+    alone = made().pick(np.array([0, 5]))
+    series = replace(assign(made()), **{n: getattr(assign(made()), n)[[0, 5]] for n in ("position", "approach", "run", "reading", "lines")})  # fmt: skip
+    assert len(alone) == 2
+    with pytest.raises(CalibrationError, match="1 target"):
+        build([series], Options(MILL))
+
+
+# -- what more runs do not lessen ----------------------------------------------------------------------------------------
+
+
+def test_the_instrument_counts_in_full_and_noise_does_not():
+    """u = 0.5 um of the instrument beside a scatter of 0.3 / sqrt(20): the square root of the sum of squares."""
+    rng = np.random.default_rng(3)
+    part = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 80.0}, runs=20)
+    scatter = build([assign(part)], Options(GRINDER)).u
+    stated = replace(part, head=part.head | {"u_um": 0.5})
+    assert build([assign(stated)], Options(GRINDER)).u / UM == approx(np.hypot(0.5, scatter / UM))
+    assert build([assign(stated)], Options(GRINDER, u_random=True)).u == approx(scatter)
+    assert scatter[0, 5] / UM == approx(0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05)  # less the mean of two at the datum
+
+
+def test_the_temperature_counts_with_the_length_from_the_datum():
+    """0.4 K of a steel scale at 510 mm: 11.5e-6 * 0.4 * 510 mm = 2.35 um; at the datum nothing."""
+    rng = np.random.default_rng(3)
+    part = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 80.0}, runs=20)
+    cold, warm = (build([assign(part)], Options(GRINDER, u_temperature=t)).u / UM for t in (0.0, 0.4))
+    assert np.sqrt(warm[0, -1] ** 2 - cold[0, -1] ** 2) == approx(2.346, abs=1e-3)
+    assert warm[0, 0] == cold[0, 0]
+
+
+# -- where it was measured ---------------------------------------------------------------------------------------------
+
+
+def test_measured_at_names_the_axes_of_the_arm_only():
+    """w-X-Y-b-Z-t: the arm of Z is the tool alone, of Y it is Z, of X it is Y and Z."""
+    rng = np.random.default_rng(2)
+    rest = {"X": 200.0, "Y": 150.0, "Z": -100.0}
+    result = calibrate(everything(rng, three_axes(rng), rest), Options(MILL))
+    assert result.measured_at == {"X": {"Y": 150.0, "Z": -100.0}, "Y": {"Z": -100.0}, "Z": {}}
+    assert result.optics == {"X": "tool", "Y": "tool", "Z": ""}
+
+
+def test_the_measured_point_counts():
+    rng = np.random.default_rng(2)
+    result = calibrate(everything(rng, two_axes(rng), REST), Options(GRINDER, point=(5.0, 0.0, 120.0)))
+    assert result.measured_at["Z"] == {"X": 85.0, "Z": 120.0}
+
+
+def test_components_measured_at_two_places_are_brought_together_with_the_angles():
+    rng = np.random.default_rng(6)
+    axis: Slide = slide(rng, "X", np.linspace(0, 400, 17), ("EXX", "EYX", "EBX", "ECX"), ("Y", "Z"))
+    here, there = {"Y": 100.0, "Z": 0.0}, {"Y": 100.0, "Z": -250.0}
+    parts = [recording(rng, axis, n, here if n == "EXX" else there, noise=0.02) for n in ("EXX", "EBX", "ECX")]
+    axis.forward["EAX"] = axis.reverse["EAX"] = 12 * np.sin(axis.targets / 100)
+    parts += [recording(rng, axis, n, there, noise=0.02) for n in ("EYX", "EAX")]
+    result = calibrate(parts, Options(MILL))
+    assert result.measured_at["X"] == here
+    # roll times 250 mm is about 3 um: without it the straightness would be that much off
+    off = result.components["EYX"].value / UM - truth(axis, "EYX", here)
+    line = np.polyfit(axis.targets, off.mean(axis=0), 1)
+    assert np.abs(off - np.polyval(line, axis.targets)).max() < 0.2
+    assert any("carried there with EAX" in f.message for f in result.findings)
+    lacking = calibrate([p for p in parts if p.file != "EAX.csv"], Options(MILL))
+    assert any("not measured: EAX" in f.message and "2.5 um" in f.message for f in lacking.findings)
