@@ -145,3 +145,25 @@ def write_standard(data: bytes) -> None:
     view = memoryview(data)
     while view:
         view = view[os.write(sys.stdout.fileno(), view) :]
+
+
+def copy_folder(source: Path, target: Path, force: bool, change: Callable[[str], str]) -> None:
+    """A copy of a machine's folder with its machine.toml changed; whole or not at all. Raises UsageError where there is one
+    already."""
+    import shutil
+    import tempfile
+
+    if target.exists() and not force:
+        raise UsageError(f"{target} exists", "--force overwrites it")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
+        copy = Path(scratch) / target.name
+        copy.mkdir()
+        for file in source.iterdir():
+            if file.is_file():
+                (copy / file.name).write_bytes(file.read_bytes())
+        toml = copy / "machine.toml"
+        toml.write_text(change(toml.read_text("utf-8")), "utf-8")
+        if target.exists():
+            shutil.rmtree(target)
+        os.replace(copy, target)

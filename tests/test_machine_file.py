@@ -126,7 +126,9 @@ def test_the_example_of_the_format_is_a_machine(tmp_path):
     assert machine.square["X"] == approx([0, -382.352941 * URAD, 0])
     assert machine.offsets == {"G54": {"X": 0.0, "Z": 0.0}}
     assert (machine.limits.max_correction, machine.limits.max_slope, machine.limits.outside) == (0.5, 0.005, "error")
-    assert [(e.name, e.axis, e.parameters) for e in machine.effects] == [("backlash", "X", {"size_um": 9.0})]
+    assert [(e.name, e.axis, e.parameters) for e in machine.effects] == [
+        ("backlash", "X", {"size_um": 9.0, "play_mm": 0.0})
+    ]
     table = machine.tables["Z"]
     assert table.nodes == approx([0, 100, 250])
     assert table.forward[2] == approx(np.array([1, 3, 2]) * UM)

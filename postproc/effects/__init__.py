@@ -2,7 +2,7 @@
 
 A module holds
 
-- PARAMETERS: name with unit to "unit, meaning"; KIND: machine, instrument or data; USE: compensate, simulate or recording;
+- PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
   instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
@@ -80,6 +80,14 @@ def warmth(state: State, axis: str, tau_s: float) -> np.ndarray:
     if tau_s == 0 and measured is not None:
         return measured - measured[0]
     return 1.0 - np.exp(-(state.time - state.time.min()) / max(tau_s, 1.0))
+
+
+def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:
+    """(N,) share of a lost motion that an axis lags by: from -1, on the old side, to 1, over so much way after a turn."""
+    near = state.distance.get(axis)
+    if play_mm <= 0 or near is None:
+        return np.ones(len(state))
+    return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
 
 
 def swing(coefficients: np.ndarray) -> dict[str, float]:

@@ -9,6 +9,7 @@ PARAMETERS = {
     "turn": "0, 1, 2: A, B, C, the rotation",
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
 }
+PLAUSIBLE = {"arm_mm": (-2000.0, 2000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "angles"), ("tool",)
 TEXT = (

@@ -5,11 +5,14 @@ Positive when it stops short in either direction; negative when the control over
 
 import numpy as np
 
-from postproc.effects import UM, State, along
+from postproc.effects import UM, State, along, taken_up
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",
+    "play_mm": "mm, way after a turn over which it is taken up",
 }
+OPTIONAL = {"play_mm": 0.0}
+SMALL = 0.02  # mm
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach",), ("tool",)
 TEXT = (
@@ -19,21 +22,23 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    near = state.distance.get(axis)
+    fine = near is not None and bool(np.any(near < SMALL))
+    return [{"play_mm": v} for v in (0.0, 0.004, 0.008, 0.016)] if fine else [{"play_mm": 0.0}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    return along(axis, -state.approach[axis] / 2)
+def columns(state: State, axis: str, play_mm: float = 0.0) -> np.ndarray:
+    return along(axis, -state.approach[axis] / 2 * taken_up(state, axis, play_mm))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0])}
+    return {"size_um": float(coefficients[0]), "play_mm": shape["play_mm"]}
 
 
-def coefficients(size_um: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {}
+def coefficients(size_um: float, play_mm: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um]), {"play_mm": play_mm}
 
 
-def tables(axis: str, travel: tuple[float, float], size_um: float):
+def tables(axis: str, travel: tuple[float, float], size_um: float, play_mm: float = 0.0):
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

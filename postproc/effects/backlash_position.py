@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from postproc.effects import UM, State, along, legendre
+from postproc.effects import UM, State, along, legendre, taken_up
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
     "b1_um": "um, its change from the middle to the end of the travel",
     "b2_um": "um, share of its second Legendre polynomial",
+    "play_mm": "mm, way after a turn over which it is taken up",
 }
+OPTIONAL = {"play_mm": 0.0}
+SMALL = 0.02  # mm
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool",)
 TEXT = (
@@ -18,24 +21,26 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    near = state.distance.get(axis)
+    fine = near is not None and bool(np.any(near < SMALL))
+    return [{"play_mm": v} for v in (0.0, 0.004, 0.008, 0.016)] if fine else [{"play_mm": 0.0}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
+def columns(state: State, axis: str, play_mm: float = 0.0) -> np.ndarray:
     u = state.share(axis)
-    half = -state.approach[axis] / 2
+    half = -state.approach[axis] / 2 * taken_up(state, axis, play_mm)
     return along(axis, half, half * u, half * legendre(u, 2))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {f"b{k}_um": float(c) for k, c in enumerate(coefficients)}
+    return {f"b{k}_um": float(c) for k, c in enumerate(coefficients)} | {"play_mm": shape["play_mm"]}
 
 
-def coefficients(b0_um: float, b1_um: float, b2_um: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([b0_um, b1_um, b2_um]), {}
+def coefficients(b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([b0_um, b1_um, b2_um]), {"play_mm": play_mm}
 
 
-def tables(axis: str, travel: tuple[float, float], b0_um: float, b1_um: float, b2_um: float):
+def tables(axis: str, travel: tuple[float, float], b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0):
     nodes = np.linspace(*travel, 21)
     u = np.linspace(-1, 1, 21)
     half = (b0_um + b1_um * u + b2_um * legendre(u, 2)) * UM / 2

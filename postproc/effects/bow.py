@@ -36,4 +36,4 @@ def tables(axis: str, travel: tuple[float, float], size_um: float, third_um: flo
         u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1
         return size_um * legendre(u, 2) + third_um * legendre(u, 3)
 
-    return [one_way(axis, f"E{XYZ[int(across)]}", travel, 41, shape)]
+    return [one_way(axis, f"E{XYZ[int(across)]}", travel, 161, shape)]

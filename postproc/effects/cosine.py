@@ -7,6 +7,7 @@ from postproc.effects import State
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
 }
+PLAUSIBLE = {"ppm": (-5000.0, 0.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("position",), ("laser",)
 TEXT = (

@@ -7,6 +7,7 @@ from postproc.effects import State
 PARAMETERS = {
     "ppm_K": "um/(m K), reading over beam length and the air's temperature",
 }
+PLAUSIBLE = {"ppm_K": (-3.0, 3.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)
 TEXT = (

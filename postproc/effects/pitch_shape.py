@@ -37,4 +37,4 @@ def tables(axis: str, travel: tuple[float, float], **terms: float):
         u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1
         return sum((terms[f"c{k}_um"] * legendre(u, k) for k in (2, 3, 4, 5)), np.zeros(len(p)))
 
-    return [one_way(axis, f"E{axis}", travel, 61, shape)]
+    return [one_way(axis, f"E{axis}", travel, 241, shape)]

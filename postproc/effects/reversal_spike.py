@@ -9,6 +9,7 @@ PARAMETERS = {
     "slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts",
 }
+PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
 TEXT = (

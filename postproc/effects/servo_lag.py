@@ -7,6 +7,7 @@ from postproc.effects import State, along
 PARAMETERS = {
     "tau_ms": "ms, how late the axis is",
 }
+PLAUSIBLE = {"tau_ms": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (

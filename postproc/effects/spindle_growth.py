@@ -10,6 +10,7 @@ PARAMETERS = {
     "um_per_1000_rpm": "um per 1000 rpm, growth when it is warm",
     "tau_s": "s, the time in which it warms",
 }
+PLAUSIBLE = {"um_per_1000_rpm": (-200.0, 200.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
 TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed and time."

@@ -5,8 +5,9 @@ import numpy as np
 from postproc.effects import State, along
 
 PARAMETERS = {
-    "rate_um": "um, wear from the first to the last part",
+    "rate_um": "um, wear of the edge from part to part",
     "start_um": "um, the quick wear of a new edge",
+    "change": "number of the part before which the tool was changed, 0: never",
 }
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("part",), ("part",)
@@ -14,19 +15,21 @@ TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in t
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    parts = np.unique(state.channels["part"][state.channels["wall"] != 0])
+    return [{"change": 0.0}] + [{"change": float(p)} for p in parts[1:]]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    part = state.channels["part"]
-    run = (part - part.min()) / max(float(np.ptp(part)), 1.0)
-    sign = state.channels["material"]
-    return along(axis, sign * run, sign * (1.0 - np.exp(-6.0 * run)))
+def columns(state: State, axis: str, change: float) -> np.ndarray:
+    part, wall = state.channels["part"], state.channels["wall"]
+    known = part[wall != 0]
+    first = float(known.min()) if len(known) else 0.0
+    age = np.where((part >= change) & (change > 0), part - change, part - first)
+    return along(axis, wall * age, wall * (1.0 - np.exp(-age)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"rate_um": float(coefficients[0]), "start_um": float(coefficients[1])}
+    return {"rate_um": float(coefficients[0]), "start_um": float(coefficients[1]), "change": shape["change"]}
 
 
-def coefficients(rate_um: float, start_um: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([rate_um, start_um]), {}
+def coefficients(rate_um: float, start_um: float, change: float) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([rate_um, start_um]), {"change": change}

@@ -11,6 +11,7 @@ PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
     "length_mm": "mm, distance over which it builds up",
 }
+PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool",)
 TEXT = (

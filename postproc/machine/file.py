@@ -401,7 +401,8 @@ def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
             raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
         axis = _effect_axis(toml, entry, module, axes, i)
         toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS), i)
-        parameters = {p: toml.number("effect", entry, p, index=i) for p in module.PARAMETERS}
+        optional = getattr(module, "OPTIONAL", {})
+        parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
         tables: list[AxisTable] = []
         if module.USE == "compensate" and hasattr(module, "tables"):
             moving = axis[1] if module.PER == "pair" else axis

@@ -37,17 +37,22 @@ def every() -> dict[str, Path]:
     return found
 
 
-def load(name: str) -> Machine:
-    """The machine called `name`, or in the folder of that path. Raises UsageError with the names that there are."""
+def folder_of(name: str) -> Path:
+    """The folder of the machine called `name`, or of that path. Raises UsageError with the names that there are."""
     path = Path(name)
     if (len(path.parts) > 1 or path.is_absolute()) or (path / "machine.toml").is_file():
         if not path.is_dir():
             raise UsageError(f"there is no machine folder {name}")
-        return read_machine(path)
+        return path
     found = every()
     if name not in found:
         raise UsageError(
             f"there is no machine {name!r}",
             f"machines: {', '.join(found) or 'none'}; or give the path of a machine folder",
         )
-    return read_machine(found[name])
+    return found[name]
+
+
+def load(name: str) -> Machine:
+    """The machine called `name`, or in the folder of that path. Raises UsageError with the names that there are."""
+    return read_machine(folder_of(name))

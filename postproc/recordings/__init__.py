@@ -1,8 +1,10 @@
 """What instruments and controls have recorded, whatever file it came in.
 
 A format is a module here, found by its name: TITLE says what it is, recognises(source) whether bytes look like it,
-read(source, options) reads them. Readers get bytes and open nothing. What a file leaves open (unit, direction, axis) is
-never assumed in silence: it is an option that must be given, or a notice that says what was taken.
+read(source, options) reads them. A format whose files may hold several recordings also has read_all(source, options).
+TAKES names the options that it heeds, EXTRA the ones of its own and what they mean. Modules that begin with _ are what
+formats share. Readers get bytes and open nothing. What a file leaves open (unit, direction, axis) is never assumed in
+silence: it is an option that must be given, or a notice that says what was taken.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from postproc.units import UM, URAD
 KINDS = ("targets", "trace", "ballbar", "features")
 QUANTITIES = ("displacement", "straightness", "angle")
 AXES = "XYZABC"
+OPTION = {"columns": "column"}  # where the command line says it otherwise
 
 
 class RecordingError(GcompError):
@@ -138,8 +141,10 @@ class ReadingOptions:
 
     axis: the axis that moves (Z); component: what was measured (EXZ, EBZ); unit: of the readings (um, mm, urad, mrad,
     mm/m, arcsec, deg); bidirectional: whether runs alternate their direction; first: +1 or -1, direction of the first
-    run; layout: interleaved, blocks or long; columns: name in the recording to name or number in the file; others: mm,
-    where the other axes stood; machine: its name.
+    run; layout: interleaved, blocks or long; columns: name in the recording to name or number in the file; others: mm
+    (degrees of rotary axes), where the other axes stood; machine: its name; strict: whether a row that can not be used
+    is an error, or left out and listed; extra: a format's own options, see its EXTRA; head: keys for the recording's
+    head, as the contract names them.
     """
 
     axis: str = ""
@@ -152,11 +157,22 @@ class ReadingOptions:
     others: dict[str, float] = field(default_factory=dict)
     machine: str = ""
     strict: bool = True
+    extra: dict[str, str] = field(default_factory=dict)
+    head: dict[str, Any] = field(default_factory=dict)
+
+    def given(self) -> list[str]:
+        """Names of those that say something, without the ones that every format takes."""
+        said = {
+            "axis": self.axis, "component": self.component, "unit": self.unit, "bidirectional": self.bidirectional is not None,
+            "first": self.first, "layout": self.layout, "columns": self.columns, "others": self.others,
+            "machine": self.machine, "head": self.head,
+        }  # fmt: skip
+        return [name for name, value in said.items() if value]
 
 
 def names() -> list[str]:
     """The formats that there are, as a user writes them."""
-    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__))
+    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
 
 
 def load(name: str) -> ModuleType:
@@ -166,21 +182,77 @@ def load(name: str) -> ModuleType:
     return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
 
 
-def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:
-    """Read a recording of a stated format, or of the one that it looks like. Raises RecordingError or UsageError."""
-    options = options or ReadingOptions()
+def format_of(source: Source, options: ReadingOptions | None = None) -> str:
+    """The format that the bytes look like; a table whose columns or layout the options name is read by these.
+
+    Raises RecordingError where they look like none.
+    """
     if not source.data.strip():
         raise RecordingError("the file is empty", "", Place(source.name, 1))
-    if format:
-        recording: Recording = load(format).read(source, options)
-        return recording
+    if load("contract").recognises(source):
+        return "contract"
+    if options is not None and options.columns:
+        return "mapped-csv"
+    if options is not None and options.layout:
+        return "iso-spreadsheet"
     for name in names():
-        module = load(name)
-        if module.recognises(source):
-            recording = module.read(source, options)
-            return recording
+        if load(name).recognises(source):
+            return name
     raise RecordingError(
         "this looks like no recording that gcomp knows",
-        f"formats: {', '.join(names())}; a table of your own needs its columns named: --column reading_um=NAME",
+        f"formats: {', '.join(names())}; a table of your own needs its columns named, like --column Z_mm=NAME --column reading_um=NAME",
         Place(source.name, 1),
     )
+
+
+def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:
+    """Read a recording of a stated format, or of the one that it looks like. Raises RecordingError or UsageError.
+
+    Of a file that holds several, the one that options.component names.
+    """
+    options = options or ReadingOptions()
+    module = _module(source, format, options)
+    recording: Recording = module.read(source, options)
+    return _told(recording, module, options)
+
+
+def read_all(source: Source, format: str = "", options: ReadingOptions | None = None) -> list[Recording]:
+    """All recordings of a file, one at least. Raises RecordingError or UsageError."""
+    options = options or ReadingOptions()
+    module = _module(source, format, options)
+    every: list[Recording] = (
+        module.read_all(source, options) if hasattr(module, "read_all") else [module.read(source, options)]
+    )
+    return [_told(recording, module, options) for recording in every]
+
+
+def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
+    if format:
+        load(format)
+    if not source.data.strip():
+        raise RecordingError("the file is empty", "", Place(source.name, 1))
+    name = format or format_of(source, options)
+    module = load(name)
+    known = getattr(module, "EXTRA", {})
+    for key in options.extra:
+        if key not in known:
+            raise UsageError(
+                f"the format {name} has no setting {key!r}",
+                "its settings: " + "; ".join(f"--set {k}=... ({v})" for k, v in known.items())
+                if known
+                else "it has none",
+            )
+    return module
+
+
+def _told(recording: Recording, module: ModuleType, options: ReadingOptions) -> Recording:
+    """The recording with a notice for every option that its format did not heed."""
+    idle = [f"--{OPTION.get(n, n)}" for n in options.given() if n not in getattr(module, "TAKES", ())]
+    if not idle:
+        return recording
+    what = f"{', '.join(idle)} {'was' if len(idle) == 1 else 'were'} not used: the format {_name(module)} has no place for it"
+    return replace(recording, notices=(*recording.notices, what))
+
+
+def _name(module: ModuleType) -> str:
+    return module.__name__.rpartition(".")[2].replace("_", "-")

@@ -11,17 +11,21 @@ import io
 import math
 import re
 import tomllib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from postproc.errors import Place
+from postproc.errors import GcompError, Place
 from postproc.recordings import AXES, KINDS, QUANTITIES, Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _text as text
 
 TITLE = "gcomp recording (gcomp-recording/1)"
 FORMAT = "gcomp-recording/1"
 TEXTS = {"feature", "kind", "axis", "part"}  # columns of features that are words
-OPTIONAL = re.compile(r"(T_\w+_C|load_\w+_N|force_\w+_N|spindle_rpm|feed_mm_min|\w+_current_A|line|\w+_act_(mm|deg))")
+OPTIONAL = re.compile(
+    r"run|t_s|reading|T_\w+_C|load_\w+_N|force_\w+_N|spindle_rpm|feed_mm_min|\w+_current_A|line|\w+_act_(mm|deg)|approach_[A-CX-Z]"
+)
 
 
 def recognises(source: Source) -> bool:
@@ -32,7 +36,9 @@ def recognises(source: Source) -> bool:
 
 def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError with file and line for anything that is not as the contract says."""
-    lines = source.text.splitlines()
+    lines = text.lines_of(source.text)
+    while lines and not lines[-1].strip():
+        lines.pop()
     top = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
     head = _head(source, lines[:top])
     kind = head["kind"]
@@ -43,10 +49,10 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     place = Place(source.name, top + 1, lines[top])
     names = [cell.strip() for cell in _cells(lines[top], place)]
     _check_names(names, place)
-    needed = _needed(head, names, place)
-    columns, at, faults = _rows(source, lines, top, names, needed, kind, options.strict)
+    wanted = needed(head, names, place)
+    columns, at, faults = _rows(source, lines, top, names, wanted, kind, options.strict)
     recording = Recording(kind, head, columns, source.name, at, tuple(faults))
-    _check(recording, place)
+    check(recording)
     return recording
 
 
@@ -55,44 +61,56 @@ def write(recording: Recording) -> str:
     out = io.StringIO()
     head = {"format": FORMAT, "kind": recording.kind} | recording.head
     for key, value in head.items():
-        out.write(f"# {key} = {_toml(value)}\n")
-    out.write(",".join(recording.columns) + "\n")
-    formats = [_format(name) for name in recording.columns]
+        out.write(f"# {_key(key)} = {_toml(value)}\n")
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(recording.columns)
+    formats = [str if column.dtype == object else _format(name) for name, column in recording.columns.items()]
     for row in zip(*recording.columns.values(), strict=True):
-        out.write(",".join(f(v) for f, v in zip(formats, row, strict=True)) + "\n")
+        table.writerow([f(v) for f, v in zip(formats, row, strict=True)])
     return out.getvalue()
 
 
 def _format(name: str):
-    if name in TEXTS:
-        return str
     if name in ("run", "sense", "line", "part", "reading") or name.startswith("approach_"):
-        return lambda v: f"{int(v)}" if float(v).is_integer() else f"{v:g}"
-    digits = 6 if name.endswith(("_mm", "_deg")) else 4
-    return lambda v: f"{v:.{digits}f}".rstrip("0").rstrip(".")
+        return lambda v: "" if math.isnan(v) else f"{int(v)}" if float(v).is_integer() else f"{v:g}"
+    digits = 6 if name.endswith(("_mm", "_deg", "_s")) else 4
+    return lambda v: "" if math.isnan(v) else f"{v:.{digits}f}".rstrip("0").rstrip(".")
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _toml(key)
 
 
 def _toml(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return repr(value)
+    if isinstance(value, int):
+        return str(int(value))
+    if isinstance(value, float):
+        return repr(float(value))  # of a numpy number too
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {_toml(v)}" for k, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_toml, value)) + "]"
-    text = str(value).replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{text}"'
+    escaped = str(value).replace("\\", "\\\\").replace('"', '\\"')
+    plain = "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in escaped)
+    return f'"{plain}"'
 
 
 def _head(source: Source, lines: list[str]) -> dict[str, Any]:
-    text = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
+    toml = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
     try:
-        head = tomllib.loads(text)
+        head = tomllib.loads(toml)
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"line (\d+)", str(error))
         raise RecordingError(
-            f"the head is not valid TOML: {error}", "", Place(source.name, int(found[1]) if found else 1)
+            f"the head is not valid TOML: {error}",
+            'each line is # key = value, and words stand in quotes: # machine = "mill-7"',
+            Place(source.name, min(int(found[1]), len(lines)) if found else max(len(lines), 1)),
+        ) from None
+    except (RecursionError, ValueError, OverflowError):
+        raise RecordingError(
+            "the head is not valid TOML: it nests too deep, or a number is too long", "", Place(source.name, 1)
         ) from None
 
     def fault(key: str, message: str, advice: str = "") -> RecordingError:
@@ -100,16 +118,28 @@ def _head(source: Source, lines: list[str]) -> dict[str, Any]:
         return RecordingError(message, advice, Place(source.name, line))
 
     if head.get("format") != FORMAT:
-        raise fault("format", f"format is {head.get('format')!r}, not {FORMAT!r}")
+        raise fault("format", f"{_said(head, 'format')}, and not {FORMAT!r}")
+    check_head(head, fault)
+    return head
+
+
+def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
+    """Raises what fault(key, message, advice) makes of the first key that is not as the contract says."""
     if head.get("kind") not in KINDS:
-        raise fault("kind", f"kind is {head.get('kind')!r}", f"kinds: {', '.join(KINDS)}")
+        raise fault("kind", f"{_said(head, 'kind')}, and there is no such kind", f"kinds: {', '.join(KINDS)}")
     if head["kind"] == "targets":
         head.setdefault("quantity", "displacement")
         if head["quantity"] not in QUANTITIES:
-            raise fault("quantity", f"quantity is {head['quantity']!r}", f"quantities: {', '.join(QUANTITIES)}")
+            raise fault(
+                "quantity",
+                f"{_said(head, 'quantity')}, and there is no such quantity",
+                f"quantities: {', '.join(QUANTITIES)}",
+            )
         vector = head.get("sensitive")
         if not isinstance(vector, dict) or not vector or not all(k in AXES and _finite(v) for k, v in vector.items()):
-            raise fault("sensitive", f"sensitive = {vector!r} is no vector", "like sensitive = { X = 0.0, Z = 1.0 }")
+            raise fault(
+                "sensitive", f"{_said(head, 'sensitive')}: a vector is wanted", "like sensitive = { X = 0.0, Z = 1.0 }"
+            )
         length = math.sqrt(sum(v * v for v in vector.values()))
         if abs(length - 1) > 1e-3:
             raise fault("sensitive", f"sensitive has the length {length:.4f}", "a unit vector is wanted")
@@ -119,11 +149,16 @@ def _head(source: Source, lines: list[str]) -> dict[str, Any]:
         raise fault("sees", f"sees = {head['sees']!r}", "scale or tool")
     if head["kind"] == "ballbar":
         if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
-            raise fault("radius_mm", f"radius_mm = {head.get('radius_mm')!r} is not above zero")
+            raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
         centre = head.get("centre")
         if not isinstance(centre, dict) or not all(k in AXES and _finite(v) for k, v in centre.items()):
-            raise fault("centre", f"centre = {centre!r}", "like centre = { X = 400.0, Y = 300.0 }")
-    return head
+            raise fault(
+                "centre", f"{_said(head, 'centre')}: a place is wanted", "like centre = { X = 400.0, Y = 300.0 }"
+            )
+
+
+def _said(head: dict[str, Any], key: str) -> str:
+    return f"{key} = {head[key]!r}" if key in head else f"the head does not say {key}"
 
 
 def _check_names(names: list[str], place: Place) -> None:
@@ -134,11 +169,11 @@ def _check_names(names: list[str], place: Place) -> None:
             raise RecordingError(f"the column {name!r} stands twice", "", place)
 
 
-def _needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
+def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
     """The columns without which a row says nothing. Raises RecordingError for one that is missing."""
     kind = head["kind"]
     if kind == "features":
-        needed = {"feature", "kind", "axis", "nominal_mm", "measured_mm"}
+        wanted = {"feature", "kind", "axis", "nominal_mm", "measured_mm"}
     else:
         suffix = "" if kind == "targets" else "_cmd"
         axes = [x for x in AXES if f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" in names]
@@ -146,28 +181,31 @@ def _needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
             raise RecordingError(
                 f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm", "the position is missing", place
             )
-        needed = {f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in axes}
+        wanted = {f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in axes}
         if kind == "targets":
-            needed |= {"reading_urad" if head["quantity"] == "angle" else "reading_um"}
+            wanted |= {"reading_urad" if head["quantity"] == "angle" else "reading_um"}
             for x in axes:
                 if f"approach_{x}" in names:
-                    needed.add(f"approach_{x}")
+                    wanted.add(f"approach_{x}")
         if kind == "ballbar":
-            needed |= {"radial_um", "sense", "t_s"}
+            wanted |= {"radial_um", "sense", "t_s"}
             wrong = [x for x in head["centre"] if x not in axes]
             if wrong:
                 raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
         if kind == "trace":
-            needed |= {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
-    for name in sorted(needed):
+            wanted |= {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
+    for name in sorted(wanted):
         if name not in names:
             raise RecordingError(f"the column {name} is missing", f"columns here: {', '.join(names)}", place)
-    return needed
+    return wanted
 
 
 def _rows(source, lines, top, names, needed, kind, strict):
-    """Columns (N,), the lines they stand in, and the rows left out."""
+    """Columns (N,), the lines they stand in, and the rows left out. Unknown columns are kept, as words if they are."""
     texts = TEXTS if kind == "features" else set()
+    known = needed | texts | {n for n in names if OPTIONAL.fullmatch(n)}
+    words: set[str] = set()
+    raw: list[list[str]] = []
     rows: list[list[Any]] = []
     at: list[int] = []
     faults: list[Fault] = []
@@ -186,36 +224,41 @@ def _rows(source, lines, top, names, needed, kind, strict):
             if name in texts:
                 row.append(cell)
                 continue
-            value = math.nan
-            try:
-                value = float(cell) if cell else math.nan
-                told = f"{name} is {cell or 'empty'}"
-            except ValueError:
-                told = f"{name} = {cell!r} is not a number"
-                wrong = wrong or (Fault(number, name, told) if name not in needed else None)
-            if name in needed and not math.isfinite(value):
+            found = text.number(cell)
+            blank = not cell or cell.lower() == "nan"
+            if found is None and not blank and name not in known:
+                words.add(name)
+            elif found is None and (name in needed or not blank):
+                told = f"{name} is empty" if not cell else f"{name} = {cell!r} is not a number"
                 wrong = wrong or Fault(number, name, told)
-            row.append(value)
+            row.append(math.nan if found is None else found)
         if wrong is not None:
             if strict:
-                raise RecordingError(wrong.message, "every row needs a number in every needed column", place)
+                raise RecordingError(
+                    wrong.message,
+                    "every row needs a number in every needed column; --lenient leaves such rows out",
+                    place,
+                )
             faults.append(wrong)
             continue
         rows.append(row)
+        raw.append(cells)
         at.append(number)
     if not rows:
         raise RecordingError("there are no rows", "", Place(source.name, len(lines)))
     columns = {
-        name: np.array([row[i] for row in rows], dtype=object if name in texts else np.float64)
+        name: np.array([row[i].strip() for row in raw], dtype=object)
+        if name in texts | words
+        else np.array([row[i] for row in rows], np.float64)
         for i, name in enumerate(names)
     }
     return columns, np.array(at, np.int64), faults
 
 
-def _check(recording: Recording, place: Place) -> None:
-    """Signs are signs."""
+def check(recording: Recording) -> None:
+    """Signs are signs. Raises RecordingError with the line of one that is not."""
     for name, column in recording.columns.items():
-        if name.startswith("approach_") or name == "sense":
+        if column.dtype != object and (name.startswith("approach_") or name == "sense"):
             wrong = np.flatnonzero(~np.isin(column, (-1, 0, 1)) if name != "sense" else ~np.isin(column, (-1, 1)))
             if len(wrong):
                 raise RecordingError(
@@ -231,4 +274,5 @@ def _cells(line: str, place: Place) -> list[str]:
 
 
 def _finite(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    """A number of a size that positions and uncertainties have: also no integer beyond what a float holds."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300

@@ -1,0 +1,96 @@
+"""`gcomp diagnose` says where recordings and the machine's model differ, what physics was left out, and how the fit improves."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from postproc import ports
+from postproc.commands import reading
+from postproc.errors import UsageError
+
+HELP = "say what physics the machine's model leaves out, from recordings"
+EXAMPLE = "gcomp diagnose r1.csv r2.csv --machine studer-s36 --json answer.json"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "recordings", nargs="+", metavar="REC", help="recordings of one experiment (gcomp recordings --list: formats)"
+    )
+    parser.add_argument("--machine", metavar="NAME", help="the machine whose model is to be judged")
+    parser.add_argument("--json", metavar="FILE", help="the answer for other programs; - for standard output")
+    parser.add_argument("--residuals", metavar="FILE", help="every reading before and after, as CSV")
+    parser.add_argument("--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects")
+    parser.add_argument("--report", metavar="FILE", help="the answer as a page with figures, HTML")
+    parser.add_argument(
+        "--holdout", metavar="run=N", default="", help="the run that takes no part (default: the last of three or more)"
+    )
+    parser.add_argument("--force", action="store_true", help="overwrite files that exist")
+    parser.add_argument("--quiet", action="store_true", help="no progress on standard error")
+
+
+def run(options: argparse.Namespace) -> int:
+    from postproc import recordings as formats
+    from postproc.diagnose import report
+    from postproc.diagnose.analysis import Options, diagnose
+
+    options.temperature = {}
+    machine = reading.machine_of(options)
+    for path in (options.json, options.residuals, options.report):
+        if path and path != "-" and Path(path).exists() and not options.force:
+            raise UsageError(f"{path} exists", "--force overwrites it")
+    sources = []
+    for path in options.recordings:
+        file = Path(path)
+        if not file.is_file():
+            raise UsageError(f"there is no recording {path}")
+        sources.append(formats.Source(path, file.read_bytes()))
+    lenient = formats.ReadingOptions(strict=False)
+    read = [formats.read(source, options=lenient) for source in sources]
+    told = _Progress(options.quiet)
+    found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+    found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
+    told("")
+    answer = report.as_json(found, [s.data for s in sources])
+    if options.residuals:
+        _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
+    if options.write_machine:
+        from postproc.machine import places
+
+        ports.copy_folder(
+            places.folder_of(options.machine),
+            Path(options.write_machine),
+            options.force,
+            report.effects_toml(found, Path(options.write_machine).name),
+        )
+    if options.report:
+        from postproc.diagnose.page import page
+
+        _write(options.report, page(found))
+    if options.json == "-":
+        print(json.dumps(answer, indent=1))
+    elif options.json:
+        _write(options.json, json.dumps(answer, indent=1) + "\n")
+    else:
+        print(report.as_text(found))
+    return 0
+
+
+def _write(path: str, text: str) -> None:
+    """A whole file or none."""
+    ports.replace_file(Path(path), io.BytesIO(text.encode()), False)
+
+
+class _Progress:
+    """Says on standard error what is being done, where a person looks on."""
+
+    def __init__(self, quiet: bool):
+        self.live = not quiet and sys.stderr is not None and sys.stderr.isatty()
+
+    def __call__(self, word: Any) -> None:
+        if self.live:
+            print(f"\r\x1b[K{word}", end="", file=sys.stderr, flush=True)

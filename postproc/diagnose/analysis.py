@@ -1,0 +1,261 @@
+"""The whole question: recordings and a machine in, findings out.
+
+In order: rows, noise, data faults, what is held out; locate without names; choose on the rest; equivalent names, what could
+not have been seen; the fit on what took no part; what no name explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from postproc import effects
+from postproc.diagnose import fit, library, locate, noise
+from postproc.diagnose.library import Block
+from postproc.diagnose.rows import Rows, of
+from postproc.diagnose.select import Model, Selector
+from postproc.errors import UsageError
+from postproc.machine.model import Machine
+from postproc.recordings import Recording
+
+ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
+ALIKE = 0.97  # of the best score: explains as well
+UNEXPLAINED = 1.3
+TENTATIVE = 0.5
+SEED = 20131
+
+
+@dataclass(frozen=True)
+class Options:
+    """held_out: "run=3", or "" for the last run of every recording that has three at least; draws: nulls that calibrate the
+    threshold; told: called with a word on each step."""
+
+    held_out: str = ""
+    draws: int = 200
+    told: Callable[[str], None] = field(default=lambda word: None)
+
+
+@dataclass
+class Finding:
+    """One accepted effect."""
+
+    block: Block
+    value: dict[str, float]
+    ci95: dict[str, tuple[float, float]]
+    contribution: np.ndarray
+    score: float
+    delta_chi2: float
+    equivalent: list[str]
+    status: str = "accepted"
+
+
+@dataclass
+class Diagnosis:
+    """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
+    mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
+    line, what, mm); alike (N,): by how much sigma was inflated
+    for neighbours that are alike; unknown: None or what is left."""
+
+    machine: Machine
+    recordings: list[Recording]
+    rows: Rows
+    held: np.ndarray
+    held_name: str
+    before: np.ndarray
+    after: np.ndarray
+    sigma: np.ndarray
+    findings: list[Finding]
+    places: list[locate.Place]
+    limits: dict[str, float]
+    blind: list[tuple[str, str, str]]
+    faults: list[tuple[int, int, str, float]]
+    least: float
+    alike: np.ndarray
+    unknown: dict | None = None
+
+    @property
+    def verdict(self) -> str:
+        if any(f.status == "accepted" for f in self.findings):
+            return "left-out-physics"
+        return "unknown" if self.unknown else "nothing-left-out"
+
+
+def diagnose(recordings: list[Recording], machine: Machine, options: Options | None = None) -> Diagnosis:
+    """Raises RecordingError or UsageError for what can not be compared."""
+    options = options or Options()
+    options.told("reading")
+    rows = of(recordings, machine)
+    rows, sigma, alike, faults = _cleaned(rows)
+    held, held_name = _held(rows, options.held_out)
+    u, prior = fit.nuisances(rows)
+    options.told("locating")
+    train = np.flatnonzero(~held)
+    part = rows.pick(train)
+    options.told("building the dictionary")
+    every = library.blocks(rows)
+    blocks = [replace(b, columns=b.columns[train]) for b in every]
+    live = [k for k, b in enumerate(blocks) if (np.abs(b.columns).max(axis=0) > 1e-9).all()]
+    every, blocks = [every[k] for k in live], [blocks[k] for k in live]
+    selector = Selector(part, part.residual, sigma[train], u[train], prior, blocks)
+    options.told("calibrating")
+    if options.draws:
+        selector.calibrate(np.random.default_rng(SEED), options.draws)
+    places = locate.regions(part, sigma[train], u[train], prior)
+    options.told("choosing")
+    model = selector.run()
+    chosen = [blocks.index(b) for b in model.blocks]
+    options.told("showing")
+    before, after = _residuals(rows, sigma, u, prior, held, every, chosen, model)
+    findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]
+    diagnosis = Diagnosis(
+        machine, recordings, rows, held, held_name, before, after, sigma, findings, places, _limits(selector, chosen),
+        _blind(rows, every), faults, selector.least, alike,
+    )  # fmt: skip
+    _unknown(diagnosis)
+    return diagnosis
+
+
+def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
+    """Rows without lone outliers, their noise and by how much it was inflated, and what was left out."""
+    sigma, alike = noise.of(rows, rows.residual)
+    lone = noise.isolated(rows, rows.residual, sigma)
+    faults = [
+        (int(rows.file[k]), int(rows.line[k]), "outlier", float(lone[k] * sigma[k]))
+        for k in np.flatnonzero(lone >= DROPPED)
+    ]
+    sigma = sigma * np.where(lone > ALONE, np.maximum(1.0, lone / 2), 1.0)
+    keep = lone < DROPPED
+    return rows.pick(keep), sigma[keep], alike[keep], faults
+
+
+def _held(rows: Rows, wanted: str) -> tuple[np.ndarray, str]:
+    """(N,) which rows take no part, and what they are called."""
+    held = np.zeros(len(rows), bool)
+    if wanted:
+        name, _, value = wanted.partition("=")
+        if name != "run" or not value.lstrip("-").isdigit():
+            raise UsageError(f"--holdout {wanted} is not understood", "--holdout run=3")
+        held = rows.run == int(value)
+        if not held.any() or held.all():
+            raise UsageError(
+                f"--holdout {wanted}: there is {'nothing' if not held.any() else 'no other run than'} {wanted}"
+            )
+        return held, f"run {int(value)}"
+    for file in range(len(rows.files)):
+        which = rows.file == file
+        runs = np.unique(rows.run[which])
+        if len(runs) >= 3 and rows.kinds[file] != "features":
+            held |= which & (rows.run == runs[-1])
+    return held, "the last run of every recording that has three at least" if held.any() else ""
+
+
+def _residuals(rows, sigma, u, prior, held, every, chosen, model):
+    """(N,) mm before and after, set-up zeros and the like taken out as the rows that took part tell them; of rows held out
+    nothing is fitted but the zero of their own set-up."""
+    y = rows.residual
+    explained = sum(
+        (every[c].columns @ model.coefficients[model.part(k)] for k, c in enumerate(chosen)), np.zeros(len(rows))
+    )
+    train = ~held
+    result = []
+    for left, weight in ((y, sigma[train]), (y - explained, model.sigma if len(chosen) else sigma[train])):
+        p = fit.Projector.of(weight, u[train], prior)
+        coefficient = p.inner @ (p.u.T @ (p.w * left[train]))
+        result.append(left - u @ coefficient)
+    return result[0], result[1]
+
+
+def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
+    block, part = model.blocks[k], model.part(k)
+    value = model.coefficients[part]
+    covariance = model.covariance[part, part]
+    named, ci = _intervals(block, value, covariance)
+    rest = [c for j, c in enumerate(chosen) if j != k]
+    scores = selector.scores(rest, model.sigma)
+    own = float(scores[chosen[k]])
+    best: dict[str, float] = {}
+    for other, score in enumerate(scores):
+        key = selector.blocks[other].key
+        if key != block.key:
+            best[key] = max(best.get(key, -np.inf), float(score))
+    alike = sorted((key for key, s in best.items() if s >= ALIKE * own - 10 and s > 0), key=lambda key: -best[key])
+    fall = own + float(selector.penalty[chosen[k]])
+    return Finding(block, named, ci, every[chosen[k]].columns @ value, own, fall, alike[:6])
+
+
+def _intervals(block: Block, value: np.ndarray, covariance: np.ndarray):
+    """Named parameters and their 95 % intervals, through the derivative of each by the coefficients."""
+    shape = dict(block.shape)
+    named = block.module.parameters(value, shape)
+    step = 1e-4 * np.maximum(np.sqrt(np.diag(covariance)), 1e-9)
+    slopes = {name: np.zeros(len(value)) for name in named}
+    for i in range(len(value)):
+        moved = value.copy()
+        moved[i] += step[i]
+        for name, v in block.module.parameters(moved, shape).items():
+            slopes[name][i] = (v - named[name]) / step[i]
+    ci = {}
+    for name, v in named.items():
+        sd = float(np.sqrt(max(slopes[name] @ covariance @ slopes[name], 0.0)))
+        ci[name] = (v - 1.96 * sd, v + 1.96 * sd)
+    return named, ci
+
+
+def _limits(selector: Selector, chosen: list[int]) -> dict[str, float]:
+    """effect:axis to mm: from which size on it would have been seen: where its fall reaches the threshold and twice its root."""
+    p = selector.projector(chosen, selector.sigma)
+    result: dict[str, float] = {}
+    wanted = selector.least + 2 * np.sqrt(selector.least)
+    for block, penalty in zip(selector.blocks, selector.penalty, strict=True):
+        column = block.columns[:, 0]
+        power = float(column @ p(column))
+        if power <= 0:
+            continue
+        size = np.sqrt((wanted + penalty) / power) * float(np.abs(column).max())
+        result[block.key] = min(result.get(block.key, np.inf), size)
+    return result
+
+
+def _blind(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
+    """Effect, axis and why it can not be seen in these recordings."""
+    seen = {(b.name, b.axis) for b in every}
+    result = []
+    for name in effects.names():
+        module = effects.load(name)
+        for axis in library.axes_of(rows, module):
+            if (name, axis) in seen:
+                continue
+            if not library.visible(rows, module).any():
+                why = f"it shows only to {', '.join(module.SEES)}: no such recording"
+            elif not library.needed(rows, module, axis):
+                why = "its driver was not recorded, or did not change: " + ", ".join(module.NEEDS)
+            else:
+                why = "these places and times can not tell it from a zero"
+            result.append((name, axis, why))
+    return result
+
+
+def _unknown(d: Diagnosis) -> None:
+    """Structure that is left: runs that agree with each other about what nothing explains."""
+    worst: tuple[float, int, float] = (0.0, -1, 0.0)
+    for signal in range(len(d.rows.signals)):
+        which = d.rows.signal == signal
+        if not which.any() or d.rows.sees[which][0] == "part":  # a feature has one place: nothing to agree about
+            continue
+        left = locate.shared(d.rows, d.after, d.sigma, which)
+        explained = sum((f.contribution for f in d.findings), np.zeros(len(d.rows)))[which]
+        ground = np.hypot(
+            max(1e-3 if d.rows.kinds[d.rows.file[which][0]] == "targets" else 5e-4, 0.0), 0.3 * float(np.std(explained))
+        )
+        if left / ground > worst[0]:
+            worst = (left / ground, signal, left)
+    if worst[0] > UNEXPLAINED:
+        which = d.rows.signal == worst[1]
+        total = float((d.before**2 / d.sigma**2)[~d.held].sum())
+        rest = float((d.after**2 / d.sigma**2)[~d.held].sum())
+        d.unknown = {"signal": worst[1], "rms": worst[2], "share": rest / max(total, 1e-9)}
+        if rest > TENTATIVE * total:
+            for f in d.findings:
+                f.status = "tentative"

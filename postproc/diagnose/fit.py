@@ -1,0 +1,89 @@
+"""Weighted least squares in which the nuisances are known by their size only: set-up zeros, centres, the map's own error.
+
+With W = 1 / sigma^2 and nuisance columns U of prior variance L, P = W - W U (1/L + U'W U)^-1 U'W; a block of columns D is
+worth b' A^-1 b with b = D'P y, A = D'P D: the fall of chi squared if it were let in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.diagnose.rows import XYZ, Rows
+from postproc.effects import legendre
+
+FREE = 1e3  # mm: a zero that nobody knows
+MAP_UM = 0.26  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+DEGREES = range(1, 7)
+CENTRE = 0.1  # mm
+SQUARE = 1.5e-6  # rad
+
+
+def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarray]:
+    """(N, Q) columns and (Q,) prior standard deviations."""
+    columns: list[np.ndarray] = []
+    size: list[float] = []
+
+    def add(column: np.ndarray, sd: float) -> None:
+        if np.abs(column).max(initial=0.0) > 0:
+            columns.append(column)
+            size.append(sd)
+
+    seen = np.isin(rows.sees, ("laser", "tool"))
+    for signal in range(len(rows.signals)):
+        which = rows.signal == signal
+        add(which.astype(float), FREE)
+    for file, kind in enumerate(rows.kinds):
+        if kind == "ballbar":
+            for i in range(3):
+                add(np.where(rows.file == file, rows.direction[:, i], 0.0), CENTRE)
+    for x, _ in rows.state.position.items():
+        u = np.clip(rows.state.share(x), -1.2, 1.2)
+        for along in range(3):
+            enters = np.where(seen, rows.direction[:, along], 0.0)
+            for degree in DEGREES:
+                if along == XYZ.index(x) or degree > 1:
+                    add(enters * legendre(u, degree), map_um * 1e-3 / (1.0 if along == XYZ.index(x) else 1.5))
+            if along != XYZ.index(x):
+                add(enters * rows.state.position[x], SQUARE)
+    return np.stack(columns, axis=1), np.array(size)
+
+
+@dataclass
+class Projector:
+    """What is left of columns when the nuisances, and what was chosen before, are taken out. w (N,) 1/sigma^2; u (N, Q);
+    inner (Q, Q) the inverse in P."""
+
+    w: np.ndarray
+    u: np.ndarray
+    inner: np.ndarray
+
+    @staticmethod
+    def of(sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> Projector:
+        w = 1.0 / sigma**2
+        inner = np.diag(1.0 / prior**2) + (u * w[:, None]).T @ u
+        return Projector(w, u, np.linalg.inv(inner))
+
+    def __call__(self, columns: np.ndarray) -> np.ndarray:
+        """P D for (N,) or (N, K)."""
+        weighted = columns * (self.w if columns.ndim == 1 else self.w[:, None])
+        return weighted - (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ weighted))
+
+    def chi2(self, y: np.ndarray) -> float:
+        return float(y @ self(y))
+
+    def nuisance(self, y: np.ndarray) -> np.ndarray:
+        """(N,) the nuisances' own part of y."""
+        return self.u @ (self.inner @ (self.u.T @ (self.w * y)))
+
+
+def solve(
+    projector: Projector, columns: np.ndarray, y: np.ndarray, ridge: float = 1e-9
+) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) coefficients and (K, K) covariance of columns (N, K)."""
+    after = projector(columns)
+    a = columns.T @ after
+    a = a + ridge * np.diag(np.maximum(np.diag(a), 1e-30))
+    covariance = np.linalg.pinv(a, rcond=1e-12, hermitian=True)
+    return covariance @ (after.T @ y), covariance

@@ -1,0 +1,226 @@
+"""Which effects the readings ask for: one after the other, swapped, dropped again, under three guards.
+
+The guards: the map's own error is a nuisance with a size; what has been explained leaves a form error in proportion, so that
+the rest of a big effect is not explained by five small ones that are not there; and what is too small to matter is no
+finding. score = fall of chi squared - columns * ln(rows) - 2 * ln(shapes of the same effect and axis).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from postproc.diagnose.fit import Projector, solve
+from postproc.diagnose.library import Block
+from postproc.diagnose.rows import Rows
+
+LEAST_SCORE = 28.0
+MATERIAL = 7e-4  # mm
+MOST = 6
+FORM, FORM_OF_LARGEST = 0.10, 0.03
+SWAP = 2.0
+WIDE = 10.0  # prior standard deviation of chosen coefficients: none
+
+
+@dataclass
+class Model:
+    """What was chosen. blocks; coefficients and covariance of all their columns in order; sigma (N,) as it came to be
+    inflated; projector without the chosen."""
+
+    blocks: list[Block] = field(default_factory=list)
+    coefficients: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    covariance: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    sigma: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    scores: list[float] = field(default_factory=list)
+
+    def part(self, k: int) -> slice:
+        """Where the k-th block's coefficients stand."""
+        first = sum(b.columns.shape[1] for b in self.blocks[:k])
+        return slice(first, first + self.blocks[k].columns.shape[1])
+
+    def contribution(self, k: int) -> np.ndarray:
+        """(N,) mm that the k-th block explains."""
+        return self.blocks[k].columns @ self.coefficients[self.part(k)]
+
+    @property
+    def explained(self) -> np.ndarray:
+        n = len(self.sigma)
+        return sum((self.contribution(k) for k in range(len(self.blocks))), np.zeros(n))
+
+
+class Selector:
+    """The readings, their noise, the nuisances, and the dictionary."""
+
+    def __init__(
+        self, rows: Rows, y: np.ndarray, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray, blocks: list[Block]
+    ):
+        self.rows, self.y, self.sigma, self.u, self.prior, self.blocks = rows, y, sigma, u, prior, blocks
+        self.stack = np.concatenate([b.columns for b in blocks], axis=1) if blocks else np.zeros((len(y), 0))
+        edges = np.cumsum([0] + [b.columns.shape[1] for b in blocks])
+        self.slices = [slice(a, b) for a, b in pairwise(edges)]
+        self.penalty = np.array([b.columns.shape[1] * np.log(len(y)) + 2 * np.log(b.siblings) for b in blocks])
+        self.least = LEAST_SCORE
+        self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
+
+    # -- scores --------------------------------------------------------------------------------------------------------
+
+    def projector(self, chosen: list[int], sigma: np.ndarray) -> Projector:
+        """The nuisances and the chosen taken out."""
+        more = [self.blocks[k].columns for k in chosen]
+        scales = [np.full(c.shape[1], WIDE / max(1e-12, float(np.abs(c).max()))) for c in more]
+        return Projector.of(sigma, np.concatenate([self.u, *more], axis=1), np.concatenate([self.prior, *scales]))
+
+    def scores(self, chosen: list[int], sigma: np.ndarray, y: np.ndarray | None = None) -> np.ndarray:
+        """(B,) score of every block given the chosen; implausible ones -inf. y may be (N, R): then (B, R), all plausible."""
+        p = self.projector(chosen, sigma)
+        values = self.y if y is None else y
+        after = self.stack.T @ p(values)
+        weighted = self.stack * p.w[:, None]
+        cross = p.u.T @ weighted
+        inside = p.inner @ cross
+        result = np.full((len(self.blocks), *after.shape[1:]), -np.inf)
+        for k, part in enumerate(self.slices):
+            d = self.stack[:, part]
+            a = d.T @ weighted[:, part] - cross[:, part].T @ inside[:, part]
+            own = np.einsum("ij,ij->j", d, weighted[:, part])
+            if np.any(np.diag(a) < 1e-6 * own):
+                continue  # the nuisances and the chosen say all that it could
+            b = after[part]
+            try:
+                solved = np.linalg.solve(a, b)
+            except np.linalg.LinAlgError:
+                continue
+            fall = np.einsum("i...,i...->...", b, solved)
+            if y is None and not plausible(self.blocks[k], solved):
+                continue
+            result[k] = fall - self.penalty[k]
+        return result
+
+    def calibrate(self, rng: np.random.Generator, draws: int = 200) -> None:
+        """The least score so that of recordings of this very design without any effect 1 % find one."""
+        n = len(self.y)
+        nulls = (self.u * np.minimum(self.prior, 0.01)) @ rng.normal(size=(self.u.shape[1], draws))
+        nulls += self.sigma[:, None] * rng.standard_t(6, size=(n, draws)) * np.sqrt(4 / 6)
+        best = self.scores([], self.sigma, nulls).max(axis=0)
+        self.least = max(LEAST_SCORE, float(np.quantile(best, 0.99)))
+
+    # -- selection -----------------------------------------------------------------------------------------------------
+
+    def run(self) -> Model:
+        """Choose, swap, drop, reweigh, until nothing changes."""
+        chosen: list[int] = []
+        sigma = self.sigma
+        seen: set[tuple[int, ...]] = set()
+        for _ in range(2 * MOST):
+            grown = self._grow(chosen, sigma)
+            grown = self._swap(grown, sigma)
+            grown = self._drop(grown, sigma)
+            after = self._reweighed(grown)
+            key = tuple(sorted(grown))
+            chosen, sigma = grown, after
+            if key in seen or len(chosen) >= MOST:
+                break
+            seen.add(key)
+        for _ in range(MOST):
+            pruned = self._drop(chosen, self._reweighed(chosen))
+            if pruned == chosen:
+                break
+            chosen = pruned
+        return self.fitted(chosen)
+
+    def _grow(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
+        score = self.scores(chosen, sigma)
+        for k in np.argsort(-score):
+            if score[k] < self.least:
+                break
+            if self._counts([*chosen, int(k)]) and self._material(chosen, int(k), sigma):
+                return [*chosen, int(k)]
+        return chosen
+
+    def _counts(self, chosen: list[int]) -> bool:
+        """The same effect and axis twice is refinement of a shape: twice, no more, and no shape twice."""
+        keys = [self.blocks[k].key for k in chosen]
+        return len(set(chosen)) == len(chosen) and keys.count(keys[-1]) <= 2
+
+    def _swap(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
+        for place in range(len(chosen) - 1):
+            rest = chosen[:place] + chosen[place + 1 :]
+            score = self.scores(rest, sigma)
+            best = int(np.argmax(score))
+            if score[best] > score[chosen[place]] + SWAP and best not in chosen and self._material(rest, best, sigma):
+                chosen = [*chosen[:place], best, *chosen[place + 1 :]]
+        return chosen
+
+    def _drop(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
+        """Without those that the others make needless."""
+        while chosen:
+            worth = []
+            for place, k in enumerate(chosen):
+                rest = chosen[:place] + chosen[place + 1 :]
+                worth.append(self.worth(rest, k, sigma) if self._material(rest, k, sigma) else -np.inf)
+            weakest = int(np.argmin(worth))
+            if worth[weakest] >= self.least:
+                return chosen
+            chosen = chosen[:weakest] + chosen[weakest + 1 :]
+        return chosen
+
+    def worth(self, rest: list[int], k: int, sigma: np.ndarray) -> float:
+        """The score of one block given the rest."""
+        p = self.projector(rest, sigma)
+        value, covariance = solve(p, self.blocks[k].columns, self.y)
+        b = self.blocks[k].columns.T @ p(self.y)
+        if not plausible(self.blocks[k], value):
+            return -np.inf
+        return float(b @ covariance @ b) - float(self.penalty[k])
+
+    def _material(self, rest: list[int], k: int, sigma: np.ndarray) -> bool:
+        """Whether what it adds, after each signal's zero, is large enough somewhere to matter."""
+        value, _ = solve(self.projector(rest, sigma), self.blocks[k].columns, self.y)
+        return self.size(self.blocks[k].columns @ value) > 1.0
+
+    def size(self, contribution: np.ndarray) -> float:
+        """Largest share of what would be material in some signal."""
+        worst = 0.0
+        for which in self.signals:
+            part = contribution[which]
+            swing = float(np.percentile(np.abs(part - np.median(part)), 98))
+            worst = max(worst, swing / max(MATERIAL, 0.5 * float(np.median(self.sigma[which]))))
+        return worst
+
+    def _reweighed(self, chosen: list[int]) -> np.ndarray:
+        """(N,) noise with the form error of what is explained."""
+        model = self.fitted(chosen, self.sigma)
+        extra = np.zeros(len(self.y))
+        for k in range(len(chosen)):
+            part = model.contribution(k)
+            extra += (FORM * part) ** 2
+            for which in self.signals:
+                middle = part[which] - np.median(part[which])
+                extra[which] += (FORM_OF_LARGEST * np.abs(middle).max()) ** 2
+        return np.sqrt(self.sigma**2 + extra)
+
+    def fitted(self, chosen: list[int], sigma: np.ndarray | None = None) -> Model:
+        """The joint fit of the chosen."""
+        model = Model(sigma=self.sigma if sigma is None else sigma)
+        if not chosen:
+            return model
+        if sigma is None:
+            model.sigma = self._reweighed(chosen)
+        p = self.projector([], model.sigma)
+        columns = np.concatenate([self.blocks[k].columns for k in chosen], axis=1)
+        model.coefficients, model.covariance = solve(p, columns, self.y)
+        model.blocks = [self.blocks[k] for k in chosen]
+        if sigma is None:
+            model.scores = [self.worth([c for c in chosen if c != k], k, model.sigma) for k in chosen]
+        return model
+
+
+def plausible(block: Block, coefficients: np.ndarray) -> bool:
+    """Whether the named parameters are such as machines have."""
+    limits = getattr(block.module, "PLAUSIBLE", None)
+    if not limits:
+        return True
+    named = block.module.parameters(coefficients, dict(block.shape))
+    return all(low <= named[name] <= high for name, (low, high) in limits.items())

@@ -1,0 +1,192 @@
+"""Text, numbers and tables as instruments and spreadsheets write them: encodings, decimal commas, delimiters, directions."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from postproc.errors import Place, UsageError
+from postproc.recordings import RecordingError, Source
+
+NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
+COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]{1,3})?")
+THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+LINE_END = re.compile(r"\r\n|\n|\r")
+DELIMITERS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma"}
+LONGEST_LINE = 100_000
+BOMS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+
+UP = {"+", "+1", "1", "up", "↑", "pos", "positive", "plus"}
+DOWN = {"-", "-1", "down", "dn", "↓", "neg", "negative", "minus"}
+THERE = {"fwd", "forward", "f", "go", "hin"}
+BACK = {"rev", "reverse", "return", "back", "backward", "bwd", "r", "her", "rück", "zurück"}
+
+
+def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, str]:
+    """The text and the encoding it was read in: UTF-8, UTF-16 with its mark, then `tries`.
+
+    Raises RecordingError with the line of the first byte that is none of them.
+    """
+    for mark, name in BOMS.items():
+        if source.data.startswith(mark):
+            try:
+                return source.data.decode(name), name
+            except UnicodeDecodeError:
+                raise RecordingError(
+                    "the file begins as UTF-16 and does not go on as it", "save it as UTF-8", Place(source.name, 1)
+                ) from None
+    try:
+        return source.data.decode("utf-8-sig"), "utf-8"
+    except UnicodeDecodeError as error:
+        first = error.start
+    for name in tries:
+        try:
+            return source.data.decode(name), name
+        except UnicodeDecodeError:
+            continue
+    line = source.data.count(b"\n", 0, first) + 1
+    raise RecordingError(
+        f"byte {source.data[first]} is no text in UTF-8, {', '.join(tries)}",
+        "save the file as UTF-8",
+        Place(source.name, line),
+    )
+
+
+def lines_of(text: str) -> list[str]:
+    """The lines as an editor counts them: only line feed and carriage return end one."""
+    return LINE_END.split(text)
+
+
+def number(cell: str, decimal: str = ".") -> float | None:
+    """The number that a cell is, or None. Only plain digits count: no 1_000, no nan, no thousands."""
+    plain = cell.strip().replace("\u2212", "-")
+    if decimal == ",":
+        if COMMA.fullmatch(plain):
+            plain = plain.replace(",", ".")
+        elif "." in plain:
+            return None
+    if not NUMBER.fullmatch(plain):
+        return None
+    value = float(plain)
+    return value if math.isfinite(value) else None
+
+
+def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
+    """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from little.
+
+    told: what the user says. Raises ValueError with both examples where a file has both.
+    """
+    if told:
+        return told, ""
+    comma = point = thousands = ""
+    for cell in cells:
+        plain = cell.strip().replace("\u2212", "-")
+        if COMMA.fullmatch(plain):
+            comma = comma or ("" if THOUSANDS.fullmatch(plain) else plain)
+            thousands = thousands or (plain if THOUSANDS.fullmatch(plain) else "")
+        elif "." in plain and NUMBER.fullmatch(plain):
+            point = point or plain
+    if point and (comma or thousands):
+        raise ValueError(f"{comma or thousands} has a decimal comma and {point} a decimal point")
+    if comma:
+        return ",", ""
+    if thousands:
+        return ",", f"{thousands} is read as {thousands.replace(',', '.')}, with a decimal comma"
+    return ".", ""
+
+
+def direction(text: str) -> tuple[int, bool] | None:
+    """The sign of a word of direction, and whether it is relative to the first run (forward, return); or None."""
+    plain = text.strip().lower().replace("\u2212", "-").strip("()[].:")
+    for words, sign, relative in ((UP, 1, False), (DOWN, -1, False), (THERE, 1, True), (BACK, -1, True)):
+        if plain in words:
+            return sign, relative
+    return None
+
+
+def told_decimal(extra: Mapping[str, str]) -> str:
+    """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for another sign."""
+    sign = extra.get("decimal", "")
+    if sign not in ("", ".", ","):
+        raise UsageError(f"--set decimal={sign} is no decimal sign", "--set decimal=. or --set decimal=,")
+    return sign
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table in a text: its lines as cells. rows: (line, cells), blank lines left out; delimiter; decimal sign."""
+
+    rows: list[tuple[int, list[str]]]
+    delimiter: str
+    decimal: str
+    notices: tuple[str, ...] = ()
+
+    def numeric(self, cell: str) -> bool:
+        return number(cell, self.decimal) is not None
+
+
+def cells_of(line: str, delimiter: str, place: Place) -> list[str]:
+    """The cells of one line, quotes taken off. Raises RecordingError for a line that is none of a table."""
+    try:
+        return [cell.strip().strip("\u00a0") for cell in next(csv.reader([line], delimiter=delimiter))]
+    except (csv.Error, StopIteration) as error:
+        raise RecordingError(
+            f"this line can not be split at its {DELIMITERS[delimiter]}s: {error}", "", place
+        ) from None
+
+
+def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> Table:
+    """Split a text at the sign that splits most of its lines alike.
+
+    Raises RecordingError where no sign does, or where decimal commas and points are mixed.
+    """
+    lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if line.strip()]
+    for i, line in lines:
+        if len(line) > LONGEST_LINE:
+            raise RecordingError(f"a line of {len(line):,} characters is no row of a table", "", Place(source.name, i))
+    sign = delimiter or _delimiter([line for _, line in lines])
+    if not sign:
+        raise RecordingError(
+            "this is no table: no tab, semicolon, bar or comma splits its lines alike",
+            "save it as CSV", Place(source.name, lines[0][0] if lines else 1),
+        )  # fmt: skip
+    every = [(i, cells_of(line, sign, Place(source.name, i, line))) for i, line in lines]
+    rows = [(i, cells) for i, cells in every if any(cells)]
+    if not rows:
+        raise RecordingError("the table has no filled cell", "", Place(source.name, 1))
+    try:
+        found, notice = decimal_of((cell for _, cells in rows for cell in _numbers(cells)), decimal)
+    except ValueError as error:
+        both = [i for i, cells in rows for c in cells if COMMA.fullmatch(c)]
+        raise RecordingError(
+            f"decimal commas and points are mixed: {error}", "write all numbers alike; say --set decimal=. or --set decimal=,",
+            Place(source.name, both[0] if both else 1),
+        ) from None  # fmt: skip
+    return Table(rows, sign, found, (notice,) if notice else ())
+
+
+def _numbers(cells: list[str]) -> list[str]:
+    """The cells that look like numbers, where they are two at least: one alone may be a version or a serial number."""
+    alike = [
+        c for c in cells if COMMA.fullmatch(c.replace("\u2212", "-")) or NUMBER.fullmatch(c.replace("\u2212", "-"))
+    ]
+    return alike if len(alike) > 1 else []
+
+
+def _delimiter(lines: list[str]) -> str:
+    best, most = "", 0
+    for sign in DELIMITERS:
+        counts: Counter[int] = Counter()
+        for line in lines:
+            try:
+                counts[len(next(csv.reader([line], delimiter=sign)))] += 1
+            except (csv.Error, StopIteration):
+                continue
+        alike = max((n for cells, n in counts.items() if cells > 1), default=0)
+        if alike > most:
+            best, most = sign, alike
+    return best

@@ -1,0 +1,114 @@
+"""LinuxCNC's screw compensation file (COMP_FILE) as a recording of what it says the axis' deviation is.
+
+Three numbers a line: nominal, forward, reverse. COMP_FILE_TYPE 0: forward and reverse are actual positions; other types:
+trims, which are minus the deviation. Reading stops at the first line without three numbers. Units are the machine's.
+Neither type nor unit is in the file. Source: LinuxCNC's usrmotintf.
+"""
+
+from __future__ import annotations
+
+from postproc.errors import Place, UsageError
+from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _targets as targets
+from postproc.recordings import _text as text
+from postproc.recordings import _units as units
+from postproc.units import MM_PER_INCH
+
+TITLE = "LinuxCNC screw compensation (COMP_FILE, types 0 and 1)"
+TAKES = ("axis", "component", "unit", "others", "machine", "head")
+EXTRA = {"type": "0: actual positions, 1: trims, as COMP_FILE_TYPE in the INI file says"}
+ENTRIES = 256
+FARTHEST = 5.0  # mm: a larger deviation is a file of the other type or unit
+UNITS = {"mm": 1.0, "inch": MM_PER_INCH}
+
+
+def recognises(source: Source) -> bool:
+    lines = [line.split() for line in source.data[:4000].split(b"\n")[:20] if line.strip()]
+    whole = lines if len(source.data) <= 4000 else lines[:-1]
+    return len(whole) > 1 and all(
+        len(words) == 3 and all(text.number(w.decode("ascii", "replace")) is not None for w in words) for words in whole
+    )
+
+
+def read(source: Source, options: ReadingOptions) -> Recording:
+    """Run 1 forward, run 2 reverse. Raises RecordingError where LinuxCNC would stop reading, and where type, unit or axis are open."""
+    kind = options.extra.get("type", "")
+    if kind not in ("", "0", "1"):
+        raise UsageError(f"--set type={kind} is not known", "0 or 1, as COMP_FILE_TYPE says")
+    rows = _rows(source)
+    first = Place(source.name, 1)
+    if not kind:
+        slope = abs(rows[-1][2] - rows[0][2]) / max(abs(rows[-1][1] - rows[0][1]), 1e-9)
+        hint = (
+            "the columns follow the nominal one: they look like type 0"
+            if abs(slope - 1) < 0.1
+            else "they look like type 1"
+        )
+        raise RecordingError(
+            "the file does not say of which type it is", f"say --set type=0 or --set type=1 ({hint})", first
+        )
+    component = targets.component_of(options, source, _axis(source), "displacement")
+    if component.axis not in "XYZ":
+        raise UsageError(f"{component.axis} is a rotary axis", "COMP_FILE is read for X, Y and Z")
+    if not options.unit:
+        raise RecordingError(
+            "the file does not say its unit, which is the machine's", "say --unit mm or --unit inch", first
+        )
+    unit = units.named(options.unit)
+    if unit.name not in UNITS:
+        raise UsageError(f"--unit {options.unit}: a machine's unit is mm or inch")
+    scale = UNITS[unit.name]
+    readings = targets.Readings([], [], [], [], [])
+    for sign, column in ((1, 2), (-1, 3)):
+        for row in rows:
+            line, nominal, entry = int(row[0]), row[1], row[column]
+            deviation = entry - nominal if kind == "0" else -entry
+            if abs(deviation) * scale > FARTHEST:
+                raise RecordingError(
+                    f"a deviation of {deviation * scale:g} mm is no screw's: is this type {1 - int(kind)}, or another unit?",
+                    f"--set type={1 - int(kind)}", Place(source.name, line),
+                )  # fmt: skip
+            for values, value in zip(
+                (readings.run, readings.target, readings.value, readings.line, readings.sign),
+                (1 if sign > 0 else 2, nominal * scale, deviation, line, sign), strict=True,
+            ):  # fmt: skip
+                values.append(value)  # type: ignore[attr-defined]
+    notices = ["these are a control's corrections, not readings: their scatter and their zero are not known"]
+    head = {"instrument": f"LinuxCNC compensation file, type {kind}"}
+    return targets.recording(source, options, component, unit, readings, head=head, notices=notices)
+
+
+def _axis(source: Source) -> str:
+    """The letter of a file named like Z.comp, or nothing."""
+    stem = source.name.replace("\\", "/").rpartition("/")[2].partition(".")[0]
+    return stem.upper() if len(stem) == 1 and stem.upper() in "XYZ" else ""
+
+
+def _rows(source: Source) -> list[tuple[int, float, float, float]]:
+    """Line, nominal, forward, reverse."""
+    content, _ = text.decoded(source)
+    lines = text.lines_of(content)
+    while lines and not lines[-1].strip():
+        lines.pop()
+    rows: list[tuple[int, float, float, float]] = []
+    for i, line in enumerate(lines, 1):
+        values = [text.number(w) for w in line.split()[:3]]
+        if len(values) < 3 or None in values:
+            raise RecordingError(
+                f"this line has no three numbers: LinuxCNC stops reading here, and {len(lines) - i} lines below are never used",
+                "take out headings, comments and blank lines", Place(source.name, i, line),
+            )  # fmt: skip
+        nominal, forward, reverse = (float(v or 0.0) for v in values)
+        if rows and nominal <= rows[-1][1]:
+            raise RecordingError(
+                f"nominal {nominal:g} comes after {rows[-1][1]:g}: LinuxCNC refuses it", "order them, each once",
+                Place(source.name, i, line),
+            )  # fmt: skip
+        if len(rows) == ENTRIES:
+            raise RecordingError(
+                f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}", "", Place(source.name, i, line)
+            )
+        rows.append((i, nominal, forward, reverse))
+    if len(rows) < 2:
+        raise RecordingError(f"there are {len(rows)} entries", "two at least make a table", Place(source.name, 1))
+    return rows

@@ -1,0 +1,252 @@
+"""Renishaw laser text of readings at targets: .rtl linear, .rta angular, .rts straightness.
+
+Sections headed by capitals and `::`. TARGET DATA:: has Target-count and the targets, some to a line, up to Flags:;
+RUNS:: has Run-count; DEVIATIONS:: has rows of run, target number, deviation, in any order. The layout is known from
+public readers and writers of such files, not from the maker: unverified against original files. By these readers
+targets are in mm (degrees of a rotary axis), linear deviations in um, angular ones in mm/m; of straightness none says it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from postproc.errors import Place
+from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _environment as environment
+from postproc.recordings import _targets as targets
+from postproc.recordings import _text as text
+from postproc.recordings._units import UNITS
+
+TITLE = "Renishaw laser text (.rtl linear, .rta angular, .rts straightness)"
+TAKES = ("axis", "component", "unit", "bidirectional", "first", "others", "machine", "head")
+EXTRA = {"decimal": ". or ,: the decimal sign, where the file has both"}
+ENCODINGS = ("gbk", "cp1252")
+SECTION = re.compile(r"([A-Z][A-Z -]*)::\s*")
+KINDS = {"rtl": "displacement", "rta": "angle", "rts": "straightness"}
+WORDS = {"linear": "displacement", "angular": "angle", "straight": "straightness"}
+UNIT_OF = {"displacement": "um", "angle": "mm/m"}
+FLAGS = {"0 0 2 0": True, "0 1 2 0": False}  # as one public writer of such files has them
+MOST = 100_000  # runs or targets
+
+
+@dataclass
+class _File:
+    """What stands in the sections."""
+
+    keys: dict[tuple[str, str], tuple[str, int]] = field(default_factory=dict)
+    environment: list[tuple[str, str]] = field(default_factory=list)
+    targets: list[tuple[str, int]] = field(default_factory=list)
+    rows: list[tuple[int, str]] = field(default_factory=list)
+    sections: dict[str, int] = field(default_factory=dict)
+    last: int = 1
+
+    def key(self, section: str, name: str) -> str:
+        return self.keys.get((section, name), ("", 0))[0]
+
+    def line(self, section: str, name: str = "") -> int:
+        return self.keys[(section, name)][1] if name else self.sections.get(section, self.last)
+
+
+def recognises(source: Source) -> bool:
+    head = source.data[:20_000]
+    return b"HEADER::" in head[:200] and b"TARGET DATA::" in head
+
+
+def read(source: Source, options: ReadingOptions) -> Recording:
+    """Raises RecordingError for a file that is cut off or contradicts itself, and where unit or axis are open."""
+    content, encoding = text.decoded(source, ENCODINGS)
+    found = _sections(content)
+    for section in ("TARGET DATA", "DEVIATIONS"):
+        if section not in found.sections:
+            raise RecordingError(
+                f"there is no section {section}::",
+                "is the file cut off, or of another kind?",
+                Place(source.name, found.last),
+            )
+    notices: list[str] = []
+    if encoding not in ("utf-8", "utf-16"):
+        notices.append(f"the text is not UTF-8: read as {encoding}")
+    if "EOF" not in found.sections:
+        notices.append("there is no EOF:: at the end: the file may be cut off")
+    decimal = _decimal(source, found, options, notices)
+    places = _places(source, found, decimal, options, notices)
+    runs = _count(source, found, "RUNS", "Run-count")
+    rows, faults = _rows(source, found, decimal, options, len(places), runs)
+    _missing(found, rows, len(places), runs, faults, notices)
+
+    quantity = _quantity(source, found, options)
+    component = targets.component_of(
+        options, source, targets.axis_in(found.key("USER-TEXT", "axis")), quantity, found.line("USER-TEXT")
+    )
+    said = None
+    if not options.unit and component.quantity in UNIT_OF:
+        said = UNITS[UNIT_OF[component.quantity]]
+        notices.append(
+            f"the unit is not in the file: taken as {said.name}, as other readers of this format do (--unit)"
+        )
+    unit = targets.unit_for(options, source, component, said, found.line("DEVIATIONS"))
+    columns, noted, more = environment.taken(found.environment)
+    flags = " ".join(found.key("TARGET DATA", "flags").split())
+    if options.bidirectional is None and FLAGS.get(flags) is False and runs != 1:
+        notices.append(f"Flags: {flags} means one direction in one public writer of this format: --bidirectional no?")
+    readings = targets.Readings(
+        [r for r, _ in rows], [places[k - 1] for _, k in rows], [v for v, _ in rows.values()], [i for _, i in rows.values()],
+        columns={n: [v] * len(rows) for n, v in columns.items()},
+    )  # fmt: skip
+    head = {
+        "machine": found.key("USER-TEXT", "machine"), "instrument": "Renishaw laser interferometer",
+        "serial_number": found.key("USER-TEXT", "serial no"), "date": found.key("USER-TEXT", "date"),
+        "operator": found.key("USER-TEXT", "by"), "location": found.key("USER-TEXT", "location"), "environment": noted or None,
+    }  # fmt: skip
+    first = 1 if places[-1] >= places[0] else -1
+    return targets.recording(
+        source, options, component, unit, readings, head=head, notices=[*notices, *more], faults=faults, first=first
+    )
+
+
+def _sections(content: str) -> _File:
+    """The lines by section. Targets are collected up to the first line that is no numbers: their count is not trusted."""
+    found, section, state = _File(), "", ""
+    for i, line in enumerate(text.lines_of(content), 1):
+        plain = line.strip()
+        if not plain:
+            continue
+        found.last = i
+        heading = SECTION.fullmatch(plain)
+        if heading:
+            section, state = heading[1].strip(), ""
+            found.sections.setdefault(section, i)
+            continue
+        if state == "targets":
+            if ":" not in plain:
+                found.targets += [(word, i) for word in plain.split()]
+                continue
+            state = ""
+        if state == "rows":
+            found.rows.append((i, plain))
+            continue
+        key, colon, value = plain.partition(":")
+        if not colon:
+            continue
+        name = key.strip().lower()
+        if section == "TARGET DATA" and name == "targets":
+            state = "targets"
+            found.targets += [(word, i) for word in value.split()]
+        elif section == "DEVIATIONS" and " ".join(name.split()) == "run target data":
+            state = "rows"
+        elif section == "ENVIRONMENT":
+            found.environment.append((key, value))
+        else:
+            found.keys.setdefault((section, name), (value.strip(), i))
+    return found
+
+
+def _decimal(source: Source, found: _File, options: ReadingOptions, notices: list[str]) -> str:
+    cells = [*found.targets, *((row.split()[-1], line) for line, row in found.rows)]
+    try:
+        decimal, notice = text.decimal_of((word for word, _ in cells), text.told_decimal(options.extra))
+    except ValueError as error:
+        raise RecordingError(
+            f"decimal commas and points are mixed: {error}", "say --set decimal=. or --set decimal=,",
+            Place(source.name, next(line for word, line in cells if text.COMMA.fullmatch(word))),
+        ) from None  # fmt: skip
+    if notice:
+        notices.append(notice)
+    return decimal
+
+
+def _count(source: Source, found: _File, section: str, name: str) -> int:
+    """A count that the file states; 0 where it does not."""
+    if (section, name.lower()) not in found.keys:
+        return 0
+    value, line = found.keys[(section, name.lower())]
+    if not re.fullmatch(r"[0-9]{1,6}", value) or not 0 < int(value) <= MOST:
+        raise RecordingError(f"{name} is {value!r}: that is not a whole number from 1 on", "", Place(source.name, line))
+    return int(value)
+
+
+def _places(source, found, decimal, options, notices) -> list[float]:
+    """The targets, mm."""
+    result = []
+    for word, line in found.targets:
+        value = text.number(word if decimal == "," else word.rstrip(","), decimal)
+        if value is None:
+            raise RecordingError(f"the target {word!r} is not a number", "", Place(source.name, line))
+        result.append(value)
+    if not result:
+        raise RecordingError(
+            "there are no targets", "they stand below Targets :", Place(source.name, found.line("TARGET DATA"))
+        )
+    stated = _count(source, found, "TARGET DATA", "Target-count")
+    if stated and stated != len(result):
+        at = Place(source.name, found.line("TARGET DATA", "target-count"))
+        message = f"Target-count is {stated}, and {len(result)} targets stand below it"
+        if options.strict:
+            raise RecordingError(message, "mend the count or the list; --lenient takes the list as it stands", at)
+        notices.append(f"line {at.line}: {message}: the list is taken as it stands")
+    return result
+
+
+def _rows(
+    source, found, decimal, options, n_targets, runs
+) -> tuple[dict[tuple[int, int], tuple[float, int]], list[Fault]]:
+    """(run, target number) to deviation and line: the order of the rows says nothing."""
+    rows: dict[tuple[int, int], tuple[float, int]] = {}
+    faults: list[Fault] = []
+    for line, row in found.rows:
+        words = row.split()
+        value = text.number(words[2], decimal) if len(words) == 3 else None
+        wrong = ""
+        if value is None or not all(re.fullmatch(r"[0-9]{1,6}", w) for w in words[:2]):
+            wrong = f"{row[:60]!r} is not a run, a target's number and a deviation"
+        else:
+            run, target = int(words[0]), int(words[1])
+            if run < 1 or (runs and run > runs):
+                wrong = f"run {run}, and the runs are 1 to {runs or MOST}"
+            elif not 1 <= target <= n_targets:
+                wrong = f"target number {target}, and the targets are 1 to {n_targets}"
+            elif (run, target) in rows:
+                wrong = f"run {run} has target {target} twice: here and in line {rows[(run, target)][1]}"
+            else:
+                rows[(run, target)] = (value, line)
+        if wrong and options.strict:
+            raise RecordingError(wrong, "mend the row; --lenient leaves such rows out", Place(source.name, line, row))
+        if wrong:
+            faults.append(Fault(line, "Run Target Data", wrong))
+    if not rows:
+        raise RecordingError(
+            "there are no deviations", "they stand below Run Target Data:", Place(source.name, found.line("DEVIATIONS"))
+        )
+    return rows, faults
+
+
+def _missing(found, rows, n_targets, runs, faults, notices) -> None:
+    """A fault for each reading that is not there, and one notice."""
+    if not runs:
+        runs = max(run for run, _ in rows)
+        notices.append(f"Run-count is not stated: {runs} runs, as the rows number them")
+    if runs * n_targets > 10 * len(rows) + 1000:
+        notices.append(f"{len(rows)} readings of {runs} runs x {n_targets} targets: the rest is missing")
+        return
+    gone = [(r, k) for r in range(1, runs + 1) for k in range(1, n_targets + 1) if (r, k) not in rows]
+    line = found.line("DEVIATIONS")
+    faults += [Fault(line, f"run {r} target {k}", "the reading is missing") for r, k in gone]
+    if gone:
+        some = ", ".join(f"run {r} target {k}" for r, k in gone[:4]) + (", ..." if len(gone) > 4 else "")
+        notices.append(f"{len(gone)} of {runs} x {n_targets} readings are missing: {some}")
+
+
+def _quantity(source: Source, found: _File, options: ReadingOptions) -> str:
+    """What the file's kind says was measured, or nothing; --component overrules words in the file."""
+    ending = source.name.rpartition(".")[2].lower()
+    if ending in KINDS:
+        return KINDS[ending]
+    if options.component:
+        return ""
+    words = " ".join(
+        found.key(section, name).lower()
+        for section, name in (("HEADER", "file type"), ("TARGET DATA", "filetype"), ("HEADER", "owner"))
+    )
+    hits = {q for word, q in [*KINDS.items(), *WORDS.items()] if word in words}
+    return hits.pop() if len(hits) == 1 else ""
