@@ -41,13 +41,15 @@ def judge(folder: Path) -> dict:
             "sets": [],
             "verdict": "error",
             "seconds": 0.0,
+            "scores": [],
+            "unknown": False,
         }
     held = d.held if d.held.any() else ~d.held
     return {
         "case": folder.name, "error": "", "verdict": d.verdict, "seconds": time.process_time() - began,
         "names": [f.block.key for f in d.findings if f.status == "accepted"],
         "sets": [[f.block.key, *f.equivalent] for f in d.findings if f.status == "accepted"],
-        "scores": [round(f.score) for f in d.findings], "unknown": d.unknown is not None, "blind": [f"{n}:{a}" for n, a, _ in d.blind],
+        "scores": [int(min(f.score, 1e9)) for f in d.findings], "unknown": d.unknown is not None, "blind": [f"{n}:{a}" for n, a, _ in d.blind],
         "before": float((d.before[held] ** 2).mean() ** 0.5 * 1e3), "after": float((d.after[held] ** 2).mean() ** 0.5 * 1e3),
         "coverage": float((abs(d.after[held]) <= 1.96 * d.sigma[held]).mean()),
     }  # fmt: skip

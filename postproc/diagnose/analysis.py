@@ -105,7 +105,11 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     places = locate.regions(part, sigma[train], u[train], prior)
     options.told("choosing")
     model = selector.run()
-    chosen = [blocks.index(b) for b in model.blocks]
+    chosen = [selector.blocks.index(b) for b in model.blocks]
+    # What was found on the way has columns of the rows that took part only: read them of all rows.
+    every += [
+        replace(b, columns=library.read(rows, b.module, b.axis, dict(b.shape))) for b in selector.blocks[len(blocks) :]
+    ]
     options.told("showing")
     before, after = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]
@@ -174,7 +178,7 @@ def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every:
     named, ci = _intervals(block, value, covariance)
     rest = [c for j, c in enumerate(chosen) if j != k]
     scores = selector.scores(rest, model.sigma)
-    own = float(scores[chosen[k]])
+    own = float(scores[chosen[k]]) if np.isfinite(scores[chosen[k]]) else float(model.scores[k])
     best: dict[str, float] = {}
     for other, score in enumerate(scores):
         key = selector.blocks[other].key

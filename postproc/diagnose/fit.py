@@ -17,6 +17,7 @@ FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.26  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
+PART = 5e-4  # mm
 SQUARE = 1.5e-6  # rad
 
 
@@ -38,6 +39,17 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
         if kind == "ballbar":
             for i in range(3):
                 add(np.where(rows.file == file, rows.direction[:, i], 0.0), CENTRE)
+    part = rows.sees == "part"
+    for number in np.unique(rows.run[part]):  # every part lies a little differently in its fixture
+        for i in range(3):
+            add(
+                np.where(
+                    part & (rows.run == number),
+                    rows.direction[:, i] * rows.state.channels.get("wall", np.ones(len(rows))),
+                    0.0,
+                ),
+                PART,
+            )
     for x, _ in rows.state.position.items():
         u = np.clip(rows.state.share(x), -1.2, 1.2)
         for along in range(3):

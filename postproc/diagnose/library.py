@@ -11,14 +11,14 @@ from types import ModuleType
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose.rows import Rows, pick_state
+from postproc.diagnose import spectra
+from postproc.diagnose.rows import XYZ, Rows, pick_state
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",),
 }  # fmt: skip
-MOST_STEPS = 400
-PERIODS, FREQUENCIES = 240, 300
-LOWEST_HZ = 2.0  # slower, it is drift
+MOST_STEPS = 200
+FOUND = ("cyclic", "encoder_cyclic", "vibration")  # from the spectrum of what is left
 
 
 @dataclass(frozen=True)
@@ -124,62 +124,46 @@ def blocks(rows: Rows) -> list[Block]:
 
 
 def _shapes(rows: Rows, name: str, module: ModuleType, axis: str) -> Iterator[dict[str, float]]:
-    if name in ("cyclic", "encoder_cyclic"):
-        yield from ({"period_mm": p} for p in _periods(rows, module, axis))
-    elif name == "vibration":
-        yield from ({"frequency_hz": f} for f in _frequencies(rows))
-    elif name == "step_loss":
+    if name == "step_loss":
         yield from ({"t_s": t} for t in _steps(rows))
-    else:
+    elif name not in FOUND:
         yield from module.shapes(rows.state, axis)
 
 
-def _periods(rows: Rows, module: ModuleType, axis: str) -> list[float]:
-    """mm: periods that the targets or samples resolve, at even steps of the frequency."""
-    seen = visible(rows, module)
-    best: tuple[float, float] = (0.0, 0.0)
-    for signal in np.unique(rows.signal[seen]):
-        which = seen & (rows.signal == signal)
-        p = np.unique(np.round(rows.state.position[axis][which], 4))
-        if len(p) > 6 and np.ptp(p) > 0:
-            span, step = float(np.ptp(p)), float(np.median(np.diff(p)))
-            finest = max(2.5 * step, 0.5)
-            if 1 / finest > best[1]:
-                best = (max(best[0], span), 1 / finest)
-    if best[1] == 0.0:
-        return []
-    lowest = 3.0 / best[0]
-    if best[1] <= lowest:
-        return []
-    number = int(min(PERIODS, (best[1] - lowest) * best[0] * 2.5) + 2)
-    return [float(1 / f) for f in np.linspace(lowest, best[1], number)]
-
-
-def _frequencies(rows: Rows) -> list[float]:
-    """Hz: what sampled signals resolve."""
-    highest, span = 0.0, 0.0
-    for signal in np.unique(rows.signal):
-        which = np.flatnonzero(rows.signal == signal)
-        if rows.kinds[rows.file[which[0]]] not in ("ballbar", "trace"):
-            continue
-        t = rows.state.time[which]
-        step = np.diff(t)
-        step = step[(step > 0) & (step < 5)]
-        if len(step):
-            highest, span = (
-                max(highest, 0.4 / float(np.median(step))),
-                max(span, float(np.sum(step)) / max(len(np.unique(rows.run[which])), 1)),
-            )
-    if highest <= LOWEST_HZ:
-        return []
-    return [float(f) for f in np.geomspace(LOWEST_HZ, highest, FREQUENCIES)]
-
-
 def _steps(rows: Rows) -> list[float]:
-    """s: between two readings at rest."""
-    targets = np.isin(rows.file, [i for i, k in enumerate(rows.kinds) if k == "targets"])
-    t = np.unique(rows.state.time[targets])
-    gaps = (t[1:] + t[:-1]) / 2
+    """s: between two readings at rest, and at some moments of motions that were sampled."""
+    rest = rows.state.passage < 0
+    t = np.unique(rows.state.time[rest & (rows.sees != "part")])
+    gaps = list((t[1:] + t[:-1]) / 2)
     if len(gaps) > MOST_STEPS:
-        gaps = gaps[np.linspace(0, len(gaps) - 1, MOST_STEPS).astype(int)]
+        gaps = [gaps[int(k)] for k in np.linspace(0, len(gaps) - 1, MOST_STEPS)]
+    for passage in np.unique(rows.state.passage[~rest]):
+        moment = rows.state.time[rows.state.passage == passage]
+        gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
     return [float(g) for g in gaps]
+
+
+def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
+    """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square of the noise."""
+    result = []
+    for name in FOUND:
+        module = effects.load(name)
+        seen = visible(rows, module)
+        if not seen.any():
+            continue
+        for axis in axes_of(rows, module):
+            if not needed(rows, module, axis):
+                continue
+            along = rows.direction[:, XYZ.index(axis)] * seen
+            if name == "vibration":
+                peaks = spectra.in_time(rows, weighted * along, along**2 / sigma**2)
+                shapes = [{"frequency_hz": f, "passages": 1.0} for f in peaks]
+            else:
+                peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
+                shapes = [{"period_mm": p} for p in peaks]
+            for shape in shapes:
+                columns = read(rows, module, axis, shape)
+                columns = columns[:, np.abs(columns).max(axis=0) > 1e-9]
+                if columns.shape[1]:
+                    result.append(Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED))
+    return result

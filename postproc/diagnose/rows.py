@@ -17,7 +17,7 @@ from postproc.recordings import Recording, RecordingError
 
 XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
-MOST_ROWS = 2000  # per signal: traces are averaged down to it
+MOST_ROWS = 5000  # per signal: traces are averaged down to it
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -68,7 +68,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
     return State(
         of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
         of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
-        of_each(state.angles), state.beam[which],
+        of_each(state.angles), state.beam[which], state.passage[which], state.file[which],
     )  # fmt: skip
 
 
@@ -110,7 +110,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
         distance={x: column(f"{x} distance", FAR) for x in letters}, since={x: column(f"{x} since", FAR) for x in letters},
         time=column("time"), run=column("run"), channels={c: _filled(column(f"channel {c}", np.nan)) for c in channels},
-        angles={}, beam=column("beam"),
+        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"),
     )  # fmt: skip
     angles = {x: _angles(machine, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
@@ -123,6 +123,21 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         {x: column(f"{x} other", np.nan) for x in letters} if any(p["sees"] == "part" for p in parts) else {},
     )  # fmt: skip
     return replace(rows, known=predicted(rows, machine))
+
+
+def _passages(parts: list[dict]) -> np.ndarray:
+    """(N,) number of each unbroken sampled motion, alike in all signals of a file; -1 at rest."""
+    result: list[int] = []
+    seen: dict[tuple[int, int], int] = {}
+    for p in parts:
+        for file, run, dense in zip(
+            p["file"],
+            np.broadcast_to(p["run"], len(p["y"])),
+            np.broadcast_to(p.get("dense", 0.0), len(p["y"])),
+            strict=True,
+        ):
+            result.append(seen.setdefault((int(file), int(run)), len(seen)) if dense else -1)
+    return np.array(result, float)
 
 
 def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, float]]:
@@ -294,7 +309,7 @@ def _ballbar(recording: Recording, machine: Machine):
     unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
     columns["run"] = columns["run"]
     columns["y"], columns["direction"] = recording.reading, unit
-    yield "radial_um", _averaged(columns | {"sees": "tool"}, run)
+    yield "radial_um", _averaged(columns | {"sees": "tool", "dense": np.ones(n)}, run)
 
 
 def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
@@ -319,7 +334,7 @@ def _trace(recording: Recording, machine: Machine):
         y = recording.columns[f"{x}_act_mm"] - recording.position(x)
         direction = np.zeros((len(recording), 3))
         direction[:, XYZ.index(x)] = 1.0
-        one = columns | {"y": y, "direction": direction, "sees": "scale" if scale else "tool"}
+        one = columns | {"y": y, "dense": np.ones(len(y)), "direction": direction, "sees": "scale" if scale else "tool"}
         one = {name: v[sure] if isinstance(v, np.ndarray) else v for name, v in one.items()}
         yield f"{x}_act_mm", _averaged(one, one["run"])
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from postproc.diagnose.fit import Projector, solve
-from postproc.diagnose.library import Block
+from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 
 LEAST_SCORE = 28.0
@@ -21,6 +21,7 @@ MATERIAL = 7e-4  # mm
 MOST = 6
 FORM, FORM_OF_LARGEST = 0.10, 0.03
 SWAP = 2.0
+UNUSUAL = 4.0
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -57,12 +58,25 @@ class Selector:
         self, rows: Rows, y: np.ndarray, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray, blocks: list[Block]
     ):
         self.rows, self.y, self.sigma, self.u, self.prior, self.blocks = rows, y, sigma, u, prior, blocks
-        self.stack = np.concatenate([b.columns for b in blocks], axis=1) if blocks else np.zeros((len(y), 0))
-        edges = np.cumsum([0] + [b.columns.shape[1] for b in blocks])
-        self.slices = [slice(a, b) for a, b in pairwise(edges)]
-        self.penalty = np.array([b.columns.shape[1] * np.log(len(y)) + 2 * np.log(b.siblings) for b in blocks])
         self.least = LEAST_SCORE
+        self._restack()
         self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
+
+    def _restack(self) -> None:
+        n = len(self.y)
+        self.stack = np.concatenate([b.columns for b in self.blocks], axis=1) if self.blocks else np.zeros((n, 0))
+        edges = np.cumsum([0] + [b.columns.shape[1] for b in self.blocks])
+        self.slices = [slice(a, b) for a, b in pairwise(edges)]
+        self.penalty = np.array([_penalty(b, n) for b in self.blocks])
+
+    def _look(self, chosen: list[int], sigma: np.ndarray) -> None:
+        """Let in what is periodic in what the chosen leave."""
+        weighted = self.projector(chosen, sigma)(self.y)
+        known = {(b.key, b.shape) for b in self.blocks}
+        new = [b for b in found(self.rows, weighted, sigma) if (b.key, b.shape) not in known]
+        if new:
+            self.blocks = self.blocks + new
+            self._restack()
 
     # -- scores --------------------------------------------------------------------------------------------------------
 
@@ -95,7 +109,7 @@ class Selector:
             fall = np.einsum("i...,i...->...", b, solved)
             if y is None and not plausible(self.blocks[k], solved):
                 continue
-            result[k] = fall - self.penalty[k]
+            result[k] = fall - self.penalty[k] - (0.0 if y is not None else UNUSUAL * unusual(self.blocks[k], solved))
         return result
 
     def calibrate(self, rng: np.random.Generator, draws: int = 200) -> None:
@@ -131,6 +145,7 @@ class Selector:
         return self.fitted(chosen)
 
     def _grow(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
+        self._look(chosen, sigma)
         score = self.scores(chosen, sigma)
         for k in np.argsort(-score):
             if score[k] < self.least:
@@ -173,7 +188,7 @@ class Selector:
         b = self.blocks[k].columns.T @ p(self.y)
         if not plausible(self.blocks[k], value):
             return -np.inf
-        return float(b @ covariance @ b) - float(self.penalty[k])
+        return float(b @ covariance @ b) - float(self.penalty[k]) - UNUSUAL * unusual(self.blocks[k], value)
 
     def _material(self, rest: list[int], k: int, sigma: np.ndarray) -> bool:
         """Whether what it adds, after each signal's zero, is large enough somewhere to matter."""
@@ -185,7 +200,9 @@ class Selector:
         worst = 0.0
         for which in self.signals:
             part = contribution[which]
-            swing = float(np.percentile(np.abs(part - np.median(part)), 98))
+            away = np.abs(part - np.median(part))
+            few = min(len(away), max(4, len(away) // 400))  # a spike is short: so many readings must show it
+            swing = float(np.partition(away, len(away) - few)[len(away) - few])
             worst = max(worst, swing / max(MATERIAL, 0.5 * float(np.median(self.sigma[which]))))
         return worst
 
@@ -215,6 +232,21 @@ class Selector:
         if sigma is None:
             model.scores = [self.worth([c for c in chosen if c != k], k, model.sigma) for k in chosen]
         return model
+
+
+def _penalty(block: Block, rows: int) -> float:
+    """What a block pays for its columns, for the shapes that it was chosen from, and for a second axis."""
+    pair = 1.0 if block.module.PER == "pair" else 0.0
+    return block.columns.shape[1] * np.log(rows) + 2 * np.log(block.siblings) + pair
+
+
+def unusual(block: Block, coefficients: np.ndarray) -> int:
+    """How many of the named parameters have another sign than they usually have."""
+    expected = getattr(block.module, "EXPECTED", None)
+    if not expected:
+        return 0
+    named = block.module.parameters(coefficients, dict(block.shape))
+    return sum(named[name] * sign < 0 for name, sign in expected.items())
 
 
 def plausible(block: Block, coefficients: np.ndarray) -> bool:

@@ -2,6 +2,7 @@
 
 A module holds
 
+- EXPECTED: a parameter's usual sign; PLAUSIBLE: its range, beyond which it is something else;
 - PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
@@ -37,7 +38,8 @@ class State:
     position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since that axis turned back
     last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run (N,): which passage. channels: name to (N,), as
     recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
-    (N,) mm: length of a laser's beam beyond its zero.
+    (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
+    -1 for rows at rest; file (N,): number of the recording.
     """
 
     position: dict[str, np.ndarray]
@@ -52,6 +54,8 @@ class State:
     channels: dict[str, np.ndarray] = field(default_factory=dict)
     angles: dict[str, np.ndarray] = field(default_factory=dict)
     beam: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    passage: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    file: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))

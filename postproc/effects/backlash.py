@@ -13,6 +13,7 @@ PARAMETERS = {
 }
 OPTIONAL = {"play_mm": 0.0}
 SMALL = 0.02  # mm
+EXPECTED = {"size_um": 1}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach",), ("tool",)
 TEXT = (

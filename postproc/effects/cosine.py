@@ -6,9 +6,11 @@ from postproc.effects import State
 
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
+    "file": "number of the recording, 0 the first; -1: all",
 }
 PLAUSIBLE = {"ppm": (-5000.0, 0.0)}  # beyond, it is something else
-KIND, USE, PER = "instrument", "recording", "all"
+OPTIONAL = {"file": -1.0}
+KIND, USE, PER = "instrument", "recording", "axis"
 NEEDS, SEES = ("position",), ("laser",)
 TEXT = (
     "The laser beam was not parallel to the axis. "
@@ -17,16 +19,21 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    reads = state.beam > 0
+    moves = np.array(
+        [len(state) > 0 and float(np.ptp(state.position[axis][state.file == f])) > 1e-6 for f in state.file]
+    )
+    return [{"file": float(f)} for f in np.unique(state.file[reads & moves])]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    return (state.beam * 1e-6)[None]
+def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
+    own = (state.file == file) | (file < 0)
+    return (state.beam * own * 1e-6)[None]
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"ppm": float(coefficients[0])}
+    return {"ppm": float(coefficients[0]), "file": shape["file"]}
 
 
-def coefficients(ppm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm]), {}
+def coefficients(ppm: float, file: float = -1.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([ppm]), {"file": file}

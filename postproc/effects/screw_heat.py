@@ -12,6 +12,7 @@ PARAMETERS = {
     "fixed_um_K": "um per K, growth of what holds the screw",
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
 }
+EXPECTED = {"alpha_ppm_K": 1}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "time"), ("tool",)
 TEXT = (

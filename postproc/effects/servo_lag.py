@@ -8,6 +8,7 @@ PARAMETERS = {
     "tau_ms": "ms, how late the axis is",
 }
 PLAUSIBLE = {"tau_ms": (0.0, 500.0)}  # beyond, it is something else
+EXPECTED = {"tau_ms": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (

@@ -12,6 +12,7 @@ PARAMETERS = {
     "length_mm": "mm, distance over which it builds up",
 }
 PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
+EXPECTED = {"size_um": 1}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool",)
 TEXT = (

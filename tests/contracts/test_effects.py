@@ -32,11 +32,13 @@ STATE = State(
     },
     angles={x: RNG.uniform(-5e-5, 5e-5, (3, N)) for x in "XYZ"},
     beam=RNG.uniform(0, 500, N),
+    passage=np.zeros(N),
+    file=np.zeros(N),
 )  # fmt: skip
 FOUND = {
     "cyclic": {"period_mm": 7.3},
     "encoder_cyclic": {"period_mm": 7.3},
-    "vibration": {"frequency_hz": 11.0},
+    "vibration": {"frequency_hz": 11.0, "passages": 0.0},
     "step_loss": {"t_s": 3000.0},
 }
 
