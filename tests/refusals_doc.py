@@ -35,6 +35,10 @@ CHAPTERS = (
     ("Written out: all languages", ("nc/expand",)),
     ("Machine folders", ("machine", "effects")),
     ("Offset files", ("offsets",)),
+    ("Recordings", ("recordings",)),
+    ("Tables of the control", ("control_tables",)),
+    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "diagnose", "simulate")),
+    ("Streaming", ("streaming", "commands/stream")),
     ("The command line", ("commands", "cli", "ports", "nc/dialects", "verify")),
 )  # fmt: skip
 HEAD = """# What gcomp refuses, in its own words

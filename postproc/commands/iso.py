@@ -1,0 +1,99 @@
+"""`gcomp iso` evaluates recordings as the ISO 230 series does, and says which test it took them for."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import math
+import re
+import sys
+from pathlib import Path
+
+from postproc import ports
+from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.errors import UsageError
+from postproc.iso import Options, Stated, choose, figure, report
+from postproc.iso.lines import LINES
+from postproc.units import UM, URAD
+
+HELP = "evaluate recordings by ISO 230: positioning, straightness, squareness, diagonals, circles, with uncertainty"
+EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --figure z_axis.svg"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows")
+    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    parser.add_argument("--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib")
+    parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness and squareness (least-squares)")  # fmt: skip
+    parser.add_argument("--lead", metavar="MM", action="append", default=[], type=_lead, help="lead of the screw, of all axes or Z=10; may be repeated")  # fmt: skip
+    u = parser.add_argument_group(
+        "uncertainty (ISO/TR 230-9)", "Standard uncertainties, k = 1. What is not stated is not in U, and is named."
+    )
+    u.add_argument("--device", metavar="UM", type=_size, help="of one reading, um; default: u_um of the recording")
+    u.add_argument("--device-angle", metavar="URAD", type=_size, help="of one reading of an angle, urad")
+    u.add_argument("--misalignment", metavar="MRAD", type=_size, help="largest angle between beam and axis, mrad")
+    u.add_argument("--alpha", metavar="UM_M_K", type=_size, help="expansion coefficient, um/m/K")
+    u.add_argument("--u-alpha", metavar="UM_M_K", type=_size, help="its standard uncertainty, um/m/K")
+    u.add_argument("--temperature", metavar="C", type=_number, help="mean temperature in the test, degrees Celsius")
+    u.add_argument("--u-temperature", metavar="K", type=_size, help="its standard uncertainty, K")
+    u.add_argument("--drift", metavar="UM", type=_size, help="whole range of an EVE test of the same duration, um")
+    u.add_argument("--u-square", metavar="URAD", type=_size, help="of the square that a squareness rests on, urad")
+    reading_arguments(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    if options.figure:
+        figure.check(options.figure)
+        if options.figure == options.json:
+            raise UsageError(f"the figure and the JSON are both to be written to {options.json}", "name two files")
+    read = read_files(options.files, options.format, reading_options(options))
+    results, left = choose.results(read, Options(options.line, dict(options.lead), _stated(options)))
+    picture = figure.draw(results, Path(options.figure).suffix[1:].lower()) if options.figure else b""
+    print(report.text(results, left), file=sys.stderr if options.json == "-" else sys.stdout)
+    if options.figure:
+        ports.replace_file(Path(options.figure), io.BytesIO(picture), backup=False)
+    if options.json:
+        data = (json.dumps(report.as_json(results, left), indent=1, allow_nan=False) + "\n").encode()
+        if options.json == "-":
+            ports.write_standard(data)
+        else:
+            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+    return 0
+
+
+def _stated(options: argparse.Namespace) -> Stated:
+    def sized(value: float | None, unit: float) -> float | None:
+        return None if value is None else value * unit
+
+    return Stated(
+        device=sized(options.device, UM), device_angle=sized(options.device_angle, URAD),
+        misalignment=sized(options.misalignment, 1e-3), alpha=sized(options.alpha, 1e-6),
+        u_alpha=sized(options.u_alpha, 1e-6), temperature=options.temperature, u_temperature=options.u_temperature,
+        drift=sized(options.drift, UM), square=sized(options.u_square, URAD),
+    )  # fmt: skip
+
+
+def _number(word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{word!r} is not a number")
+    return value
+
+
+def _size(word: str) -> float:
+    value = _number(word)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{word} is below zero")
+    return value
+
+
+def _lead(word: str) -> tuple[str, float]:
+    found = re.fullmatch(r"(?:([XYZ])=)?(.+)", word)
+    value = _number(found[2]) if found else math.nan
+    if not found or not value > 0:
+        raise argparse.ArgumentTypeError(f"{word!r}: a lead is above zero, like 10 or Z=10")
+    return found[1] or "", value

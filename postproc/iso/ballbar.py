@@ -1,0 +1,172 @@
+"""Results of recordings of circular tests: which runs are circles, what was taken off, and ISO 230-4's parameters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from postproc.errors import Place
+from postproc.iso import IsoError, Options, Parameter, Result, Term, circles
+from postproc.iso.assign import LINEAR
+from postproc.iso.chance import student
+from postproc.iso.circles import Pair, Trace
+from postproc.iso.uncertainty import combined, missing, terms_of
+from postproc.recordings import Recording
+from postproc.units import UM
+
+OFF = 0.1  # mm that a commanded position may lie beside the circle; further out it belongs to the run-in
+WIDE = 5.0  # degrees between samples that are worth a word
+
+
+def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
+    """The two axes, the circles, and notices. Raises IsoError with the line where the positions are no circle."""
+    axes = "".join(sorted(recording.head["centre"]))
+    if len(axes) != 2 or any(x not in LINEAR for x in axes):
+        raise IsoError(f"the centre names {', '.join(axes)}", "a circular test has two linear axes", Place(recording.file, 1))  # fmt: skip
+    nominal = float(recording.head["radius_mm"])
+    arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in axes])
+    beside = np.abs(np.hypot(*arm) - nominal) > OFF
+    notices: list[str] = []
+    if beside.mean() > 0.5:
+        raise IsoError(
+            f"the commanded positions are {np.hypot(*arm[:, beside])[0]:.3f} mm from the centre, the radius is {nominal:g} mm",
+            "are centre and radius_mm those of this circle?",
+            Place(recording.file, int(recording.lines[np.flatnonzero(beside)[0]])),
+        )
+    if beside.any():
+        notices.append(f"{int(beside.sum())} samples beside the commanded circle are left out")
+    angle = np.arctan2(arm[1], arm[0])
+    run = recording.columns.get("run", np.ones(len(recording)))
+    sense = recording.columns["sense"]
+    ways: dict[float, int] = {}
+    found = []
+    for number, side in sorted({(float(r), float(s)) for r, s in zip(run, sense, strict=True)}):
+        rows = np.flatnonzero((run == number) & (sense == side) & ~beside)
+        if len(rows) < 12:
+            notices.append(f"run {number:g} has {len(rows)} samples only and is left out")
+            continue
+        rows = rows[np.argsort(recording.columns["t_s"][rows], kind="stable")]
+        one = circles.trace(int(number), angle[rows], recording.reading[rows], nominal)
+        if ways.setdefault(side, one.way) != one.way:
+            raise IsoError(
+                f"run {number:g} has sense {side:+g} but turns the other way than the runs before it",
+                "sense is +1 for all runs one way and -1 for all the other",
+                Place(recording.file, int(recording.lines[rows[0]])),
+            )
+        found.append(one)
+    if len(ways) == 2 and len(set(ways.values())) == 1:
+        raise IsoError("both senses turn the same way", "sense is +1 counter-clockwise, -1 clockwise", Place(recording.file, int(recording.lines[0])))  # fmt: skip
+    if not found:
+        raise IsoError("no run has 12 samples on the circle", "", Place(recording.file, int(recording.lines[0])))
+    return axes, found, notices + _said(found)
+
+
+def _said(found: list[Trace]) -> list[str]:
+    notices = []
+    cut = [t for t in found if t.cut > math.radians(0.5)]
+    if cut:
+        notices.append(f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept")  # fmt: skip
+    arcs = [t for t in found if not t.full]
+    if arcs:
+        least = math.degrees(min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs))
+        notices.append(f"run {', '.join(str(t.run) for t in arcs)}: an arc of {least:.0f} degrees is no full circle: G, G(b), D and F about the centre are not defined")  # fmt: skip
+    wide = math.degrees(max(t.gap for t in found))
+    if wide > WIDE:
+        notices.append(f"samples are up to {wide:.1f} degrees apart: what lies between them is not seen")
+    return notices
+
+
+def result_of(recording: Recording, options: Options) -> Result:
+    """The circular test of one file."""
+    axes, found, notices = traces(recording)
+    a, b = tuple(axes.lower())
+    forth = [t for t in found if t.way > 0]
+    back = [t for t in found if t.way < 0]
+    pairs = [Pair(f, k) for f, k in zip(forth, back, strict=False)]
+    if not pairs:
+        notices.append("one sense only: G(b), H and D are not defined")
+    elif len(forth) != len(back):
+        notices.append(f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the runs")
+    parameters: list[Parameter] = []
+
+    def add(name: str, words: str, values: list[float], at: str = "") -> None:
+        parameters.append(_over_runs(name, words, values, at))
+
+    for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
+        full = [t for t in some if t.full]
+        add(f"G{label}", f"circular deviation {label}, least-squares circle", [t.least_squares.zone for t in full])
+        add(f"G{label} mz", f"circular deviation {label}, minimum zone", [t.minimum_zone.zone for t in full])
+    whole = [p for p in pairs if p.forth.full and p.back.full]
+    add("G(b)", "two-way circular deviation, least-squares circle", [p.least_squares.zone for p in whole])
+    add("G(b) mz", "two-way circular deviation, minimum zone", [p.minimum_zone.zone for p in whole])
+    widest = max(pairs, key=lambda p: p.hysteresis[0], default=None)
+    at = f"at {math.degrees(widest.hysteresis[1]):.0f} degrees" if widest else ""
+    add("H", "circular hysteresis", [p.hysteresis[0] for p in pairs], at)
+    add("D", "mean two-way radial deviation", [p.mean_deviation for p in whole])
+    for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
+        full = [t for t in some if t.full]
+        for i, edge in enumerate(("max", "min")):
+            add(f"F{label} {edge}", f"radial deviation {label}, {edge}, set-up included", [t.about_nominal[i] for t in some])  # fmt: skip
+            add(f"F{label} {edge} c", f"radial deviation {label}, {edge}, about the centre", [t.about_centre[i] for t in full])  # fmt: skip
+    terms = _terms(recording, options, parameters)
+    parameters = [combined(p, terms, p.runs) for p in parameters]
+    notices.append("F holds the bar's own zero and the set-up of the centre; G, G(b), H and D do not hold the centre, D holds the zero")  # fmt: skip
+    if len(pairs) < 2:
+        notices.append("one run of a sense: U holds no scatter of runs")
+    absent = missing(options.budget, recording.u is not None, False)
+    if absent:
+        notices.append(absent)
+    feed = recording.head.get("feed_mm_min")
+    subject = f"{axes}, radius {recording.head['radius_mm']:g} mm" + (f", feed {feed:g} mm/min" if feed else "")
+    why = f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs, {b}{a} back, {len(back)} runs"
+    return Result(
+        "circle", "ISO 230-4", subject, why, "um", (recording.file,), tuple(parameters), terms,
+        (*recording.notices, *notices), _noise(recording), _columns(axes, found), found,
+    )  # fmt: skip
+
+
+def _terms(recording: Recording, options: Options, parameters: list[Parameter]) -> tuple[Term, ...]:
+    names = frozenset(p.name for p in parameters if p.value is not None)
+    lengths = frozenset(n for n in names if n[0] in "FD")
+    terms = list(terms_of(options.budget, recording.u, None, names, True))
+    device = options.budget.device if options.budget.device is not None else recording.u
+    if device is not None:
+        # F and D are one reading against the bar's zero, the others differences of two readings.
+        terms[0] = Term("device", terms[0].u, names - lengths, terms[0].said)
+        terms.insert(1, Term("device, one reading", device, lengths, terms[0].said.split(",")[0]))
+    scale = terms_of(options.budget, None, float(recording.head["radius_mm"]), lengths, True)
+    return tuple(terms + [t for t in scale if t.name in ("temperature", "expansion")])
+
+
+def _over_runs(name: str, words: str, values: list[float], at: str) -> Parameter:
+    """The mean over runs or pairs, and what their scatter makes of it: t s / sqrt(n)."""
+    if not values:
+        return Parameter(name, None, words)
+    n = len(values)
+    runs = student(n - 1) * float(np.std(values, ddof=1)) / math.sqrt(n) if n > 1 else None
+    return Parameter(name, float(np.mean(values)), words, at, None, runs)
+
+
+def _noise(recording: Recording) -> float:
+    """mm that the digits follow: differences of neighbours in time."""
+    if recording.u:
+        return recording.u
+    return max(float(np.median(np.abs(np.diff(recording.reading)))), UM / 10)
+
+
+def _columns(axes: str, found: list[Trace]) -> dict[str, list]:
+    a, b = tuple(axes.lower())
+    out: dict[str, list] = {
+        "run": [t.run for t in found],
+        "sense": [f"{a}{b}" if t.way > 0 else f"{b}{a}" for t in found],
+        "samples": [len(t.angle) for t in found],
+        "G um": [t.least_squares.zone / UM if t.full else None for t in found],
+        "G mz um": [t.minimum_zone.zone / UM if t.full else None for t in found],
+    }
+    for i, letter in enumerate(axes):
+        out[f"centre {letter} um"] = [float(t.least_squares.centre[i]) / UM if t.full else None for t in found]
+    out["radius - nominal um"] = [(t.least_squares.radius - t.nominal) / UM if t.full else None for t in found]
+    out["F max um"] = [t.about_nominal[0] / UM for t in found]
+    out["F min um"] = [t.about_nominal[1] / UM for t in found]
+    return out

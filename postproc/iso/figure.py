@@ -1,0 +1,197 @@
+"""The results drawn as the standards draw them: deviation over position with B, E and A; circles magnified."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from postproc.errors import UsageError
+from postproc.iso import Result
+from postproc.iso.circles import Trace
+from postproc.iso.positioning import Positioning
+from postproc.iso.report import decimals, number, scale
+from postproc.iso.straightness import NAMES, Straightness
+
+FORMATS = ("svg", "png", "pdf")
+UP, DOWN, GREY = "#1f5fa8", "#c0392b", "#555555"
+WIDTH, HEIGHT, SIDE = 10.0, 4.6, 6.4  # inches of a panel
+MOST = 12  # panels
+
+
+def check(name: str) -> None:
+    """Raises UsageError where a figure of this name can not be drawn: another ending, or matplotlib is missing."""
+    ending = PurePath(name).suffix[1:].lower()
+    if ending not in FORMATS:
+        raise UsageError(f"a figure can not be written as {name}", f"endings: {', '.join('.' + f for f in FORMATS)}")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise UsageError("figures need matplotlib, which is not installed", "pip install 'gcomp[figures]'") from None
+
+
+def draw(results: Sequence[Result], format: str) -> bytes:
+    """One panel for every result that has a picture. Raises UsageError where none has."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    shown = [r for r in results if isinstance(r.detail, (Positioning, Straightness, list))][:MOST]
+    if not shown:
+        raise UsageError("none of these results has a figure", "positioning, straightness, diagonals and circles have")
+    heights = [SIDE if isinstance(r.detail, list) else HEIGHT for r in shown]
+    with matplotlib.rc_context({"svg.hashsalt": "gcomp", "font.size": 9}):
+        figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
+        grid = figure.add_gridspec(len(shown), 1, height_ratios=heights)
+        for i, result in enumerate(shown):
+            if isinstance(result.detail, list):
+                _circle(figure.add_subplot(grid[i], projection="polar"), result)
+            else:
+                _along(figure.add_subplot(grid[i]), result)
+        out = io.BytesIO()
+        dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": None}[format]
+        figure.savefig(out, format=format, dpi=130, metadata=dated)
+    return out.getvalue()
+
+
+def _along(axes: Any, result: Result) -> None:
+    """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand for."""
+    test: Positioning = result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    unit, digits = scale(result), decimals(result)
+    x = test.target
+    for way, colour in ((1, UP), (-1, DOWN)):
+        for run in np.unique(test.run[test.way == way]):
+            rows = np.flatnonzero((test.way == way) & (test.run == run))
+            rows = rows[np.argsort(test.position[rows], kind="stable")]
+            axes.plot(test.position[rows], test.reading[rows] / unit, ".", color=colour, ms=3, alpha=0.45, lw=0)
+    for row, (sign, colour) in enumerate((("+", UP), ("-", DOWN))):
+        mean, s = test.mean[row] / unit, test.s[row] / unit
+        there = np.isfinite(mean)
+        if not there.any():
+            continue
+        axes.plot(x[there], mean[there], "-o", color=colour, ms=3.5, lw=1.4, label=f"mean, approached in {sign}")
+        if np.isfinite(s).any():
+            axes.fill_between(
+                x, mean - 2 * s, mean + 2 * s, color=colour, alpha=0.12, lw=0, label=f"mean {sign} $\\pm$ 2s"
+            )
+    if test.two_way:
+        axes.plot(x, test.middle / unit, "--", color=GREY, lw=1, label="mean, two-way")
+    if isinstance(result.detail, Straightness):
+        _lines(axes, result, result.detail, unit, digits)
+    else:
+        _widths(axes, result, test, unit, digits)
+    _reversal(axes, result, test, unit, digits)
+    axes.axhline(0, color="black", lw=0.6)
+    axes.set_xlabel("position, degrees" if result.test == "rotary" else f"position along {result.subject.split(',')[0]}, mm" if result.test == "diagonal" else f"{result.subject[2]}, mm")  # fmt: skip
+    axes.set_ylabel(f"deviation, {'µrad' if result.unit == 'urad' else 'µm'}")
+    axes.set_title(f"{result.subject}  ({result.standard})", loc="left")
+    axes.grid(True, lw=0.3)
+    # Below the axes nothing is hidden by it, whatever the curves do.
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=5, fontsize=8, frameon=False)
+
+
+def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
+    """E, M and A as arrows beside the curves."""
+    ends = {
+        "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
+        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if test.both.any() else (np.nan, np.nan),
+        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s)) if np.isfinite(test.s).any() else (np.nan, np.nan),
+    }  # fmt: skip
+    length = max(test.length, 1e-9)
+    start = float(test.target[-1])
+    names = [n for n in ("M", "E", "A") if result[n].value is not None]
+    if not names:  # one direction only: its own letters
+        sign = "+" if result["E+"].value is not None else "-"
+        ends = {f"{n}{sign}": ends[n] for n in "EA"}
+        names = [n for n in ends if result[n].value is not None]
+    for i, name in enumerate(names):
+        at = start + length * (0.045 + 0.075 * i)
+        low, high = (float(v) / unit for v in ends[name])
+        for level in (low, high):
+            axes.plot([start, at], [level, level], color=GREY, lw=0.5, ls=":")
+        axes.annotate("", (at, low), (at, high), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1, "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+        value = result[name].value
+        shown = number(None if value is None else value / unit, digits)
+        axes.text(at, (low + high) / 2, f" {name}\n {shown}", va="center", fontsize=8)
+    axes.set_xlim(float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(names)))
+
+
+def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: int) -> None:
+    """The reference line and the zone of the straightness error about it."""
+    line, name = lines.lines[lines.best], lines.best
+    if line is None:
+        return
+    test = lines.test
+    x = test.target
+    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
+    level = line.value(x)
+    left = (y - level)[np.isfinite(y)]
+    axes.plot(x, level / unit, color="black", lw=1, label=f"{lines.kind} line")
+    size = lines.errors[name]
+    error = number(None if size is None else size / unit, digits)
+    for i, edge in enumerate((left.max(), left.min())):
+        axes.plot(
+            x, (level + edge) / unit, color="black", lw=0.7, ls="-.", label=None if i else f"zone: {name} {error}"
+        )
+
+
+def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
+    """B between the means, at its target."""
+    if result["B"].value is None:
+        return
+    at = int(np.nanargmax(np.abs(test.reversal)))
+    up, down = test.mean[:, at] / unit
+    axes.annotate("", (test.target[at], up), (test.target[at], down), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1, "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+    last = at > 0.8 * len(test.target)
+    axes.annotate(f"B {number(result['B'].value / unit, digits)}", (test.target[at], (up + down) / 2), (-5 if last else 5, 0), textcoords="offset points", ha="right" if last else "left", va="center", fontsize=8, bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8})  # fmt: skip
+
+
+def _circle(axes: Any, result: Result) -> None:
+    """Circles about their least-squares centre (arcs as they stand), deviations magnified to fill half the radius."""
+    traces: list[Trace] = result.detail
+    nominal = traces[0].nominal
+    about = [_about_centre(t) for t in traces]
+    largest = max(float(np.abs(radial).max()) for _, radial in about)
+    magnification = _round_down(0.5 * nominal / max(largest, 1e-6))
+    plane = result.subject.split(",")[0]
+    seen: set[int] = set()
+    for t, (angle, radial) in zip(traces, about, strict=True):
+        colour = UP if t.way > 0 else DOWN
+        sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
+        axes.plot(angle, nominal + magnification * radial, color=colour, lw=0.9, alpha=0.8, label=None if t.way in seen else sense)  # fmt: skip
+        seen.add(t.way)
+    turn = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(turn, np.full(361, nominal), color="black", lw=0.8, label=f"nominal, {nominal:g} mm")
+    division = _round_down(max(largest, 1e-4))
+    edge = math.ceil(largest / division)
+    rings = division * np.arange(-edge, edge + 1)
+    names = [f"{v * 1000:+g}" if abs(v) > division / 2 else "0" for v in rings]
+    axes.set_rgrids(nominal + magnification * rings, names, angle=22.5, fontsize=7, color=GREY)
+    axes.set_ylim(0, nominal + magnification * division * edge * 1.02)
+    axes.set_xticks(np.radians([0, 90, 180, 270]), [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"])
+    digits = decimals(result)
+    told = [f"{p.name} {number(p.value / 1e-3, digits)}" for p in result.parameters if p.value is not None and p.name[0] != "F"]  # fmt: skip
+    axes.set_title(
+        f"{result.subject}  ({result.standard})\nabout the least-squares centre, magnified {magnification:g} : 1, "
+        f"one ring {division * 1000:g} µm\n{';  '.join(told)}  (µm)",
+        fontsize=9,
+    )
+    axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0), fontsize=8, frameon=False)
+    axes.grid(True, lw=0.3)
+
+
+def _about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:
+    """Angle (N,) and radius - nominal (N,), mm, closed where it is a full circle."""
+    if not trace.full:
+        return trace.angle, trace.radial
+    radial = np.linalg.norm(trace.points - trace.least_squares.centre, axis=1) - trace.nominal
+    return np.append(trace.angle, trace.angle[0]), np.append(radial, radial[0])
+
+
+def _round_down(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(f * power for f in (1, 2, 5) if f * power <= value * (1 + 1e-9))

@@ -1,0 +1,117 @@
+"""Straightness of a motion and squareness of two, ISO 230-1, about one and the same definition of the reference line.
+
+Lines are laid through the means of the runs. Two-way is the mean of both directions of approach; the directions apart
+have each their own line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.iso.lines import Line, reference, straightness_error
+from postproc.iso.positioning import Positioning
+from postproc.iso.sampling import LEVEL, Noise, draws, noise_of, shared_ends
+
+CELLS = 4_000_000  # numbers held at once
+NAMES = ("straightness", "straightness +", "straightness -")
+
+
+@dataclass(frozen=True)
+class Straightness:
+    """kind: of the line; lines and errors by NAMES, None where not defined; test: the means they are laid through."""
+
+    kind: str
+    test: Positioning
+    lines: dict[str, Line | None]
+    errors: dict[str, float | None]
+
+    @property
+    def best(self) -> str:
+        """The name of what stands for the motion: two-way, or the one direction there is."""
+        return next(n for n in NAMES if self.errors[n] is not None)
+
+
+def evaluate(kind: str, test: Positioning) -> Straightness:
+    """The straightness errors, mm, of two-way means and of each direction."""
+    lines: dict[str, Line | None] = {}
+    errors: dict[str, float | None] = {}
+    for name in NAMES:
+        x, y, _ = points(test, name)
+        lines[name] = reference(kind, x, y) if len(x) > 1 else None
+        errors[name] = straightness_error(kind, x, y) if len(x) > 1 else None
+    return Straightness(kind, test, lines, errors)
+
+
+def points(test: Positioning, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Targets and means (k,) that a line is laid through, and which (m,) they are."""
+    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
+    used = np.isfinite(y)
+    return test.target[used], y[used], used
+
+
+def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | None:
+    """Expanded uncertainties that the scatter of the runs gives the straightness error (mm) and the slope (rad); None for
+    single runs. The means are drawn again as in sampling, and every draw has its own line."""
+    noise = noise_of(test.s, test.n)
+    x, y, used = points(test, name)
+    if noise is None or len(x) < 2:
+        return None
+    if name == NAMES[0]:
+        dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
+        row = Noise(
+            0.5 * np.sqrt((noise.u**2).sum(axis=0, keepdims=True))[:, used], dof[:, used], noise.s, noise.pooled
+        )
+    else:
+        i = NAMES.index(name) - 1
+        row = Noise(noise.u[i : i + 1, used], noise.dof[i : i + 1, used], noise.s, noise.pooled)
+    if noise.s == 0:
+        return 0.0, 0.0
+    line = reference(kind, x, y).value(x)
+    centre = line + shared_ends((y - line)[None], row)[0]
+    many = centre + draws(row)[:, 0]
+    zones, slopes = _fits(kind, x, many)
+    zone, slope = _fits(kind, x, centre[None])
+    return float(np.quantile(np.abs(zones - zone), LEVEL)), float(np.quantile(np.abs(slopes - slope), LEVEL))
+
+
+def _fits(kind: str, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Zone and slope (D,) of the lines through x (m,) and each row of y (D, m)."""
+    if kind == "minimum-zone":
+        return _narrowest(x, y)
+    if kind == "end-point":
+        slope = (y[:, -1] - y[:, 0]) / (x[-1] - x[0])
+    else:
+        arm = x - x.mean()
+        slope = y @ arm / (arm @ arm)
+    return np.ptp(y - slope[:, None] * x, axis=1), slope
+
+
+def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The narrowest zone is parallel to a line through two of its points: all pairs are tried."""
+    i, j = np.triu_indices(len(x), 1)
+    zones, slopes = [], []
+    size = max(1, CELLS // (len(i) * len(x)))
+    for part in (y[k : k + size] for k in range(0, len(y), size)):
+        slope = (part[:, j] - part[:, i]) / (x[j] - x[i])
+        width = np.ptp(part[:, None, :] - slope[:, :, None] * x, axis=2)
+        best = width.argmin(axis=1)
+        zones.append(width[np.arange(len(part)), best])
+        slopes.append(slope[np.arange(len(part)), best])
+    return np.concatenate(zones), np.concatenate(slopes)
+
+
+SQUARENESS = {"XY": ("C0Y", 1), "YZ": ("A0Z", 1), "XZ": ("B0Z", -1)}
+
+
+def squareness(first: str, second: str, slope_first: float, slope_second: float) -> tuple[str, float]:
+    """Name and value (rad) from two reference lines on one square.
+
+    slope_first: rad, deviation along the second axis over the motion of the first; slope_second: the other way round.
+    The angle between the lines exceeds 90 degrees by -(slope_first + slope_second). C0Y and A0Z carry the sign of that
+    excess, B0Z the opposite one: a positive rotation about Y tilts Z towards +X (ISO 841).
+    """
+    pair = "".join(sorted(first + second))
+    name, sign = SQUARENESS[pair]
+    return name, -sign * (slope_first + slope_second)

@@ -1,0 +1,237 @@
+"""Results of recordings of targets: positioning, rotary axes, angles, straightness, squareness, diagonals."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from postproc.errors import Place
+from postproc.iso import IsoError, Options, Parameter, Result, Term, diagonals, positioning, straightness
+from postproc.iso.assign import LINEAR, Motion
+from postproc.iso.positioning import Positioning
+from postproc.iso.sampling import noise_of
+from postproc.iso.straightness import NAMES, Straightness
+from postproc.iso.uncertainty import combined, missing, positioning_parameters, terms_of
+from postproc.units import UM, URAD
+
+STANDARD = {
+    "positioning": "ISO 230-2", "rotary": "ISO 230-2", "angle": "ISO 230-1", "straightness": "ISO 230-1", "diagonal": "ISO 230-6",
+}  # fmt: skip
+
+
+def result_of(motion: Motion, options: Options) -> Result:
+    """The result of one motion."""
+    test = positioning.evaluate(
+        motion.position, motion.approach, motion.reading, motion.run, motion.test in ("rotary", "angle")
+    )
+    angle = motion.recording.quantity == "angle"
+    lengths = motion.test in ("positioning", "diagonal")
+    names = frozenset(n for n, v in test.values.items() if v is not None) | frozenset(NAMES)
+    length = test.length if lengths else None
+    terms = terms_of(options.budget, motion.recording.u, length, names, test.runs < 2, angle)
+    parameters = positioning_parameters(test, terms)
+    notices = [*motion.recording.notices, *motion.notices, *_conditions(motion, test, options)]
+    detail: Positioning | Straightness = test
+    if motion.test == "straightness":
+        detail = straightness.evaluate(options.line, test)
+        if not any(detail.lines.values()):
+            raise IsoError(
+                "no direction of approach has two targets: there is no line to lay through one",
+                "a straightness needs two targets at least, approached in one direction",
+                Place(motion.recording.file, int(motion.recording.lines[0])),
+            )
+        parameters = (*_straight(detail, terms), *parameters)
+        notices.append("E, M and B are of the readings as recorded, with the tilt of the reference in E and M")
+    absent = missing(options.budget, motion.recording.u is not None, lengths, angle)
+    if absent:
+        notices.append(absent)
+    if test.runs < 2 and not test.long:
+        notices.append("one run: s, R and A are not defined, and U holds no scatter")
+    noise = noise_of(test.s, test.n)
+    return Result(
+        motion.test, STANDARD[motion.test], subject(motion), motion.why, "urad" if angle else "um", (motion.recording.file,),
+        parameters, terms, tuple(notices), _noise(motion, noise.s if noise else 0.0), _columns(test, angle, detail), detail,
+    )  # fmt: skip
+
+
+def subject(motion: Motion) -> str:
+    """EXX, or PPP of XYZ, and where the other axes stood."""
+    name = f"{motion.subject} of {motion.axes}" if motion.test == "diagonal" else motion.subject
+    return name + "".join(f", {x} {v:g}" for x, v in motion.at.items())
+
+
+def _straight(lines: Straightness, terms: tuple[Term, ...]) -> tuple[Parameter, ...]:
+    out = []
+    for name in NAMES:
+        runs = straightness.from_runs(lines.kind, lines.test, name)
+        words = {"straightness": "straightness error, two-way mean"}.get(name, f"straightness error, approached in {name[-1]}")  # fmt: skip
+        parameter = Parameter(name, lines.errors[name], f"{words} ({lines.kind} line)")
+        out.append(combined(parameter, terms, runs[0] if runs else None))
+    return tuple(out)
+
+
+def _conditions(motion: Motion, test: Positioning, options: Options) -> list[str]:
+    """What departs from the conditions of ISO 230-2, and what it means."""
+    out = []
+    if not test.two_way:
+        out.append(f"approached in {'+' if np.isfinite(test.mean[0]).any() else '-'} only: reversal and all two-way parameters are not defined")  # fmt: skip
+    elif not test.both.all():
+        lone = ", ".join(f"{x:g}" for x in test.target[~test.both][:5])
+        out.append(f"approached in one direction only at {lone}: B and M are taken over the {int(test.both.sum())} other targets")  # fmt: skip
+    if test.long:
+        out.append(f"{test.length:g} mm is longer than 2 m: the standard asks for one run each way and defines E, M and B; s, R and A are not defined")  # fmt: skip
+    elif 2 <= test.runs < 5:
+        out.append(f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative only")
+    if test.n[test.n > 0].min() != test.n.max():
+        out.append(f"the targets have between {test.runs} and {test.n.max()} runs")
+    if test.runs < 2 <= test.n.max() and not test.long:
+        out.append("R and A are not defined: at some target s is not")
+    out += _targets(motion, test, options)
+    return out
+
+
+def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
+    """Number and places of the targets, and what a screw's lead makes of them."""
+    if motion.test in ("angle", "straightness"):
+        return []
+    out = []
+    least = _least(motion, test)
+    if len(test.target) < least:
+        out.append(f"{len(test.target)} targets on {test.length:g} {'degrees' if motion.test == 'rotary' else 'mm'}: the standard asks for {least}")  # fmt: skip
+    if motion.test != "positioning":
+        return out
+    step = positioning.spacing(test.target)
+    lead = options.leads.get(motion.axes, options.leads.get(""))
+    if lead is not None:
+        found = positioning.aliases(test.target, lead)
+        out += [f"error with the period {lead / k:g} mm ({_part(k)} of {lead:g} mm): {words}" for k, words in found]
+        if not found:
+            out.append(f"errors with the lead of {lead:g} mm or its parts to 1/4 fall on these targets at different phases: they look like scatter from target to target")  # fmt: skip
+    elif step is not None:
+        out.append(f"targets are equidistant, {step:g} mm apart: errors with a period of {step:g}, {step / 2:g}, {step / 3:g}, {step / 4:g} ... mm are invisible; --lead says what this screw hides")  # fmt: skip
+    return out
+
+
+def _part(k: int) -> str:
+    return "the lead" if k == 1 else f"1/{k} of the lead"
+
+
+def _least(motion: Motion, test: Positioning) -> int:
+    """Targets that ISO 230-2 asks for."""
+    if motion.test == "rotary":
+        return 3 if test.length <= 90 else 5 if test.length <= 180 else 8
+    if test.long:
+        return math.floor(test.length / 250) + 1
+    return max(5, math.ceil(5 * test.length / 1000 - 1e-9))
+
+
+def _noise(motion: Motion, s: float) -> float:
+    """mm or rad that the digits follow: the scatter of the runs, else what is stated of a reading, else its last digit."""
+    if s > 0:
+        return s
+    if motion.recording.u:
+        return motion.recording.u
+    different = np.diff(np.unique(motion.reading))
+    different = different[different > 1e-9]
+    return float(different.min()) if len(different) else UM
+
+
+def _columns(test: Positioning, angle: bool, detail) -> dict[str, list]:
+    """The table per target."""
+    unit, name = (URAD, "urad") if angle else (UM, "um")
+
+    def cells(values: np.ndarray) -> list:
+        return [float(v) if math.isfinite(v) else None for v in values / unit]
+
+    out: dict[str, list] = {"target": [float(x) for x in test.target]}
+    for row, sign in enumerate("+-"):
+        out[f"n {sign}"] = [int(n) for n in test.n[row]]
+        out[f"mean {sign} {name}"] = cells(test.mean[row])
+        out[f"s {sign} {name}"] = cells(test.s[row])
+    out[f"B {name}"] = cells(test.reversal)
+    out[f"R {name}"] = cells(test.repeatability[2])
+    if isinstance(detail, Straightness):
+        line = detail.lines[detail.best]
+        y = test.middle if detail.best == NAMES[0] else test.mean[NAMES.index(detail.best) - 1]
+        if line is not None:
+            out[f"from line {name}"] = cells(y - line.value(test.target))
+    return out
+
+
+def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
+    """E_d and B_d of every volume and face that diagonals were measured in."""
+    out = []
+    by_axes: dict[str, list[tuple[Motion, Result]]] = {}
+    for motion, result in found:
+        by_axes.setdefault(motion.axes, []).append((motion, result))
+    for axes, members in by_axes.items():
+        tests: dict[str, Positioning] = {}
+        notices = [diagonals.LIMIT]
+        for motion, result in members:
+            name = motion.subject
+            while name in tests:
+                name += f" ({motion.recording.file})"
+            tests[name] = result.detail
+        wanted = diagonals.every(axes)
+        absent = [d for d in wanted if d not in {m.subject for m, _ in members}]
+        if absent:
+            notices.append(f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured, {', '.join(absent)} not: the largest may be among them")  # fmt: skip
+        values, which = diagonals.largest(tests)
+        names = list(tests)
+        parameters = []
+        for name, letter, words in (("Ed", "E", "diagonal systematic deviation, largest E"), ("Bd", "B", "diagonal reversal, largest B")):  # fmt: skip
+            source = members[names.index(which[name])][1][letter] if name in which else None
+            parameters.append(Parameter(name, values[name], words, which.get(name, ""), source.U if source else None, source.runs if source else None))  # fmt: skip
+        columns: dict[str, list] = {"diagonal": names}
+        for letter in ("E", "E+", "E-", "M", "B", "Bm", "A", "R"):
+            found_here = [t.values[letter] for t in tests.values()]
+            columns[f"{letter} um"] = [None if v is None else v / UM for v in found_here]
+        out.append(Result(
+            "diagonals", "ISO 230-6", f"{axes} diagonals", f"{len(members)} diagonals of {axes}", "um",
+            tuple(m.recording.file for m, _ in members), tuple(parameters), (), tuple(notices), max(r.noise for _, r in members),
+            columns, tests,
+        ))  # fmt: skip
+    return out
+
+
+def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[Result]:
+    """The squareness of every pair of axes of which each was read along the other."""
+    out = []
+    for (one, first), (two, second) in itertools.combinations(found, 2):
+        if one.axes != two.across or two.axes != one.across or one.axes not in LINEAR or two.axes not in LINEAR:
+            continue
+        parts = []
+        for _, result in ((one, first), (two, second)):
+            lines: Straightness = result.detail
+            line = lines.lines[lines.best]
+            if line is None:
+                break
+            runs = straightness.from_runs(lines.kind, lines.test, lines.best)
+            parts.append((line.slope, runs[1] if runs else None, result, lines))
+        if len(parts) < 2:
+            continue
+        name, value = straightness.squareness(one.axes, two.axes, parts[0][0], parts[1][0])
+        terms = []
+        if options.budget.square is not None:
+            terms.append(Term("square", options.budget.square, frozenset([name]), "stated, of the square itself"))
+        for _, _, result, lines in parts:
+            device = next((t for t in result.terms if t.name == "device"), None)
+            if device is not None:
+                terms.append(Term(f"device, {result.subject}", device.u / lines.test.length, frozenset([name]), "of the ends of the line"))  # fmt: skip
+        known = [p[1] for p in parts if p[1] is not None]
+        both = math.hypot(*known) if len(known) == 2 else None
+        parameter = combined(Parameter(name, value, "squareness, as a rotation about the third axis (ISO 841 signs)"), tuple(terms), both)  # fmt: skip
+        notices = ["holds only if both runs were read against one and the same square or optical square"]
+        if options.budget.square is None:
+            notices.append("not in U, since not stated: the square's own error")
+        excess = -(parts[0][0] + parts[1][0]) / URAD
+        notices.append(f"the angle between the {options.line} lines is 90 degrees {excess:+.1f} urad")
+        columns: dict[str, list] = {"run": [p[2].subject for p in parts], "slope urad": [p[0] / URAD for p in parts]}
+        out.append(Result(
+            "squareness", "ISO 230-1", name, f"{first.subject} and {second.subject} are straightnesses of two axes, each read along the other",
+            "urad", (one.recording.file, two.recording.file), (parameter,), tuple(terms), tuple(notices),
+            max(r.noise / t.test.length for _, _, r, t in parts), columns, None,
+        ))  # fmt: skip
+    return out

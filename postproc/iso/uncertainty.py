@@ -1,0 +1,165 @@
+"""The uncertainty of the parameters, ISO/TR 230-9: every influence listed, combined by JCGM 100 (GUM), U with k = 2.
+
+Nothing is corrected here. A reading normalised to 20 degrees by the instrument would be corrected twice, and the
+cosine error of a beam is one-sided; both stay in U.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.iso import Parameter, Stated, Term
+from postproc.iso.chance import student
+from postproc.iso.positioning import MEANS, Positioning
+from postproc.iso.sampling import Noise, largest_uncertainty, noise_of, range_uncertainty
+from postproc.units import UM, URAD
+
+REVERSALS = frozenset({"B", "Bm"})
+SCATTERS = frozenset({"R", "R+", "R-"})
+RANGES = frozenset({"E", "E+", "E-", "M", "A", "A+", "A-"})
+
+
+def rectangular(width: float) -> float:
+    """Standard uncertainty of what lies anywhere within a range of this width."""
+    return width / (2 * math.sqrt(3))
+
+
+def terms_of(stated: Stated, u_reading: float | None, length: float | None, of: frozenset[str], alone: bool,
+             angle: bool = False) -> tuple[Term, ...]:  # fmt: skip
+    """The stated influences on ranges over `length` mm (None: lengths play no part, as in straightness).
+
+    u_reading: mm or rad, what the recording says; alone: one run only, so that the scatter does not hold the reading's
+    own; of: the parameters that there are.
+    """
+    terms: list[Term] = []
+    unit, name = (URAD, "urad") if angle else (UM, "um")
+    own = stated.device_angle if angle else stated.device
+    device = own if own is not None else u_reading
+    ranges = of - REVERSALS - SCATTERS
+    if device is not None:
+        whose = "stated" if own is not None else "the recording's head"
+        acts = of - SCATTERS if alone else ranges
+        terms.append(Term("device", math.sqrt(2) * device, acts, f"{device / unit:.3g} {name} a reading ({whose}), times the root of 2 for a difference"))  # fmt: skip
+    if stated.drift is not None and not angle:
+        terms.append(Term("drift", rectangular(stated.drift), of, f"EVE range {stated.drift / UM:.3g} um, rectangular"))
+    if length is not None:
+        terms += _of_length(stated, length, ranges)
+    return tuple(terms)
+
+
+def _of_length(stated: Stated, length: float, of: frozenset[str]) -> list[Term]:
+    """Cosine error, temperature and expansion over a length in mm."""
+    terms = []
+    if stated.misalignment is not None:
+        short = length * (1 - math.cos(stated.misalignment))
+        terms.append(Term("misalignment", rectangular(short), of, f"up to {stated.misalignment * 1e3:.3g} mrad: reads up to {short / UM:.3g} um short, one-sided, rectangular"))  # fmt: skip
+    if stated.alpha is not None and stated.u_temperature is not None:
+        u = stated.alpha * length * stated.u_temperature
+        terms.append(Term("temperature", u, of, f"{stated.alpha * 1e6:.3g} um/m/K, {length:.4g} mm, u(T) = {stated.u_temperature:.3g} K"))  # fmt: skip
+    if stated.u_alpha is not None and stated.temperature is not None:
+        away = abs(stated.temperature - 20.0)
+        terms.append(Term("expansion", length * away * stated.u_alpha, of, f"{away:.3g} K from 20 degrees C, u(alpha) = {stated.u_alpha * 1e6:.3g} um/m/K"))  # fmt: skip
+    return terms
+
+
+def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False) -> str:
+    """A sentence that names the influences that nobody has stated, empty where all are."""
+    own = stated.device_angle if angle else stated.device
+    absent = [] if has_device or own is not None else ["the device"]
+    if stated.drift is None and not angle:
+        absent.append("drift")
+    if length:
+        absent += ["misalignment"] if stated.misalignment is None else []
+        absent += ["temperature"] if stated.alpha is None or stated.u_temperature is None else []
+        absent += ["expansion"] if stated.u_alpha is None or stated.temperature is None else []
+    return f"not in U, since not stated: {', '.join(absent)}" if absent else ""
+
+
+def combined(parameter: Parameter, terms: tuple[Term, ...], runs: float | None) -> Parameter:
+    """The parameter with its U: 2 times the root of the sum of squares; `runs` is already expanded. None where nothing
+    is known, or the parameter is not defined."""
+    if parameter.value is None:
+        return parameter
+    parts = [2 * t.u for t in terms if parameter.name in t.of] + ([] if runs is None else [runs])
+    return replace(parameter, U=math.sqrt(sum(p * p for p in parts)) if parts else None, runs=runs)
+
+
+def of_positioning(test: Positioning) -> dict[str, float]:
+    """The expanded part of U that comes from the scatter of the runs, by parameter; empty for single runs.
+
+    E, M and B by sampling; Bm by its standard error. A and R also by the uncertainty of the s at the targets that make
+    them, u(s) = s / sqrt(2 (n - 1)) (JCGM 100, E.4.3): no account is taken of how many s they are the largest of.
+    """
+    noise = noise_of(test.s, test.n)
+    if noise is None:
+        return {}
+    out = {}
+    for row, sign in enumerate("+-"):
+        if np.isfinite(test.mean[row]).any():
+            out[f"E{sign}"] = range_uncertainty(test.mean[row : row + 1], _row(noise, row))
+    if test.two_way:
+        out["E"] = range_uncertainty(test.mean, noise)
+        if test.both.any():
+            mixed = _of_two(noise, 1.0)
+            out["B"] = largest_uncertainty(test.reversal, mixed)
+            u = float(np.sqrt(np.nansum(mixed.u[0] ** 2))) / int(test.both.sum())
+            out["Bm"] = student(float(mixed.dof.flat[0] if mixed.pooled else np.nansum(mixed.dof))) * u
+            out["M"] = range_uncertainty(test.middle[None], _of_two(noise, 0.5))
+    for name, value in test.values.items():
+        if value is not None and name[0] in "RA":
+            out[name] = _of_s(test, name, noise)
+    return out
+
+
+def _row(noise: Noise, row: int) -> Noise:
+    return Noise(noise.u[row : row + 1], noise.dof[row : row + 1], noise.s, noise.pooled)
+
+
+def _of_two(noise: Noise, factor: float) -> Noise:
+    """Of the difference (factor 1) or the mean (0.5) of both directions."""
+    dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
+    return Noise(factor * np.sqrt((noise.u**2).sum(axis=0, keepdims=True)), dof, noise.s, noise.pooled)
+
+
+def _of_s(test: Positioning, name: str, noise: Noise) -> float:
+    """U of R or A at the targets where it is found. Per cell: variance s^2/n of a mean, s^2/(2(n-1)) of an s."""
+    rows = {"+": [0], "-": [1]}.get(name[1:], [0, 1])
+    mean, s, n = test.mean[rows], test.s[rows], test.n[rows]
+    of_s = s**2 / (2 * np.maximum(n - 1, 1))
+    of_mean = s**2 / np.maximum(n, 1)
+    if name[0] == "A":
+        high, low = np.nanargmax(mean + 2 * s), np.nanargmin(mean - 2 * s)
+        return 2 * math.sqrt(sum(of_mean.flat[i] + 4 * of_s.flat[i] for i in (high, low)))
+    if len(rows) == 1:
+        return 2 * 4 * math.sqrt(of_s.flat[np.nanargmax(s)])
+    which, i = np.unravel_index(np.nanargmax(test.repeatability), test.repeatability.shape)
+    if which < 2:
+        return 2 * 4 * math.sqrt(of_s[which, i])
+    if 4 * s[:, i].max() >= test.repeatability[2, i]:
+        return 2 * 4 * math.sqrt(of_s[np.argmax(s[:, i]), i])
+    return 2 * math.sqrt(float((of_mean[:, i] + 4 * of_s[:, i]).sum()))
+
+
+def positioning_parameters(test: Positioning, terms: tuple[Term, ...]) -> tuple[Parameter, ...]:
+    """All parameters of ISO 230-2 with U and where they were found."""
+    runs = of_positioning(test)
+    return tuple(
+        combined(Parameter(name, value, MEANS[name], _where(test, name)), terms, runs.get(name))
+        for name, value in test.values.items()
+    )
+
+
+def _where(test: Positioning, name: str) -> str:
+    """The target of the largest reversal or repeatability."""
+    if test.values[name] is None or name[0] not in "BR" or name == "Bm":
+        return ""
+    if name == "B":
+        at = int(np.nanargmax(np.abs(test.reversal)))
+    elif name == "R":
+        at = int(np.unravel_index(np.nanargmax(test.repeatability), test.repeatability.shape)[1])
+    else:
+        at = int(np.nanargmax(test.repeatability["+-".index(name[1])]))
+    return f"at {test.target[at]:g}"
