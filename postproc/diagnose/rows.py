@@ -273,7 +273,6 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
     names = ("velocity", "acceleration", "approach", "distance", "since")
     v, a, s, d, since = (np.zeros(n) for _ in names)
     edges = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0)) + 1
-    before = 0.0  # the direction in which the run before ended: where it stands, it has not moved since
     for part in np.split(np.arange(n), edges):
         if len(part) < 3:
             continue
@@ -283,8 +282,7 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
         still = np.abs(v[part]) < 1e-4 * max(np.abs(v[part]).max(), 1e-9)
         sign = np.sign(v[part]) * ~still
         held = np.maximum.accumulate(np.where(sign != 0, np.arange(len(part)), -1))
-        s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], before)
-        before = s[part][-1]
+        s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], 0)
         turn = np.concatenate([[False], (s[part][1:] != s[part][:-1]) & (s[part][:-1] != 0)])
         last = np.maximum.accumulate(np.where(turn, np.arange(len(part)), -1))
         gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))])

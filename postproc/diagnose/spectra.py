@@ -1,0 +1,86 @@
+"""What is periodic in what is left: in the place of an axis, or in time, at frequencies as fine as the readings tell apart.
+
+Readings are put into fine bins and a Fourier transform gives the sums for all frequencies at once; by what a cosine and a sine of each
+would make chi squared fall (nuisances left aside), the best few are worth fitting. Lomb 1976, Scargle 1982.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose.rows import Rows
+
+TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
+PEAKS = 3
+LOWEST_HZ = 2.0  # slower, it is drift
+FINE = 4  # bins per period of the highest frequency
+MOST_BINS = 1 << 17
+
+
+def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
+    """mm: the likeliest periods along an axis."""
+    place = rows.state.position[axis]
+    use = power > 0
+    span = float(np.ptp(place[use])) if use.any() else 0.0
+    if span < 1.0:
+        return []
+    finest = 0.0
+    for signal in np.unique(rows.signal[use]):
+        which = use & (rows.signal == signal)
+        p = np.unique(np.round(place[which], 4))
+        if len(p) > 6:
+            gap = float(np.median(np.diff(p))) if rows.state.passage[which][0] < 0 else float(np.ptp(p)) / len(p) * 2
+            finest = max(finest, 1 / max(2.2 * gap, 0.3))
+    if finest <= 3.0 / span:
+        return []
+    bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(span * finest * FINE * 2))))
+    step = span * 2 / bins  # twice the span: frequencies half as far apart as the span resolves
+    index = ((place[use] - place[use].min()) / step).astype(int)
+    spectrum = np.fft.rfft(np.bincount(index, weighted[use], bins)[:bins])
+    frequencies = np.fft.rfftfreq(bins, step)
+    total = np.abs(spectrum) ** 2 / max(float(power[use].sum()) / 2, 1e-30)
+    allowed = (frequencies >= 3.0 / span) & (frequencies <= finest)
+    return [float(1 / f) for f in _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)]
+
+
+def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
+    """Hz: the likeliest frequencies of sampled motions; passages add up whatever their phase."""
+    dense = (rows.state.passage >= 0) & (power > 0)
+    passages = [
+        np.flatnonzero(dense & (rows.state.passage == p) & (rows.signal == s))
+        for p in np.unique(rows.state.passage[dense])
+        for s in np.unique(rows.signal[dense])
+    ]
+    passages = [w for w in passages if len(w) > 32]
+    if not passages:
+        return []
+    length = max(float(np.ptp(rows.state.time[w])) for w in passages)
+    highest = max(0.45 / float(np.median(np.diff(rows.state.time[w]))) for w in passages)
+    if highest <= LOWEST_HZ or length <= 0:
+        return []
+    grid = np.arange(LOWEST_HZ, highest, 0.4 / length)
+    total = np.zeros(len(grid))
+    for which in passages:
+        t = rows.state.time[which] - rows.state.time[which].min()
+        own = 0.45 / float(np.median(np.diff(rows.state.time[which])))
+        bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(max(length, 1.0) * own * FINE * 2 * 2))))
+        step = length * 2 / bins
+        spectrum = np.fft.rfft(np.bincount((t / step).astype(int), weighted[which], bins)[:bins])
+        f = np.fft.rfftfreq(bins, step)
+        part = np.abs(spectrum) ** 2 / max(float(power[which].sum()) / 2, 1e-30)
+        inside = grid <= own
+        total[inside] += np.interp(grid[inside], f, part)
+    return [float(f) for f in _best(grid, total, 1.0 / length)]
+
+
+def _best(frequencies: np.ndarray, value: np.ndarray, apart: float) -> list[float]:
+    """The highest few that are not neighbours."""
+    result: list[float] = []
+    left = value.copy()
+    for _ in range(PEAKS):
+        k = int(np.argmax(left))
+        if left[k] <= 12.0:
+            break
+        result.append(float(frequencies[k]))
+        left[np.abs(frequencies - frequencies[k]) < 2 * apart] = 0.0
+    return result
