@@ -305,9 +305,10 @@ def _ballbar(recording: Recording, machine: Machine):
         if x in centre:
             unit[:, XYZ.index(x)] = p - centre[x]
     unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
-    columns["run"] = columns["run"]
-    columns["y"], columns["direction"] = recording.reading, unit
-    yield "radial_um", _averaged(columns | {"sees": "tool", "dense": np.ones(n)}, run)
+    sure = _sure(columns, [x for x in recording.axes if x in centre], run)
+    columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
+    columns = {name: value[sure] for name, value in columns.items()}
+    yield "radial_um", _averaged(columns | {"sees": "tool"}, run[sure])
 
 
 def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
@@ -322,12 +323,8 @@ def _trace(recording: Recording, machine: Machine):
     letters = [x for x in recording.axes if x in XYZ]
     for x in letters:
         _motion(columns, x, recording.position(x), columns["time"], columns["run"])
-    # Before an axis has moved, nobody knows from which side it came.
-    sure = np.all(
-        [columns[f"{x} approach"] != 0 for x in letters if np.ptp(recording.position(x)) > 0]
-        or [np.ones(len(recording), bool)],
-        axis=0,
-    )
+    # Before an axis has moved, nobody knows from which side it came; and in the very sample in which it turns neither.
+    sure = _sure(columns, [x for x in letters if np.ptp(recording.position(x)) > 0], columns["run"])
     for x in letters:
         y = recording.columns[f"{x}_act_mm"] - recording.position(x)
         direction = np.zeros((len(recording), 3))
@@ -335,6 +332,18 @@ def _trace(recording: Recording, machine: Machine):
         one = columns | {"y": y, "dense": np.ones(len(y)), "direction": direction, "sees": "scale" if scale else "tool"}
         one = {name: v[sure] if isinstance(v, np.ndarray) else v for name, v in one.items()}
         yield f"{x}_act_mm", _averaged(one, one["run"])
+
+
+def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
+    """(N,) bool: samples whose directions of approach are known."""
+    result = np.ones(len(run), bool)
+    for x in letters:
+        side = columns[f"{x} approach"]
+        turn = np.flatnonzero((np.diff(side) != 0) & (np.diff(run) == 0))
+        result &= side != 0
+        result[turn] = False
+        result[turn + 1] = False
+    return result
 
 
 def _averaged(columns: dict, run: np.ndarray) -> dict:
