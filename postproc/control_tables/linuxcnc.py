@@ -113,6 +113,8 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
                 f"--set type={1 - int(kind)}, or another --unit", text,
             )  # fmt: skip
         rows.append(row)
+    if not rows:
+        raise common.fault(source, 1, "there are no numbers in it", "three numbers a line: nominal, forward, reverse")
     nominal, forward, reverse = np.array(rows).T
     if kind == "0":
         return ErrorTable(axis, axis, nominal, forward - nominal, reverse - nominal)

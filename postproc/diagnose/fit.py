@@ -18,6 +18,7 @@ MAP_UM = 0.26  # um: by how much each smooth term of a measured map is usually w
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 PART = 5e-4  # mm
+WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 SQUARE = 1.5e-6  # rad
 
 
@@ -39,6 +40,17 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
         if kind == "ballbar":
             for i in range(3):
                 add(np.where(rows.file == file, rows.direction[:, i], 0.0), CENTRE)
+    for file, kind in enumerate(rows.kinds):
+        if kind != "targets":
+            continue
+        for run in np.unique(rows.run[rows.file == file]):  # an instrument's zero wanders
+            which = (rows.file == file) & (rows.run == run)
+            if which.sum() >= 4:
+                t = rows.state.time[which]
+                late = np.zeros(len(rows))
+                late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
+                add(which.astype(float), WALK)
+                add(late, WALK)
     part = rows.sees == "part"
     for number in np.unique(rows.run[part]):  # every part lies a little differently in its fixture
         for i in range(3):

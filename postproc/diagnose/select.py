@@ -22,6 +22,9 @@ MOST = 6
 FORM, FORM_OF_LARGEST = 0.10, 0.03
 SWAP = 2.0
 UNUSUAL = 4.0
+RARE = {  # what is taken only where it is clearly better than its kin
+    "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 10.0, "clock_skew": 2.0, "sag": 2.0,
+}  # fmt: skip
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -236,8 +239,7 @@ class Selector:
 
 def _penalty(block: Block, rows: int) -> float:
     """What a block pays for its columns, for the shapes that it was chosen from, and for a second axis."""
-    pair = 1.0 if block.module.PER == "pair" else 0.0
-    return block.columns.shape[1] * np.log(rows) + 2 * np.log(block.siblings) + pair
+    return block.columns.shape[1] * np.log(rows) + 2 * np.log(block.siblings) + RARE.get(block.name, 0.0)
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

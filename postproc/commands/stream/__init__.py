@@ -1,0 +1,223 @@
+"""`gcomp stream job.nc --machine M --port P`: correct and send in one go."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from postproc.commands import reading
+from postproc.errors import ProgramError, UsageError
+
+REFUSED = 2
+
+if TYPE_CHECKING:
+    from postproc.commands.stream.job import Job
+    from postproc.streaming.greeting import Greeting
+    from postproc.streaming.rates import Load
+
+HELP = "correct a program and send it to a controller, with hold, journal and restart"
+EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    reading.arguments(parser)
+    link = parser.add_argument_group("the link")
+    link.add_argument("--port", metavar="PORT", help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port")
+    link.add_argument("--baud", type=int, default=115200, help="default 115200")
+    link.add_argument("--protocol", default="auto", metavar="NAME", help="default auto: by what the controller says")
+    link.add_argument("--simple", action="store_true", help="one line at a time: slower, for links that lose bytes")
+    link.add_argument(
+        "--compact", action="store_true", help="send no blanks, N words, idle zeros and words in force already"
+    )
+    link.add_argument(
+        "--no-reset-on-open", action="store_true", help="keep DTR low, so that the board is not restarted"
+    )
+    job = parser.add_argument_group("the job")
+    job.add_argument(
+        "--check", action="store_true", help="dry run in the controller's check mode: list every error, move nothing"
+    )
+    job.add_argument(
+        "--on-error",
+        choices=("stop", "continue"),
+        default="stop",
+        help="when a line is refused (default: hold and stop)",
+    )
+    job.add_argument("--home", action="store_true", help="home the machine first ($H)")
+    job.add_argument(
+        "--unlock", action="store_true", help="clear the alarm lock first ($X): the position must be right"
+    )
+    job.add_argument(
+        "--control-compensates", action="store_true", help="send even though the control compensates by itself"
+    )
+    job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
+    job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
+    job.add_argument("--no-journal", action="store_true", help="keep no journal")
+    job.add_argument(
+        "--resume-from", metavar="LINE|JOURNAL", help="begin again with this line, or where a journal ends"
+    )
+    job.add_argument(
+        "--safe-z",
+        type=float,
+        metavar="MM",
+        help="where Z is safe for --resume-from, machine coordinates (default: the highest rapid before the line)",
+    )
+    job.add_argument("--yes", action="store_true", help="send what --resume-from shows without asking")
+    job.add_argument("--quiet", action="store_true", help="no progress, no notices")
+    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input")
+
+
+def run(options: argparse.Namespace) -> int:
+    from postproc.commands.stream import job as jobs
+    from postproc.commands.stream.port import Port
+
+    _refuse(options, jobs.is_file(options.file))
+    machine = reading.machine_of(options)
+    line = jobs.resume_line(options, machine) if options.resume_from else 1
+    if options.port is None:
+        raise UsageError("--port is missing: where is the controller?", _ports())
+    job = None
+    port = Port(options.port, options.baud, reset=not options.no_reset_on_open)
+    try:
+        greeting = _greeted(port, options)
+        assert greeting.protocol is not None
+        from postproc.streaming import live as lives
+
+        live = lives.read(greeting.protocol.controller, greeting.status, machine.letters)
+        job = jobs.prepare(options, machine, greeting.protocol, live)
+        if options.resume_from:
+            jobs.restarted(job, line)
+        load = None
+        if jobs.is_file(options.file):
+            load = job.precheck(0.0 if "://" in options.port else options.baud / 10)
+            if load.warning():
+                print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
+        return _stream(options, machine, port, greeting, job, load)
+    except ProgramError as error:
+        raise (jobs.with_hint(error, job) if job is not None else error) from None
+    finally:
+        port.close()
+
+
+def _refuse(options: argparse.Namespace, is_file: bool) -> None:
+    """Options that do not go together."""
+    if options.expand:
+        raise UsageError(
+            "gcomp stream sends plain blocks",
+            "write them out first: gcomp --expand -o plain.nc, or a pipe into gcomp stream - with --machine perfect",
+        )
+    if options.resume_from and not is_file:
+        raise UsageError("--resume-from needs the program as a file")
+    if options.compact and options.on_error == "continue":
+        raise UsageError(
+            "--compact leaves out words that hold, and after a refused line it is not known what holds",
+            "--on-error stop",
+        )
+    if not is_file and options.dialect == reading.AUTO:
+        raise UsageError("--dialect auto looks at the program before it is read: not with a pipe")
+    if options.file not in (None, "-") and not Path(options.file).exists():
+        raise UsageError(f"{options.file} can not be read: there is no such file")
+    if options.baud <= 0:
+        raise UsageError(f"--baud {options.baud} is no speed")
+
+
+def _ports() -> str:
+    """What could be meant."""
+    with contextlib.suppress(ImportError):
+        from serial.tools import list_ports
+
+        found = [p.device for p in list_ports.comports()]
+        if found:
+            return f"--port {' or '.join(found)}"
+    return "--port /dev/ttyUSB0, COM3, socket://host:port"
+
+
+def _greeted(port, options: argparse.Namespace) -> Greeting:
+    """The controller, known and fit for a job. Raises what is wrong with it."""
+    from postproc.commands.stream import loop
+    from postproc.streaming import protocols
+    from postproc.streaming.greeting import AUTO, Greeting, unfit
+
+    if options.protocol != AUTO:
+        protocols.load(options.protocol)
+    first = (b"$X",) * options.unlock + (b"$H",) * options.home
+    greeting = Greeting(options.protocol, counting=not options.simple, first=first)
+    loop.greet(port, greeting)
+    assert greeting.protocol is not None
+    controller = greeting.protocol.controller
+    if options.control_compensates:
+        controller.compensates = []
+    fault = unfit(greeting.protocol, greeting.status)
+    if fault:
+        raise fault
+    if not options.quiet:
+        size = f", receive buffer {controller.window} bytes" if greeting.protocol.confirms == "idle" else ""
+        print(f"gcomp: {controller.name} {controller.version}{size}", file=sys.stderr)
+        if controller.homing is False:
+            print(
+                "gcomp: notice: this controller has no homing: its machine coordinates begin where it was switched on, and the error "
+                "map lies right only if that was the machine's zero", file=sys.stderr,
+            )  # fmt: skip
+    return greeting
+
+
+def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None) -> int:
+    """Send it, and say how it ended."""
+    from postproc.commands.stream import job as jobs
+    from postproc.commands.stream import loop
+    from postproc.commands.stream.prefetch import Prefetch
+    from postproc.commands.stream.show import Show
+    from postproc.streaming import journal as journals
+    from postproc.streaming.live import CONTROLLER_AXES
+    from postproc.streaming.rates import Clock
+    from postproc.streaming.sender import Sender
+    from postproc.streaming.trace import Trace
+
+    assert greeting.protocol is not None
+    controller = greeting.protocol.controller
+    order = tuple(CONTROLLER_AXES.index(x) for x in machine.letters)
+    reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
+    if options.check and not greeting.protocol.check_mode():
+        raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
+    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order)
+    with contextlib.ExitStack() as stack:
+        trace = record = None
+        if options.record:
+            if any(i >= reported for i in order):
+                raise UsageError(
+                    f"{controller.name} does not report all axes of {machine.name}: there is nothing to record"
+                )
+            start = tuple(job.live.place.get(x, float("nan")) for x in machine.letters)
+            trace = Trace(machine.name, machine.letters, controller.name, start)
+            record = stack.enter_context(open(options.record, "w", encoding="utf-8"))
+            record.write(trace.head())
+        path = jobs.journal_path(options)
+        journal = None
+        if path is not None and not options.check:
+            sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
+            journal = loop.Journal(
+                path, journals.head(job.name, sha, machine.name, machine.digest, controller.planner, job.begin)
+            )
+        clock = Clock(load.expected, time.monotonic()) if load else None
+        show = Show(sender, clock, load.lines if load else 0, machine.letters, options.quiet)
+        show.letters = tuple(CONTROLLER_AXES[:reported])
+        prefetch = Prefetch(job.lines).start()
+        keys = os.name == "posix" and jobs.is_file(options.file) and sys.stdin is not None and sys.stdin.isatty()
+        run = loop.Run(port, sender, prefetch, show, journal, trace, record, keys)
+        try:
+            outcome = run.to_the_end()
+        finally:
+            prefetch.close()
+        show.end(outcome)
+    if not options.quiet:
+        for notice in job.notices:
+            print(f"gcomp: notice: {notice.message}", file=sys.stderr)
+    print(f"gcomp: {outcome.text()}", file=sys.stderr)
+    if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
+        print(f"gcomp: the program ended there, because of: {prefetch.fault}", file=sys.stderr)
+        return outcome.exit_status or REFUSED
+    return outcome.exit_status

@@ -1,0 +1,198 @@
+"""From options and a controller that has answered to what shall be sent: filter, lines, checks before the first byte."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from postproc import ports
+from postproc.commands import reading
+from postproc.errors import Notice, ProgramError, UsageError
+from postproc.streaming import journal as journals
+from postproc.streaming import live as lives
+from postproc.streaming import restart
+from postproc.streaming.compact import Compact
+from postproc.streaming.lines import WireLine
+from postproc.streaming.protocols import Protocol
+from postproc.streaming.rates import Load
+from postproc.streaming.source import RAPID_MM_MIN, Source
+
+if TYPE_CHECKING:
+    from postproc.filter import Filter
+    from postproc.machine.model import Machine
+
+CHUNK = 1 << 13  # bytes of the program at a time: small, so that little is ahead of the link
+LARGEST_JOURNAL = 1 << 30
+
+
+def is_file(path: str | None) -> bool:
+    """Whether the program can be read twice."""
+    return path not in (None, "-") and Path(str(path)).is_file()
+
+
+@dataclass
+class Job:
+    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it."""
+
+    options: argparse.Namespace
+    fresh: Callable[[], Filter]
+    protocol: Protocol
+    live: lives.Live
+    notices: list[Notice]
+    name: str
+    begin: int = 1
+    preamble: tuple[bytes, ...] = ()
+    source: Source | None = None
+
+    def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
+        """Wire lines, batch by batch."""
+        filter_ = fresh or self.fresh()
+        absolute = "G90" in self.live.modal
+        shorten = Compact(absolute, "G94" in self.live.modal).line if self.options.compact else None
+        source = self.source = Source(
+            filter_, self.protocol.prepare, shorten, self._rapid(), sampled=bool(self.options.record)
+        )
+        if self.preamble:
+            yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
+        filter_.summary.lines = self.begin - 1
+        try:
+            for data in self._text():
+                yield source.feed(data)
+            yield source.finish()
+        except ProgramError:
+            yield source.delivered
+            raise
+
+    def _rapid(self) -> float:
+        """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
+        rates = [self.protocol.controller.settings.get(str(110 + i), "") for i in range(3)]
+        known = [float(r) for r in rates if r.replace(".", "", 1).isdigit() and float(r) > 0]
+        return min(known, default=RAPID_MM_MIN)
+
+    def _text(self) -> Iterator[bytes]:
+        path = self.options.file
+        if not is_file(path):
+            with ports.opened(path) as (stream, _, _):
+                yield from ports.chunks(stream, live=True)
+            return
+        skip = self.begin - 1
+        with ports.opened(path) as (stream, _, _):
+            for _ in range(skip):
+                stream.readline()
+            while data := stream.read(CHUNK):
+                yield data
+
+    def precheck(self, rate: float) -> Load:
+        """The whole program before its first byte leaves. Raises what is wrong with it."""
+        load = Load(rate)
+        for batch in self.lines():
+            for line in batch:
+                load.add(line)
+        assert self.source is not None
+        self.notices += self.source.filter.notices
+        if self.source.dropped:
+            self.notices.append(
+                Notice(
+                    "behind",
+                    f"{self.source.dropped} lines behind the end of the program are not sent: the controller would execute them",
+                )
+            )
+        return load
+
+
+def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, live: lives.Live) -> Job:
+    """The job, with the controller's zeros in the filter. Raises UsageError where they are not the stated ones."""
+    from postproc.filter import Filter
+
+    head = b""
+    if is_file(options.file):
+        with ports.opened(options.file) as (stream, _, _):
+            head = ports.head(stream)
+    base = reading.filter_of(options, machine, head)
+    explicit = {name for name, _ in options.offset}
+    assumed = base.machine.offsets
+    stated = {n: p for n, p in base.setup.offsets.items() if n in explicit or assumed.get(n) != p}
+    lives.conflicts(live, stated, options.start)
+    offsets, notices = lives.merged(live, {n: p for n, p in assumed.items() if n not in stated})
+    setup = replace(base.setup, offsets={**stated, **offsets})
+    name = options.file if is_file(options.file) else "<stdin>"
+
+    def fresh() -> Filter:
+        filter_ = Filter(base.machine, base.dialect, setup, base.options, name)
+        lives.stand(filter_, live)
+        return filter_
+
+    return Job(options, fresh, protocol, live, [*base.notices, *notices], name)
+
+
+def digest(path: str) -> str:
+    """SHA-256 of a file."""
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def resume_line(options: argparse.Namespace, machine: Machine) -> int:
+    """The source line that --resume-from names, by number or by a journal. Raises UsageError."""
+    text = options.resume_from
+    if text.isdigit():
+        if int(text) < 1:
+            raise UsageError("--resume-from counts lines from 1")
+        return int(text)
+    past = journals.read(ports.read_whole(Path(text), LARGEST_JOURNAL), text)
+    if past.head.get("sha256") != digest(options.file):
+        raise UsageError(
+            f"{text} is the journal of another program, or {options.file} was changed since",
+            "name the line by its number if you are sure",
+        )
+    if past.head.get("map") != machine.digest:
+        raise UsageError(
+            f"{text} was written with another map of {machine.name}",
+            "the part would get a step; name the line by its number if you are sure",
+        )
+    if past.outcome == "done":
+        raise UsageError(f"{text} says that the job was done", "there is nothing to resume")
+    return past.certain
+
+
+def restarted(job: Job, line: int) -> None:
+    """Let the job begin with a line: the blocks that bring back what is in force are shown, and agreed to. Raises."""
+    options = job.options
+    if line > 1:
+        filter_ = job.fresh()
+        with ports.opened(options.file) as (stream, _, _):
+            before, rest = restart.read_before(filter_, stream, line)
+        restart.refuse(filter_, rest, line)
+        job.preamble = tuple(restart.preamble(filter_, before, options.safe_z))
+    job.begin = line
+    shown = "\n".join(f"    {x.decode()}" for x in job.preamble)
+    print(f"gcomp: beginning again with line {line}; sent before it:\n{shown}", file=sys.stderr)
+    if options.yes:
+        return
+    if sys.stdin is None or not sys.stdin.isatty():
+        raise UsageError("nothing was sent: nobody is here to agree to these blocks", "look at them, then say --yes")
+    print("gcomp: send this? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+        raise UsageError("nothing was sent")
+
+
+def with_hint(error: ProgramError, job: Job) -> ProgramError:
+    """The error, with the control that the program looks written for."""
+    if not is_file(job.options.file):
+        return error
+    with ports.opened(job.options.file) as (stream, _, _):
+        return reading.with_hint(error, job.fresh().dialect, ports.head(stream))
+
+
+def journal_path(options: argparse.Namespace) -> Path | None:
+    """Where the journal goes: --journal, else beside the program's name in the working folder."""
+    if options.no_journal:
+        return None
+    if options.journal:
+        return Path(options.journal)
+    return Path(os.path.basename(options.file) + ".journal") if is_file(options.file) else Path("stream.journal")

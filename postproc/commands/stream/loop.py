@@ -1,0 +1,211 @@
+"""The clock and the loop: bytes between port and sender, signals and keys to it, its log to journal and recording."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from postproc.commands.stream.port import Lost, Port
+from postproc.commands.stream.prefetch import Prefetch
+from postproc.errors import UsageError
+from postproc.streaming import journal as journals
+from postproc.streaming.events import Status
+from postproc.streaming.greeting import Greeting
+from postproc.streaming.lines import WireLine
+from postproc.streaming.outcome import Outcome
+from postproc.streaming.sender import HELD, Sender
+from postproc.streaming.trace import Trace
+
+WAIT = 0.02  # s at most between two looks at signals and clock
+HUNGRY = 0.002  # s while lines are missing
+SYNC = 0.5  # s between two fsync
+QUEUE = 256  # lines that the sender has ready
+TERM_HOLD = 2.0  # s from SIGTERM's hold to its stop
+
+
+def greet(port: Port, greeting: Greeting) -> None:
+    """Carry the talk before the job. Raises what it found wrong, and UsageError where the port goes away."""
+    try:
+        while not greeting.done and greeting.fault is None:
+            now = time.monotonic()
+            greeting.tick(now)
+            data = greeting.bytes_out()
+            while data:
+                data = data[port.write(data) :]
+            greeting.receive(port.read(WAIT), time.monotonic())
+    except Lost as error:
+        raise UsageError(f"the port {port.url} was closed: {error}", "is the controller still plugged in?") from None
+    if greeting.fault:
+        raise greeting.fault
+
+
+class Journal:
+    """Appends, and sees to it that it is on the disk. A journal that stood there before is kept as .old."""
+
+    def __init__(self, path: Path, head: bytes):
+        try:
+            if path.exists():
+                os.replace(path, path.with_name(path.name + ".old"))
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL, 0o644)
+        except OSError as error:
+            raise UsageError(
+                f"the journal {path} can not be written: {error.strerror}", "--journal FILE, or --no-journal"
+            ) from None
+        self._synced = 0.0
+        self.write(head, time.monotonic())
+        os.fsync(self._file)
+
+    def write(self, data: bytes, now: float) -> None:
+        if data:
+            os.write(self._file, data)
+        if now - self._synced >= SYNC:
+            os.fsync(self._file)
+            self._synced = now
+
+    def close(self) -> None:
+        os.fsync(self._file)
+        os.close(self._file)
+
+
+class Signals:
+    """Ctrl-C, SIGTERM and SIGUSR1 as counts, while a job runs."""
+
+    def __init__(self) -> None:
+        self.presses = self.terms = self.resumes = 0
+
+    @contextlib.contextmanager
+    def caught(self) -> Iterator[Signals]:
+        def on(name: str) -> Callable:
+            def handler(number, frame) -> None:
+                setattr(self, name, getattr(self, name) + 1)
+
+            return handler
+
+        wanted = {"SIGINT": "presses", "SIGTERM": "terms", "SIGUSR1": "resumes"}
+        old = {}
+        for name, count in wanted.items():
+            number = getattr(signal, name, None)
+            if number is not None:
+                with contextlib.suppress(ValueError):
+                    old[number] = signal.signal(number, on(count))
+        try:
+            yield self
+        finally:
+            for number, handler in old.items():
+                signal.signal(number, handler)
+
+
+class Run:
+    """One job to its outcome."""
+
+    def __init__(
+        self, port: Port, sender: Sender, prefetch: Prefetch, show: Callable[[float], None], journal: Journal | None = None,
+        trace: Trace | None = None, record=None, keys: bool = False,
+    ):  # fmt: skip
+        self.port, self.sender, self.prefetch, self.show = port, sender, prefetch, show
+        self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
+        self.begun = time.monotonic()
+        self._pressed = self._resumed = 0
+        self._term: float | None = None
+
+    def to_the_end(self) -> Outcome:
+        sender = self.sender
+        with Signals().caught() as signals:
+            while sender.outcome is None:
+                now = time.monotonic()
+                self._feed()
+                self._obey(signals, now)
+                sender.tick(now)
+                try:
+                    self._write()
+                    hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
+                    data = self.port.read(HUNGRY if hungry else WAIT)
+                except Lost as error:
+                    sender.lost(str(error), time.monotonic())
+                    data = b""
+                now = time.monotonic()
+                sender.receive(data, now)
+                self._log(now)
+                self.show(now)
+            # The stop that an outcome orders may still have to leave.
+            with contextlib.suppress(Lost):
+                self._write()
+            self._log(time.monotonic())
+        if self.journal is not None:
+            self.journal.write(journals.end(sender.outcome, time.monotonic() - self.begun), time.monotonic())
+            self.journal.close()
+        return sender.outcome
+
+    def _feed(self) -> None:
+        while self.sender.queued < QUEUE and not self.prefetch.finished:
+            lines = self.prefetch.take()
+            if not lines:
+                break
+            self.sender.give(lines)
+        if self.prefetch.finished:
+            self.sender.end()
+
+    def _write(self) -> None:
+        while data := self.sender.bytes_out():
+            n = self.port.write(data)
+            if n < len(data):
+                self.sender.unwritten(data[n:])
+                return
+
+    def _obey(self, signals: Signals, now: float) -> None:
+        """First Ctrl-C holds, the second stops; SIGTERM does both; Enter or SIGUSR1 goes on."""
+        while self._pressed < signals.presses:
+            self._pressed += 1
+            if self.sender.state == HELD:
+                self.sender.stop(now)
+            else:
+                self.sender.hold(now)
+                self._tell("feed hold; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
+        if signals.terms and self._term is None:
+            self._term = now
+            self.sender.hold(now)
+        status = self.sender.status
+        if self._term is not None and (
+            now - self._term > TERM_HOLD or (status and status.state == "hold" and status.detail == "0")
+        ):
+            self.sender.stop(now, "stopped by SIGTERM")
+        if signals.resumes > self._resumed or self._enter():
+            self._resumed = signals.resumes
+            self.sender.resume(now)
+
+    def _enter(self) -> bool:
+        """Whether Enter was pressed, where there is a keyboard."""
+        if not self.keys or not select.select([sys.stdin], [], [], 0)[0]:
+            return False
+        if not sys.stdin.readline():
+            self.keys = False
+            return False
+        return True
+
+    @staticmethod
+    def _tell(message: str) -> None:
+        print(f"gcomp: {message}", file=sys.stderr, flush=True)
+
+    def _log(self, now: float) -> None:
+        entries, self.sender.log = self.sender.log, []
+        out = []
+        for kind, what, t in entries:
+            if self.journal is not None:
+                out.append(journals.record(kind, what, t - self.begun))
+            if self.trace is not None:
+                if kind == "sent" and isinstance(what, WireLine):
+                    self.trace.sent(what)
+                elif isinstance(what, Status) and what.place:
+                    order = self.sender.order
+                    place = tuple(what.place[i] for i in order) if order else what.place
+                    self.record.write(self.trace.row(place, t - self.begun))
+            if kind == "told" and isinstance(what, str) and "echo" not in what:
+                self._tell(f"the controller says: {what}")
+        if self.journal is not None:
+            self.journal.write(b"".join(out), now)

@@ -1,0 +1,75 @@
+"""A serial port, a pseudo-terminal, socket://host:port or rfc2217://host:port, as bytes that do not wait."""
+
+from __future__ import annotations
+
+import contextlib
+import select
+from typing import Any
+
+from postproc.errors import UsageError
+
+
+class Lost(Exception):
+    """The other end is gone: unplugged, closed, or the line was cut. One thing, whatever the system calls it."""
+
+
+class Port:
+    """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says how much."""
+
+    def __init__(self, url: str, baud: int, reset: bool = True):
+        try:
+            import serial
+        except ImportError:
+            raise UsageError("gcomp stream needs pyserial", "pip install pyserial") from None
+        self._broken: tuple[type[BaseException], ...] = (serial.SerialException, OSError, TypeError, ValueError)
+        try:
+            port: Any = serial.serial_for_url(url, do_not_open=True)
+            port.baudrate, port.timeout, port.write_timeout = baud, 0, 0
+            with contextlib.suppress(AttributeError, ValueError):
+                port.exclusive = True
+            if not reset:  # raising DTR restarts boards of the Arduino kind
+                port.dtr = port.rts = False
+            port.open()
+        except (serial.SerialException, OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise UsageError(
+                f"the port {url} can not be opened: {reason}",
+                "is it plugged in, is its name right, may you use it (group dialout), and does no other program hold it?",
+            ) from None
+        self._port, self.url = port, url
+        self._fd: int | None = None
+        with contextlib.suppress(AttributeError, OSError, ValueError):
+            self._fd = int(port.fileno())
+
+    def read(self, timeout: float) -> bytes:
+        """Whatever has come, after `timeout` s at most."""
+        try:
+            if self._fd is not None:
+                if not select.select([self._fd], [], [], timeout)[0]:
+                    return b""
+            elif not self._port.in_waiting:
+                self._port.timeout = timeout
+                first: bytes = self._port.read(1)
+                return first + (self._port.read(self._port.in_waiting) if first else b"")
+            data: bytes = self._port.read(4096)
+        except self._broken as error:
+            raise Lost(_reason(error)) from None
+        if not data and self._fd is not None:  # readable, and nothing there: hung up
+            raise Lost("the device is gone")
+        return data
+
+    def write(self, data: bytes) -> int:
+        try:
+            if self._fd is not None and not select.select([], [self._fd], [], 0)[1]:
+                return 0
+            return int(self._port.write(data) or 0)
+        except self._broken as error:
+            raise Lost(_reason(error)) from None
+
+    def close(self) -> None:
+        with contextlib.suppress(*self._broken):
+            self._port.close()
+
+
+def _reason(error: BaseException) -> str:
+    return getattr(error, "strerror", None) or str(error) or "the device is gone"

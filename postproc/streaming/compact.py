@@ -1,0 +1,111 @@
+"""The same words in fewer bytes: no blanks, no N, no zeros that say nothing, no word that is in force already.
+
+A word is left out only where RS274/NGC keeps it (NIST RS274/NGC 3, 3.4: modal groups; F and S hold) and this line's own codes
+leave it in force. An axis word is left out where the axis stands at that very number already, in absolute distance, and
+another axis word remains. Anything this module does not know goes as it is, and all memory with it.
+"""
+
+from __future__ import annotations
+
+import re
+
+WORD = re.compile(rb"([A-Z])([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+LINE = re.compile(rb"(?:[A-Z][-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))*")
+BLANK = re.compile(rb"[ \t\r]+")
+AXES = b"XYZABCUVW"
+STRAIGHT = (b"0", b"1")
+MOTIONS = (b"0", b"1", b"2", b"3")
+HARMLESS = {b"17", b"18", b"19", b"40", b"61", b"61.1", b"64", b"80", b"90", b"91", b"91.1", b"94"}
+
+
+class Compact:
+    """One program's lines in order. absolute, per_minute: whether G90 and G94 are known to be in force at the start."""
+
+    def __init__(self, absolute: bool = False, per_minute: bool = True):
+        self.absolute, self.per_minute = absolute, per_minute
+        self._forget()
+
+    def _forget(self) -> None:
+        self.motion = b""
+        self.feed = self.speed = b""
+        self.at: dict[bytes, bytes] = {}
+
+    def line(self, text: bytes) -> bytes:
+        """A line without comments, shorter."""
+        bare = BLANK.sub(b"", text).upper()
+        if not LINE.fullmatch(bare):
+            self._forget()
+            self.absolute = False
+            return bare if not text.startswith(b"$") else text
+        words = [(letter, number(value)) for letter, value in WORD.findall(bare) if letter != b"N"]
+        codes = [value for letter, value in words if letter == b"G"]
+        if b"93" in codes or b"95" in codes:
+            self.per_minute = False
+        elif b"94" in codes:
+            self.per_minute = True
+        named = [c for c in codes if c in MOTIONS]
+        others = [c for c in codes if c not in MOTIONS]
+        plain = all(c in HARMLESS for c in others) and len(named) <= 1
+        if b"91" in others:
+            self.absolute = False
+        if b"90" in others:
+            self.absolute = True
+        motion = named[0] if named else self.motion
+        if not plain or b"80" in others:
+            motion = b""
+        kept = self._kept(words, motion, plain and not others, named)
+        self._remember(words, motion, plain)
+        return b"".join(letter + value for letter, value in kept)
+
+    def _kept(self, words, motion: bytes, plain: bool, named: list[bytes]):
+        """Words that must be written."""
+        if not plain:
+            return words
+        moves = [(x, v) for x, v in words if x in AXES]
+        still = set()
+        if motion in STRAIGHT and self.absolute and len(moves) > 1:
+            still = {x for x, v in moves if self.at.get(x) == v}
+            if len(still) == len(moves):
+                still.discard(moves[0][0])
+        kept = []
+        for letter, value in words:
+            if letter == b"G" and value == self.motion and moves:
+                continue
+            if (letter == b"F" and value == self.feed) or (letter == b"S" and value == self.speed):
+                continue
+            if letter in still:
+                continue
+            kept.append((letter, value))
+        return kept or words
+
+    def _remember(self, words, motion: bytes, plain: bool) -> None:
+        if not plain:
+            self._forget()
+            return
+        self.motion = motion
+        for letter, value in words:
+            if letter == b"F":
+                self.feed = value if self.per_minute else b""
+            elif letter == b"S":
+                self.speed = value
+            elif letter == b"M":
+                if value in (b"2", b"30"):
+                    self._forget()
+                self.speed = b""
+            elif letter in AXES and motion:
+                if self.absolute:
+                    self.at[letter] = value
+                else:
+                    self.at.pop(letter, None)
+        if not self.absolute:
+            self.at.clear()
+
+
+def number(text: bytes) -> bytes:
+    """A decimal number without sign +, without zeros before or behind that say nothing."""
+    sign, digits = (b"-", text[1:]) if text.startswith(b"-") else (b"", text.lstrip(b"+"))
+    whole, _, part = digits.partition(b".")
+    whole, part = whole.lstrip(b"0"), part.rstrip(b"0")
+    if not whole and not part:
+        return b"0"
+    return sign + whole + (b"." + part if part else b"")

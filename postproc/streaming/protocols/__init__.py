@@ -1,0 +1,123 @@
+"""How controllers are talked to: one module a protocol, found by its name. Bytes in, events out; no port, no clock.
+
+A module holds
+
+    TITLE                  what a person calls it
+    POKE                   bytes that move nothing and make a silent controller say who it is (b"": none)
+    recognises(banner)     whether text that came from the wire (a greeting, the answer to POKE or to $I) is this
+                           controller's; patterns of different modules must exclude each other
+    PROTOCOL               a class; PROTOCOL(counting=True) gives one connection's state, an object as Protocol says
+
+Modules that begin with _ are what protocols share. A protocol decides by itself when a line may leave and which line an
+answer is for, so that windows (GRBL), numbers with checksums and resends (Marlin: send() frames and keeps the line,
+receive() answers a request with Write), primed lines with JSON footers (TinyG), and links without any answer, where the
+receiver says stop and go (DNC: release() is 0 after XOFF), all look alike to the sender.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Protocol as Interface
+
+from postproc.errors import UsageError
+from postproc.streaming.events import Event
+
+UNLIMITED = 1 << 30
+
+
+@dataclass
+class Controller:
+    """What a controller said of itself before the job.
+
+    name, version: its own words. window: bytes of its receive buffer that may be used; line_limit: characters of a line;
+    planner: motions that it may have accepted and not executed. settings: number or name to value, its own text.
+    offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force ("G54"). inches: whether it
+    reports inches. homing: whether it can home, None: not said. compensates: what it corrects by itself, in words.
+    """
+
+    name: str = ""
+    version: str = ""
+    window: int = 127
+    line_limit: int = 79
+    planner: int = 16
+    settings: dict[str, str] = field(default_factory=dict)
+    offsets: list[str] = field(default_factory=list)
+    modal: list[str] = field(default_factory=list)
+    inches: bool = False
+    homing: bool | None = None
+    compensates: list[str] = field(default_factory=list)
+
+
+class Protocol(Interface):
+    """One connection. The sender calls these and looks at nothing else.
+
+    confirms: how the end of a job is known: "idle" (a Status says so), "answers" (the last answer is given when all is
+    done), or "nothing" (what was written is all that is known). questions: lines to ask one by one before a job.
+    """
+
+    controller: Controller
+    confirms: str
+    questions: tuple[bytes, ...]
+    opening: tuple[bytes, ...]  # lines to send before the program (M110 N0, %)
+    closing: tuple[bytes, ...]  # and behind it (M400, %)
+
+    def prepare(self, text: bytes) -> bytes:
+        """A program line as it shall be sent, without line end; b"": nothing of it need be sent. Raises Unsendable."""
+
+    def alone(self, text: bytes) -> bool:
+        """Whether the line may be sent only when all before it are answered, and nothing behind it before its answer."""
+
+    def ready(self, text: bytes) -> bool:
+        """Whether this line may leave now."""
+
+    def send(self, number: int, text: bytes) -> bytes:
+        """Take a line as sent: the bytes for the wire, framed, numbered, with its line end."""
+
+    def receive(self, data: bytes) -> list[Event]:
+        """What the bytes mean, in order; they may be cut anywhere."""
+
+    def release(self) -> int:
+        """How many bytes may be written at once now; then look for input again."""
+
+    def urgent(self, what: str) -> bytes:
+        """Bytes that pass the queue: "status", "hold", "resume", "stop"; b"" where there are none."""
+
+    def outstanding(self) -> list[int]:
+        """Numbers of the lines that wait for an answer, oldest first."""
+
+    def patience(self, text: bytes) -> float:
+        """s that this line may take without any word from the controller."""
+
+    def forget(self) -> None:
+        """All that was sent is void: the controller has restarted, or the window was emptied."""
+
+    def learn(self, question: bytes, answers: list[str]) -> None:
+        """Take what was said in answer to a question into `controller`."""
+
+    def check_mode(self) -> bytes:
+        """The line that switches a dry run on and off; b"": there is none."""
+
+
+def names() -> list[str]:
+    """Names of the protocols that there are."""
+    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
+
+
+def load(name: str) -> ModuleType:
+    """The protocol called `name`. Raises UsageError with the names that there are."""
+    if name not in names():
+        raise UsageError(f"there is no protocol {name!r}", f"protocols: auto, {', '.join(names())}")
+    return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
+
+
+def recognised(text: str) -> list[str]:
+    """Names of the protocols that know this text as their controller's."""
+    return [name for name in names() if load(name).recognises(text)]
+
+
+def pokes() -> list[bytes]:
+    """What makes silent controllers speak, each once, in the order of names."""
+    return list(dict.fromkeys(load(name).POKE for name in names() if load(name).POKE))

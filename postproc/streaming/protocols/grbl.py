@@ -1,0 +1,274 @@
+"""GRBL 1.1: one answer a line, a receive buffer that drops what does not fit, realtime bytes that pass it.
+
+Rules: gnea/grbl, doc/markdown/interface.md (streaming, EEPROM, status reports), grbl/serial.c and protocol.c (every line
+end is answered; realtime bytes are taken out wherever they stand; control characters and blanks do not count towards the
+79 characters of a line, but all bytes towards the 128 of the buffer), grbl/report.c (formats).
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Callable
+
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Event,
+    Rejected,
+    Restarted,
+    Status,
+    Stray,
+    Told,
+)
+from postproc.streaming.lines import Unsendable
+from postproc.streaming.protocols import UNLIMITED, Controller
+from postproc.streaming.protocols._grbl_meanings import ALARMS, ERRORS
+from postproc.units import MM_PER_INCH
+
+TITLE = "GRBL 1.1"
+POKE = b"?"
+LONGEST_ANSWER = 4096  # bytes without a line end that are no answer any more
+COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
+BLANKS = re.compile(rb"[\x00-\x17\x19-\x20]+")
+REALTIME = re.compile(rb"[!?~\x18\x80-\xff]")
+ERROR = re.compile(r"error:\s*(\S.*)")
+ALARM = re.compile(r"ALARM:\s*(\d+)")
+BANNER = re.compile(r"Grbl \d[^\n]*\[")
+STATUS = re.compile(r"<([A-Za-z]+)(?::(\d+))?\|([^<>]*)>")
+ECHO = re.compile(r"\[echo:\s*(.*)\]")
+OPTIONS = re.compile(r"\[OPT:([^,\]]*)(?:,(\d+),(\d+))?[^\]]*\]")
+VERSION = re.compile(r"\[VER:([^\]]*)\]")
+SETTING = re.compile(r"\$(\d+)=([^ (]*)")
+# EEPROM is written (interrupts are off: bytes are lost) or read; $ lines answer at length or change the state.
+ALONE = re.compile(rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])|M0*(?:2|30)(?![0-9])", re.IGNORECASE)
+DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECASE)
+SLOW = 300.0  # s: homing
+URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
+STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep", "tool"}
+
+
+def recognises(banner: str) -> bool:
+    """Whether it is GRBL itself; a status report alone is taken for GRBL until $I says more."""
+    if re.search(r"fluidnc|grblhal", banner, re.IGNORECASE):
+        return False
+    return bool(BANNER.search(banner) or STATUS.search(banner) or re.search(r"\[VER:1\.1", banner))
+
+
+class Grbl:
+    """One connection. `counting`: keep the receive buffer full; else one line at a time."""
+
+    title = TITLE
+    confirms = "idle"
+    questions: tuple[bytes, ...] = (b"$I", b"$$", b"$#", b"$G")
+    opening: tuple[bytes, ...] = ()
+    closing: tuple[bytes, ...] = ()
+    default_window, default_line = 127, 79
+    banner = BANNER
+    keep = 0  # bytes of the announced buffer that can not be used
+    errors, alarms = ERRORS, ALARMS
+
+    def __init__(self, counting: bool = True):
+        self.counting = counting
+        self.controller = Controller(self.title, window=self.default_window, line_limit=self.default_line)
+        self._waiting: deque[tuple[int, int, bytes]] = deque()  # number, bytes on the wire, text
+        self._used = 0
+        self._alone = False
+        self._rest = b""
+        self._echoes = self._echoed = False  # whether it echoes lines at all, and has echoed the oldest one
+        self._shift: tuple[float, ...] | None = None  # work coordinate offset, for reports of work positions
+
+    # -- lines out -----------------------------------------------------------------------------------------------------
+
+    def prepare(self, text: bytes) -> bytes:
+        """Without comments, block delete and blanks at the ends; without any blanks where it would be too long."""
+        text = text.strip()
+        if not text or text.startswith(b"%"):
+            return b""
+        if not text.startswith(b"$") and (b"(" in text or b";" in text):
+            text = COMMENT.sub(b"", text).strip()
+        text = text.lstrip(b"/").strip()
+        found = REALTIME.search(text)
+        if found:
+            what = f"byte {found[0][0]}" if found[0][0] >= 127 or found[0][0] < 32 else repr(found[0].decode())
+            raise Unsendable(
+                f"the line has {what} in it, which {self.controller.name} would obey at once wherever it stands",
+                "take it out; in comments it does no harm",
+            )
+        bare = BLANKS.sub(b"", text)
+        limit = self.controller.line_limit
+        if len(bare) > limit or len(bare) >= self.controller.window:
+            raise Unsendable(
+                f"the line has {len(bare)} characters, and {self.controller.name} takes {limit}",
+                "shorten it: drop N words and digits beyond the machine's resolution, or split it",
+            )
+        return bare if len(text) > limit or len(text) >= self.controller.window else text
+
+    def alone(self, text: bytes) -> bool:
+        return bool(ALONE.search(BLANKS.sub(b"", text)))
+
+    def ready(self, text: bytes) -> bool:
+        if not self._waiting:
+            return True
+        if self._alone or not self.counting or self.alone(text):
+            return False
+        return self._used + len(text) + 1 <= self.controller.window
+
+    def send(self, number: int, text: bytes) -> bytes:
+        data = text + b"\n"
+        self._waiting.append((number, len(data), text))
+        self._used += len(data)
+        self._alone = self.alone(text)
+        return data
+
+    def release(self) -> int:
+        return UNLIMITED
+
+    def urgent(self, what: str) -> bytes:
+        return URGENT.get(what, b"")
+
+    def outstanding(self) -> list[int]:
+        return [number for number, _, _ in self._waiting]
+
+    @property
+    def used(self) -> int:
+        """Bytes that may be in the controller's buffer."""
+        return self._used
+
+    def patience(self, text: bytes) -> float:
+        if text.upper().startswith(b"$H"):
+            return SLOW
+        dwell = DWELL.search(BLANKS.sub(b"", text))
+        return 2.0 + (float(dwell[1]) if dwell else 0.0)  # while it dwells it reports Idle
+
+    def forget(self) -> None:
+        self._waiting.clear()
+        self._used, self._alone, self._echoed = 0, False, False
+
+    def check_mode(self) -> bytes:
+        return b"$C"
+
+    # -- answers in ----------------------------------------------------------------------------------------------------
+
+    def receive(self, data: bytes) -> list[Event]:
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > LONGEST_ANSWER:
+            lines, self._rest = [*lines, self._rest], b""
+        events = []
+        for line in lines:
+            text = line.strip(b"\r\0").decode("latin-1")
+            if text.strip():
+                events.append(self._meaning(text))
+        return events
+
+    def _meaning(self, text: str) -> Event:
+        if text == "ok":
+            said = self._echoed
+            number = self._answered()
+            if number is not None and self._echoes and not said:
+                return Altered(number, "")
+            return Stray(text) if number is None else Accepted(number)
+        for pattern, reader in self._readers():
+            found = pattern.fullmatch(text)
+            if found:
+                return reader(text, found)
+        if self.banner.match(text):
+            self.forget()
+            self._rest = b""
+            return Restarted(text)
+        return Told(text)
+
+    def _readers(self) -> list[tuple[re.Pattern[str], Callable[[str, re.Match[str]], Event]]]:
+        return [(STATUS, self._status), (ERROR, self._error), (ALARM, self._alarm), (ECHO, self._echo)]
+
+    def _answered(self) -> int | None:
+        if not self._waiting:
+            return None
+        number, size, _ = self._waiting.popleft()
+        self._echoed = False
+        self._used -= size
+        self._alone = self._alone and bool(self._waiting)
+        return number
+
+    def _error(self, text: str, found: re.Match[str]) -> Event:
+        number = self._answered()
+        if number is None:
+            return Stray(text)
+        code = found[1].strip()
+        return Rejected(number, text, self.errors.get(int(code), "") if code.isdigit() else "")
+
+    def _alarm(self, text: str, found: re.Match[str]) -> Event:
+        return Alarm(text, self.alarms.get(int(found[1]), ""))
+
+    def _echo(self, text: str, found: re.Match[str]) -> Event:
+        """The line as the controller read it (a build with REPORT_ECHO_LINE_RECEIVED), said before it is executed: the oldest
+        one that waits. One that echoes does so for every line, so that an answer without an echo tells of a loss."""
+        self._echoes = True
+        if self._waiting:
+            number, _, sent = self._waiting[0]
+            self._echoed = True
+            if found[1].strip() != BLANKS.sub(b"", sent).decode("latin-1").upper():
+                return Altered(number, found[1].strip())
+        return Told(text)
+
+    def _status(self, text: str, found: re.Match[str]) -> Event:
+        state = found[1].lower()
+        fields: dict[str, list[float]] = {}
+        try:
+            for part in found[3].split("|"):
+                name, _, values = part.partition(":")
+                if name in ("MPos", "WPos", "WCO", "F", "FS", "Bf", "Ln"):
+                    fields[name] = [float(v) for v in values.split(",")]
+        except ValueError:
+            return Told(text)  # cut or damaged on the way
+        if state not in STATES or not ("MPos" in fields or "WPos" in fields):
+            return Told(text)
+        per = MM_PER_INCH if self.controller.inches else 1.0
+        if "WCO" in fields:
+            self._shift = tuple(v * per for v in fields["WCO"])
+        place: tuple[float, ...] | None = None
+        if "MPos" in fields:
+            place = tuple(v * per for v in fields["MPos"])
+        elif self._shift is not None and len(self._shift) == len(fields["WPos"]):
+            place = tuple(v * per + s for v, s in zip(fields["WPos"], self._shift, strict=True))
+        speeds = fields.get("FS", fields.get("F", []))
+        free = fields.get("Bf", [])
+        return Status(
+            state, found[2] or "", place, speeds[0] * per if speeds else None, speeds[1] if len(speeds) > 1 else None,
+            (int(free[0]), int(free[1])) if len(free) == 2 else None, int(fields["Ln"][0]) if "Ln" in fields else None,
+        )  # fmt: skip
+
+    # -- what it says of itself ----------------------------------------------------------------------------------------
+
+    def learn(self, question: bytes, answers: list[str]) -> None:
+        c = self.controller
+        if question == b"$I":
+            for text in answers:
+                version, options = VERSION.match(text), OPTIONS.match(text)
+                if version:
+                    c.version = version[1].rstrip(":")
+                if options and options[3]:
+                    c.planner, c.window = int(options[2]) + 1, max(16, int(options[3]) - self.keep)
+        elif question in (b"$$", b"$+"):
+            for text in answers:
+                found = SETTING.match(text)
+                if found:
+                    c.settings[found[1]] = found[2].strip()
+            c.inches = c.settings.get("13", "0").split(".")[0] == "1"
+            if "22" in c.settings:
+                c.homing = c.settings["22"].split(".")[0] not in ("0", "")
+            c.compensates = self.compensates(c.settings)
+        elif question == b"$#":
+            c.offsets = [text for text in answers if text.startswith("[") and not text.startswith("[MSG")]
+        elif question == b"$G":
+            for text in answers:
+                if text.startswith("[GC:"):
+                    c.modal = text[4:].rstrip("]").split()
+
+    def compensates(self, settings: dict[str, str]) -> list[str]:
+        """What the control corrects by itself, in words; GRBL nothing."""
+        return []
+
+
+PROTOCOL = Grbl

@@ -1,0 +1,393 @@
+"""The job: lines go out as the protocol allows, answers come in, and it ends in exactly one outcome.
+
+Bytes and time in, bytes out: receive(data, now), tick(now), bytes_out(). A line that has left is never sent again by the
+sender (a protocol that numbers its lines may do so on request). Success is said only when every line is answered, the
+controller reports that it stands still, twice, with nothing strange in between, and it stands where the last line ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+
+from postproc.streaming import outcome as ends
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Busy,
+    Event,
+    Rejected,
+    Restarted,
+    Status,
+    Stray,
+    Told,
+    Write,
+)
+from postproc.streaming.limits import Limits
+from postproc.streaming.lines import WireLine
+from postproc.streaming.outcome import Outcome, Tally, off_by, verdict
+from postproc.streaming.protocols import Protocol
+
+RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
+MOVING = {"run", "hold", "jog", "door", "home", "tool", "sleep"}
+RESTS = {"idle", "check"}
+STOPPED = "the controller was told to stop"
+POLL_AGAIN = 1.0  # s after which an unanswered status request is made again
+
+
+class Sender:
+    """One job on one connection. `on_error`: "stop" or "continue"; `check`: a dry run in the controller's check mode.
+
+    order: where each axis of a line's `end` stands in the controller's reports; (): in the same order, None: it does not report them.
+    `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected", line, time), ("status",
+    status, time), ("told", text, time).
+    """
+
+    def __init__(
+        self,
+        protocol: Protocol,
+        limits: Limits = Limits(),
+        on_error: str = "stop",
+        check: bool = False,
+        order: tuple[int, ...] | None = (),
+    ):
+        self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
+        self.outcome: Outcome | None = None
+        self.tally = Tally()
+        self.state = RUNNING
+        self.status: Status | None = None
+        self.log: list[tuple[str, object, float]] = []
+        self._queue: deque[WireLine] = deque()
+        self._ended = False
+        self._sent: dict[int, WireLine] = {}
+        self._urgent = b""
+        self._out = b""
+        self._last: WireLine | None = None  # the last line answered
+        self._end: tuple[float, ...] = ()
+        self._heard = self._moved = self._polled = -math.inf
+        self._waits_for_status = False
+        self._drained: float | None = None
+        self._rests = 0
+        self._idle_since: float | None = None
+        self._deadline = math.inf
+        self._pending: Outcome | None = None
+        self._own = 0
+        self._begun = False
+        self._check_off = False
+        self._holds = False
+        for text in protocol.opening:
+            self._insert(text)
+        if check:
+            self._insert(protocol.check_mode())
+
+    # -- what the owner gives ------------------------------------------------------------------------------------------
+
+    def give(self, lines: Iterable[WireLine]) -> None:
+        """Lines to send, in order, with rising numbers."""
+        self._queue.extend(lines)
+
+    def end(self) -> None:
+        """No more lines will come."""
+        if not self._ended:
+            self._ended = True
+            for text in self.protocol.closing:
+                self._insert(text)
+
+    @property
+    def queued(self) -> int:
+        return len(self._queue)
+
+    def _insert(self, text: bytes) -> None:
+        self._own -= 1
+        self._queue.append(WireLine(self._own, 0, 0, text))
+
+    # -- what a person does --------------------------------------------------------------------------------------------
+
+    def hold(self, now: float) -> None:
+        """Feed hold: the machine slows down and stands; no further line leaves."""
+        if self.outcome is None and self.state in (RUNNING, HELD):
+            self._urgent += self.protocol.urgent("hold")
+            self.state, self._holds = HELD, True
+
+    def resume(self, now: float) -> None:
+        """Go on where the hold was, also one that the program (M0) or the machine made."""
+        if self.outcome is None and self.state in (RUNNING, HELD):
+            self._urgent += self.protocol.urgent("resume")
+            self.state, self._holds = RUNNING, False
+            self._moved = now
+            self._idle_since = None
+
+    def stop(self, now: float, why: str = "stopped by the user") -> None:
+        """Soft reset: what was sent and not executed is dropped."""
+        if self.outcome is None and self.state != STOPPING:
+            self._urgent += self.protocol.urgent("stop")
+            self._out = b""
+            self._queue.clear()
+            self._end_soon(
+                ends.ABORTED, why, now, "the controller was reset: home it if it moved when it was stopped", STOPPING
+            )
+
+    def lost(self, why: str, now: float) -> None:
+        """The port is gone."""
+        self._finish(ends.DISCONNECTED, f"the connection is lost: {why}", self._position_advice())
+
+    # -- bytes and time ------------------------------------------------------------------------------------------------
+
+    def receive(self, data: bytes, now: float) -> None:
+        if data and self.outcome is None:
+            self._heard = now
+            for event in self.protocol.receive(data):
+                if self.outcome is None:
+                    self._take(event, now)
+
+    def tick(self, now: float) -> None:
+        """Fill the window and look at the clock. Call it after every receive(), and at least every 50 ms."""
+        if self.outcome is not None:
+            return
+        if not self._begun:
+            self._begun, self._heard, self._moved = True, now, now
+        self._fill(now)
+        self._poll(now)
+        self._watch(now)
+
+    def bytes_out(self) -> bytes:
+        """What to write now, at most what the protocol lets go; the rest comes next time."""
+        if self._urgent:
+            data, self._urgent = self._urgent, b""
+            return data
+        n = min(self.protocol.release(), len(self._out))
+        data, self._out = self._out[:n], self._out[n:]
+        return data
+
+    def unwritten(self, data: bytes) -> None:
+        """The port did not take these bytes: they go first next time. Realtime bytes still pass them."""
+        self._out = data + self._out
+
+    @property
+    def waiting(self) -> tuple[WireLine, ...]:
+        """Lines sent and not answered, oldest first."""
+        return tuple(self._sent.values())
+
+    # -- the parts -----------------------------------------------------------------------------------------------------
+
+    def _fill(self, now: float) -> None:
+        if self._ended and not self._queue and self.check and not self._check_off and not self._sent:
+            self._check_off = True
+            self._insert(self.protocol.check_mode())
+        while self._queue and self.state == RUNNING and self.protocol.ready(self._queue[0].text):
+            line = self._queue.popleft()
+            if not self._sent:
+                self._moved = now  # waiting begins with the first line that waits
+                self._idle_since = None
+            data = self.protocol.send(line.number, line.text)
+            self._sent[line.number] = line
+            self._out += data
+            self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
+            if line.number > 0:
+                self.tally.sent += 1
+                self.tally.bytes += len(data)
+                self.log.append(("sent", line, now))
+            self._drained, self._rests = None, 0
+
+    def _poll(self, now: float) -> None:
+        request = self.protocol.urgent("status")
+        if not request or now - self._polled < self.limits.poll:
+            return
+        if not self._waits_for_status or now - self._polled >= POLL_AGAIN:
+            self._urgent += request
+            self._polled, self._waits_for_status = now, True
+
+    def _watch(self, now: float) -> None:
+        """The clock's part: orders that are overdue, silence, standstill, the end."""
+        if now >= self._deadline and self._pending is not None:
+            self.outcome = self._with_rest(self._pending)
+            return
+        oldest = self.protocol.outstanding()[:1]
+        text = self._sent[oldest[0]].text if oldest and oldest[0] in self._sent else b""
+        polls = bool(self.protocol.urgent("status"))
+        patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
+        if polls and self._waits_for_status and now - max(self._heard, self._moved) > patience:
+            self._finish(
+                ends.DISCONNECTED, f"the controller has said nothing for {now - self._heard:.1f} s, not even its status",
+                self._position_advice(),
+            )  # fmt: skip
+        elif not polls and text and self.state == RUNNING and now - max(self._heard, self._moved) > patience:
+            self._stalled(now, f"no answer for {now - self._heard:.1f} s")
+        elif self._ended and not self._queue and not self._sent and not self._out and self._pending is None:
+            self._drain(now)
+
+    def _drain(self, now: float) -> None:
+        """All is answered: is it done?"""
+        confirms = self.protocol.confirms
+        if confirms == "answers":
+            self._done()
+        elif confirms == "nothing":
+            self._finish(
+                ends.SENT, f"{self.tally.sent} lines were sent; this link tells nothing of what became of them"
+            )
+        elif self._drained is None:
+            self._drained, self._rests = now, 0
+
+    def _take(self, event: Event, now: float) -> None:
+        if isinstance(event, Accepted):
+            self._answered(event.number, now)
+        elif isinstance(event, Status):
+            self._reported(event, now)
+        elif isinstance(event, Rejected):
+            self._rejected(event, now)
+        elif isinstance(event, Alarm):
+            self._alarmed(event, now)
+        elif isinstance(event, Restarted):
+            self._restarted(event, now)
+        elif isinstance(event, Stray):
+            self._end_soon(
+                ends.DRIFT, f"the controller answered {event.text!r} while no line waits for an answer: answers were counted wrong, "
+                "or somebody else sends too", now, "what it received is not certain; stop, look at the part, and restart", hold=True,
+            )  # fmt: skip
+        elif isinstance(event, Altered):
+            line = self._sent.get(event.number)
+            self._end_soon(
+                ends.ALTERED, f"the controller read {event.heard!r}, which is not what was sent: {line.where() if line else ''}", now,
+                "the link loses or alters bytes: check cable, baud rate and flow control", hold=True,
+            )  # fmt: skip
+        elif isinstance(event, Write):
+            self._out += event.data
+            self._moved = now
+        elif isinstance(event, Busy):
+            self._moved = now
+        elif isinstance(event, Told):
+            self.log.append(("told", event.text, now))
+
+    def _answered(self, number: int, now: float) -> None:
+        line = self._sent.pop(number, None)
+        self._moved, self._idle_since = now, None
+        if line is None or number <= 0:
+            return
+        self._last = line
+        self.tally.answered += 1
+        self.tally.seconds += line.seconds
+        self.tally.source = line.source
+        if line.end:
+            self._end = line.end
+        self.log.append(("answered", line, now))
+
+    def _rejected(self, event: Rejected, now: float) -> None:
+        line = self._sent.pop(event.number, None)
+        self._moved, self._idle_since = now, None
+        if line is None:
+            return
+        said = event.code + (f" ({event.meaning})" if event.meaning else "")
+        if line.number <= 0:
+            self._end_soon(ends.ERROR, f"the controller refused {line.text.decode()}: {said}", now)
+            return
+        self.tally.rejected.append((line, said))
+        self.tally.answered += 1
+        self._end = ()
+        self.log.append(("rejected", line, now))
+        if self.on_error == "continue" or self.check:
+            return
+        behind = len(self._sent)
+        self._end_soon(
+            ends.ERROR, f"the controller refused {line.where()}\n    {said}", now,
+            (f"it had {behind} more lines by then, which it may still execute; " if behind else "")
+            + "it was told to hold: resume (~) executes what it has, a reset (Ctrl-X) drops it",
+            HALTING, hold=True,
+        )  # fmt: skip
+
+    def _alarmed(self, event: Alarm, now: float) -> None:
+        said = event.code + (f": {event.meaning}" if event.meaning else "")
+        if self.state == STOPPING:
+            self.log.append(("told", said, now))
+            return
+        at = f"; the oldest line unanswered is {self.waiting[0].where()}" if self.waiting else ""
+        self._finish(ends.ALARM, f"alarm: {said}{at}", "clear its cause, home or unlock, and restart the job")
+
+    def _restarted(self, event: Restarted, now: float) -> None:
+        if self.state == STOPPING:
+            self.outcome = self._with_rest(self._pending) if self._pending else None
+            return
+        if self._check_off:  # leaving check mode ends in a restart
+            self._sent.clear()
+            self._moved = now
+            return
+        at = f"; it may have been at {self.waiting[0].where()}" if self._sent else ""
+        self._finish(
+            ends.RESET, f"the controller has restarted in the middle of the job ({event.text.strip()}){at}",
+            "its position is not certain any more: home it, and restart from a line before",
+            unanswered=tuple(self._sent.values()),
+        )  # fmt: skip
+
+    def _reported(self, status: Status, now: float) -> None:
+        asked_after_drain = self._drained is not None and self._waits_for_status and self._polled >= self._drained
+        self._waits_for_status = False
+        self.status = status
+        self.log.append(("status", status, now))
+        if status.state == "alarm" and self.state != STOPPING:
+            self._finish(
+                ends.ALARM, "the controller is in alarm", "clear its cause, home or unlock, and restart the job"
+            )
+        elif self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
+            self._deadline = min(self._deadline, now)
+        elif self._holds and status.state == "run":
+            self._urgent += self.protocol.urgent("hold")  # it was lost on the way, or while EEPROM was written
+        elif status.state in RESTS:
+            if self._sent and self.state == RUNNING:
+                self._idle_since = now if self._idle_since is None else self._idle_since
+                waiting = self.waiting[:1]
+                patience = max(self.limits.stall, self.protocol.patience(waiting[0].text) if waiting else 0.0)
+                if now - max(self._idle_since, self._moved) >= patience:
+                    self._stalled(
+                        now, f"it stands still ({status.state}) and has answered nothing for {now - self._moved:.1f} s"
+                    )
+            elif asked_after_drain and self.state == RUNNING:
+                self._rests += 1
+                if self._rests >= 2:
+                    self._done(status)
+        else:
+            self._idle_since, self._rests = None, 0
+
+    # -- ends ----------------------------------------------------------------------------------------------------------
+
+    def _done(self, status: Status | None = None) -> None:
+        off = None if status is None or self.check else off_by(status.place, self._end, self.order, self.limits.off_mm)
+        self._finish(*verdict(self.tally, off, self.check))
+
+    def _stalled(self, now: float, how: str) -> None:
+        lines = "; ".join(line.where() for line in self.waiting[:4])
+        self._end_soon(
+            ends.STALLED, f"{len(self._sent)} lines were sent and not answered, and {how}. Oldest: {lines}", now,
+            "an answer or a part of a line was lost; nothing is sent again, because a line executed twice is worse. "
+            "Look at the machine, then restart from the last line answered", hold=True,
+        )  # fmt: skip
+
+    def _position_advice(self) -> str:
+        return "what the controller has received it may still execute; check where it stands before you restart"
+
+    def _end_soon(
+        self, kind: str, message: str, now: float, advice: str = "", state: str = HALTING, hold: bool = False
+    ) -> None:
+        """Nothing more leaves; the outcome stands, and is told when the controller has come to rest, or the grace is over."""
+        if self._pending is None or state == STOPPING:
+            self._pending = Outcome(kind, message, advice)
+        if hold:
+            self._urgent += self.protocol.urgent("hold")
+        self.state, self._holds = state, hold
+        self._deadline = min(self._deadline, now + self.limits.grace)
+
+    def _finish(
+        self, kind: str, message: str, advice: str = "", unanswered: tuple[WireLine, ...] | None = None
+    ) -> None:
+        if self.outcome is None:
+            first = self._pending or Outcome(kind, message, advice)
+            self.outcome = self._with_rest(first, unanswered)
+
+    def _with_rest(self, outcome: Outcome, unanswered: tuple[WireLine, ...] | None = None) -> Outcome:
+        """The outcome with what is certain and what is not."""
+        rest = tuple(self._sent.values()) if unanswered is None else unanswered
+        return Outcome(
+            outcome.kind, outcome.message, outcome.advice, self._last.number if self._last else 0,
+            tuple(line for line in rest if line.number > 0), tuple(self.tally.rejected),
+            self._last.source if self._last else 0,
+        )  # fmt: skip

@@ -1,0 +1,251 @@
+"""Program text through the filter, as lines for the wire that know where they come from.
+
+The filter may be fed in any pieces (tests hold it to that), so batches of whole lines serve speed only. Which output line
+belongs to which source line is counted: a source line gives itself, and one line behind it for every piece put in.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from postproc.errors import GcompError, Place, ProgramError
+from postproc.filter import Filter
+from postproc.motions import FOREIGN, RAPID, Motions
+from postproc.nc.lexer import Words
+from postproc.pieces import Pieces
+from postproc.streaming.lines import Unsendable, WireLine
+from postproc.units import MM_PER_INCH, TICKS_PER_INCH, TICKS_PER_MM
+
+BATCH = 64  # lines
+RAPID_MM_MIN = 3000.0  # where neither machine nor controller says how fast a rapid is
+CHORD = 0.0005  # mm: how far sampled arcs may miss
+LOST = re.compile(rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE)  # where it ends is not known
+DWELL = re.compile(rb"G0*4(?![0-9.]).*?P *([0-9.]+)", re.IGNORECASE)
+COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
+
+
+class Source:
+    """feed(bytes) and finish() give wire lines. `prepare` is the protocol's; `shorten` makes a line's words shorter.
+
+    rapid: mm/min of rapids. sampled: whether arcs come with points.
+    number: of the next wire line. dropped: source lines with words behind the end of the program, which are not sent.
+    """
+
+    def __init__(
+        self, filter_: Filter, prepare: Callable[[bytes], bytes], shorten: Callable[[bytes], bytes] | None = None,
+        rapid: float = RAPID_MM_MIN, sampled: bool = False,
+    ):  # fmt: skip
+        self.filter, self.prepare, self.shorten = filter_, prepare, shorten
+        self.rapid, self.sampled = rapid, sampled
+        self.number = 1
+        self.dropped = 0
+        self.ended = False
+        self.delivered: list[WireLine] = []
+        self._rest = b""
+        self._seen: list[tuple[Words, Motions, Pieces, bytes, int]] = []
+        self._end: tuple[float, ...] = ()
+        ends = "|".join(map(str, filter_.dialect.ends))
+        self._ends = re.compile(rf"(?<![A-Z])M0*(?:{ends})(?![0-9.])".encode(), re.IGNORECASE) if ends else None
+        filter_.watchers.append(lambda *seen: self._seen.append(seen))
+
+    def feed(self, data: bytes) -> list[WireLine]:
+        """Wire lines of all whole lines so far. Raises ProgramError, Unsendable."""
+        end = data.rfind(b"\n") + 1
+        if not end:
+            self._rest += data
+            return []
+        text, self._rest = self._rest + data[:end], data[end:]
+        lines: list[WireLine] = []
+        try:
+            for batch in _batches(text):
+                lines += self._batch(batch)
+        except ProgramError:
+            self.delivered = lines + self.delivered
+            raise
+        return lines
+
+    def finish(self) -> list[WireLine]:
+        """Wire lines of what is left at the end of the input."""
+        text, self._rest = self._rest, b""
+        return self._batch(text) if text else []
+
+    def _seen_lines(self) -> list[WireLine]:
+        """Wire lines of what the filter has passed on since it was asked."""
+        seen, self._seen[:] = list(self._seen), []
+        return [line for one in seen for line in self._of_pass(*one)]
+
+    def _batch(self, text: bytes) -> list[WireLine]:
+        if self.ended:
+            self.dropped += sum(1 for line in text.split(b"\n") if self._says(line))
+            self.filter.summary.lines += text.count(b"\n")
+            return []
+        if text.count(b"\n") > 1 and (b"%" in text or (self._ends and self._ends.search(text))):
+            single: list[WireLine] = []
+            try:
+                for row in text.splitlines(keepends=True):
+                    single += self._batch(row)
+            except ProgramError:
+                self.delivered = single + self.delivered
+                raise
+            return single
+        first = self.filter.summary.lines
+        self._seen.clear()
+        try:
+            out = self.filter.feed(text) if text.endswith(b"\n") else self.filter.feed(text) + self.filter.finish()
+        except ProgramError:
+            self.delivered = self._seen_lines()
+            raise
+        if not self._seen:  # "%": nothing a watcher sees
+            return self._lines(out.split(b"\n"), [first + 1] * (out.count(b"\n") + 1), None)
+        return self._seen_lines()
+
+    def _of_pass(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, before: int) -> list[WireLine]:
+        """Wire lines of one batch of the filter; `before`: lines handled before it."""
+        n = words.text.count(b"\n") + (not words.text.endswith(b"\n"))
+        texts = output.split(b"\n")
+        if output.endswith(b"\n"):
+            texts.pop()
+        first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])[: len(pieces)]
+        line = words.line[motions.block[pieces.motion]] if len(pieces) else np.zeros(0, np.int64)
+        added = np.bincount(line[~first], minlength=n)
+        source = np.repeat(np.arange(n), 1 + added)
+        own = list(range(len(texts)))
+        if len(texts) == len(source) + 1:  # gcomp's mark stands before the first block that was changed
+            mark = next(i for i, text in enumerate(texts) if b"GCOMP " in text)
+            own.pop(mark)
+            texts.pop(mark)
+        if len(texts) != len(source):
+            raise GcompError(
+                f"{len(source)} lines were expected for lines {before + 1} to {before + n}, and the filter wrote {len(texts)}: "
+                "which came from which is not certain",
+                "this is an error of gcomp: please report the program; gcomp -o FILE writes it without streaming",
+            )
+        slots: dict[tuple[int, int], int] = {}
+        count = np.zeros(n, np.int64)
+        for i in range(len(pieces)):
+            k = int(line[i])
+            count[k] += not first[i]
+            slots[k, int(count[k])] = i
+        return self._lines(texts, (source + before + 1).tolist(), (motions, pieces, slots, before + 1))
+
+    def _lines(self, texts: list[bytes], source: list[int], motion) -> list[WireLine]:
+        result = []
+        previous, piece = 0, 0
+        values = _Values(self, motion[0], motion[1]) if motion and len(motion[1]) else None
+        for text, k in zip(texts, source, strict=True):
+            piece = piece + 1 if k == previous else 0
+            previous = k
+            if self.ended:
+                self.dropped += self._says(text)
+                continue
+            end, correction, length, seconds, points = self._end, (), 0.0, 0.0, ()
+            i = motion[2].get((k - motion[3], piece)) if values else None
+            if values and i is not None:
+                end, correction, length, seconds, points = values.of(i)
+            wire = self._wire(text, k)
+            if not wire:
+                continue
+            if b"G" in wire or b"g" in wire or b"$" in wire:
+                if LOST.search(wire):
+                    end = ()
+                dwell = DWELL.search(wire)
+                seconds += float(dwell[1]) if dwell else 0.0
+            self._end = end
+            result.append(WireLine(self.number, k, piece, wire, end, correction, length, seconds, points))
+            self.number += 1
+            self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
+        return result
+
+    def _wire(self, text: bytes, source: int) -> bytes:
+        """The line as it is sent. Raises Unsendable with its place."""
+        if self.filter.setup.block_delete and text.lstrip().startswith(b"/"):
+            return b""
+        try:
+            wire = self.prepare(text)
+            return self.shorten(wire) if wire and self.shorten else wire
+        except Unsendable as error:
+            place = Place(self.filter.name, source, text.decode("latin-1"))
+            raise ProgramError(error.message, error.advice, place) from None
+
+    @staticmethod
+    def _says(line: bytes) -> bool:
+        return bool(COMMENT.sub(b"", line).strip(b" \t\r\n%"))
+
+
+class _Values:
+    """What pieces are worth, worked out for a whole batch."""
+
+    def __init__(self, source: Source, motions: Motions, pieces: Pieces):
+        known = motions.target_known[:, pieces.motion]
+        self.end = np.where(known, pieces.end / TICKS_PER_MM, np.nan)
+        self.correction = np.where(known, (pieces.end - pieces.nominal) / TICKS_PER_MM, 0.0)
+        delta = np.where(known & motions.start_known[:, pieces.motion], (pieces.end - pieces.start) / TICKS_PER_MM, 0.0)
+        length = np.linalg.norm(delta, axis=0)
+        arc = pieces.arc >= 0
+        if arc.any():
+            row = pieces.arc[arc]
+            along = motions.arcs.radius[row] * np.abs(motions.arcs.sweep[row]) * pieces.share[arc]
+            depth = delta[:, arc].copy()
+            at = np.arange(len(row))
+            depth[motions.arcs.first[row], at] = depth[motions.arcs.second[row], at] = 0.0
+            length[arc] = np.hypot(along, np.linalg.norm(depth, axis=0))
+        motion = pieces.motion
+        inch = (
+            (motions.scale.max(axis=0) >= TICKS_PER_INCH // 2)[motion]
+            if len(motions.scale)
+            else np.zeros(len(motion), bool)
+        )
+        feed = motions.feed[motion] * np.where(inch, MM_PER_INCH, 1.0)
+        feed = np.where((pieces.code == RAPID) | ~(feed > 0), source.rapid, feed)
+        timed = motions.inverse[motion] & (pieces.code != RAPID) & (motions.feed[motion] > 0)
+        seconds = length / feed * 60.0
+        seconds = np.where(
+            timed, np.maximum(pieces.share, 0) * 60.0 / np.where(timed, motions.feed[motion], 1.0), seconds
+        )
+        known_code = motions.code[motion] != FOREIGN
+        self.length, self.seconds = length, np.where(known_code, seconds, 0.0)
+        self.end[:, ~known_code] = np.nan
+        self.source, self.motions, self.pieces = source, motions, pieces
+        self.ends, self.corrections = self.end.T.tolist(), self.correction.T.tolist()
+
+    def of(self, i: int):
+        points = self.points(i) if self.source.sampled and self.pieces.arc[i] >= 0 else ()
+        return (
+            tuple(self.ends[i]), tuple(self.corrections[i]), float(self.length[i]), float(self.seconds[i]), points,
+        )  # fmt: skip
+
+    def points(self, i: int) -> tuple[tuple[float, ...], ...]:
+        """Places on an arc between its ends."""
+        p, arcs, row = self.pieces, self.motions.arcs, int(self.pieces.arc[i])
+        start = p.start[:, i] / TICKS_PER_MM
+        end = p.end[:, i] / TICKS_PER_MM
+        first, second = int(arcs.first[row]), int(arcs.second[row])
+        centre = start[[first, second]] + p.centre[:, i] / TICKS_PER_MM
+        radius = float(np.hypot(*(start[[first, second]] - centre)))
+        sweep = float(arcs.sweep[row] * p.share[i])
+        if radius <= CHORD:
+            return ()
+        n = min(2000, int(np.ceil(abs(sweep) / (2 * np.sqrt(2 * CHORD / radius)))))
+        t = np.arange(1, n) / max(n, 1)
+        begin = np.arctan2(start[second] - centre[1], start[first] - centre[0])
+        places = start[:, None] + (end - start)[:, None] * t
+        places[first] = centre[0] + radius * np.cos(begin + sweep * t)
+        places[second] = centre[1] + radius * np.sin(begin + sweep * t)
+        return tuple(map(tuple, places.T.tolist()))
+
+
+def _batches(text: bytes) -> Iterator[bytes]:
+    """Pieces of so many whole lines."""
+    start = 0
+    while start < len(text):
+        stop = start
+        for _ in range(BATCH):
+            stop = text.find(b"\n", stop) + 1
+            if not stop:
+                stop = len(text)
+                break
+        yield text[start:stop]
+        start = stop

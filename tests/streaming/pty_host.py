@@ -1,0 +1,70 @@
+"""The model behind a pseudo-terminal, in real time: what gcomp as a process meets. Faults by a seeded plan on the way."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import threading
+import time
+import tty
+
+from tests.streaming.bench import Faults
+from tests.streaming.grbl_model import GrblModel
+
+
+class PtyHost:
+    """`path` is the port. speed: how many model seconds pass in a second. die_after: received lines after which it hangs up."""
+
+    def __init__(self, model: GrblModel, faults: Faults | None = None, speed: float = 1.0, hang_up_after: int = 0,
+                 silent_after: int = 0):  # fmt: skip
+        self.model, self.faults, self.speed = model, faults or Faults(), speed
+        self.hang_up_after, self.silent_after = hang_up_after, silent_after
+        self.master, slave = os.openpty()
+        tty.setraw(slave)
+        self.path = os.ttyname(slave)
+        self._slave = slave
+        self._stop = False
+        self.heard = bytearray()
+        self.times: list[tuple[float, int]] = []
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def __enter__(self) -> PtyHost:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._stop = True
+        self._thread.join(5)
+        with contextlib.suppress(OSError):
+            os.close(self.master)
+        with contextlib.suppress(OSError):
+            os.close(self._slave)
+
+    def _run(self) -> None:
+        begun = time.monotonic()
+        while not self._stop:
+            ready = select.select([self.master], [], [], 0.001)[0]
+            now = (time.monotonic() - begun) * self.speed
+            if ready:
+                try:
+                    data = os.read(self.master, 4096)
+                except OSError:
+                    return
+                for value in data:
+                    if value in b"!~\x18":
+                        self.times.append((time.monotonic(), value))
+                self.heard += data
+                self.model.write(self.faults.pass_on("to", data), now)
+            self.model.advance(now)
+            back = self.faults.pass_on("back", self.model.read(now))
+            n = len(self.model.received)
+            if self.silent_after and n >= self.silent_after:
+                continue
+            if self.hang_up_after and n >= self.hang_up_after:
+                os.close(self._slave)
+                os.close(self.master)
+                return
+            if back:
+                with contextlib.suppress(OSError):
+                    os.write(self.master, back)
