@@ -12,20 +12,23 @@ SHOWS = {  # effect: (experiment, what about it matters)
     "backlash_position": ("positioning:{a}", "laser along {a} in both directions, three runs"),
     "windup": ("staircase:{a}", "reversals of {a} by 0.01 to 5 mm: windup grows with the way, lost motion does not"),
     "reversal_spike": ("ballbar:{p}", "circles at two feeds, sampled every 10 ms or faster"),
-    "stick_slip": ("log:{a}", "{a} alone at 1 to 50 mm/min, position logged at 100 Hz"),
+    "stick_slip": ("feeds:{a}", "{a} alone at 1 to 50 mm/min, position logged at 100 Hz"),
     "friction_asymmetry": ("ballbar:{p}", "circles in both senses at two feeds; log the current of {a}"),
-    "servo_lag": ("log:{a}", "{a} alone there and back at two feeds, position logged against the command"),
+    "servo_lag": ("feeds:{a}", "{a} alone there and back at two feeds, position logged against the command"),
     "servo_mismatch": ("ballbar:{p}", "circles in both senses at two feeds: the ellipse at 45 degrees turns over"),
-    "inertia": ("log:{a}", "{a} with two accelerations, position logged"),
-    "vibration": ("log:{a}", "{a} at two feeds: the frequency stays, a cyclic error's does not"),
+    "inertia": ("feeds:{a}", "{a} with two accelerations, position logged"),
+    "vibration": ("feeds:{a}", "{a} at two feeds: the frequency stays, a cyclic error's does not"),
     "cyclic": ("positioning:{a}", "laser along {a} at steps of a twentieth of the lead, over three turns of the screw"),
-    "encoder_cyclic": ("log:{a}", "{a} slowly over a few periods of the scale, with its own scale and a laser at once"),
+    "encoder_cyclic": (
+        "feeds:{a}",
+        "{a} slowly over a few periods of the scale, with its own scale and a laser at once",
+    ),
     "screw_heat": (
         "positioning:{a}",
         "laser along {a} cold, then after 30 minutes of rapid travel, screw temperature recorded",
     ),
-    "structure_drift": ("drift:{a}", "slides at rest for two hours, reading and temperatures every minute (ISO 230-3)"),
-    "spindle_growth": ("drift:{a}", "spindle on for an hour, off for an hour, reading every minute (ISO 230-3)"),
+    "structure_drift": ("soak:{a}", "slides at rest for two hours, reading and temperatures every minute (ISO 230-3)"),
+    "spindle_growth": ("soak:{a}", "spindle on for an hour, off for an hour, reading every minute (ISO 230-3)"),
     "squareness": ("diagonal:{p}", "both diagonals of {p}; a circle in both senses does as well"),
     "bow": ("straightness:{a}", "straightness of {a} with a straightedge that is turned over"),
     "abbe": (
@@ -33,16 +36,16 @@ SHOWS = {  # effect: (experiment, what about it matters)
         "laser along {a} on two lines as far apart across {a} as the machine allows; angle of {a}",
     ),
     "sag": ("positioning:{a}", "straightness of the carrying axis with {a} at both ends of its travel"),
-    "force_compliance": ("load:{a}", "the same place with two known weights or forces along {a}"),
-    "tool_wear": ("parts", "five parts, a change of tool, five parts more, all measured"),
-    "tool_size": ("parts", "a boss and a pocket of the same size with the same tool"),
+    "force_compliance": ("", "the same place with two known weights or forces along {a}"),
+    "tool_wear": ("", "five parts, a change of tool, five parts more, all measured"),
+    "tool_size": ("", "a boss and a pocket of the same size with the same tool"),
     "step_loss": ("positioning:{a}", "home {a}, touch the same point again, at the start and at the end"),
     "laser_air": ("positioning:{a}", "the same run with the laser's weather station on"),
     "dead_path": ("positioning:{a}", "the same run with the interferometer as near to the zero as it goes"),
     "cosine": ("positioning:{a}", "the same run with the beam aligned anew"),
-    "delay": ("log:{a}", "all axes there and back at two feeds: a late recording is late in all alike"),
-    "coulomb_friction": ("log:{a}", "{a} there and back at five feeds with its current recorded"),
-    "viscous_friction": ("log:{a}", "{a} there and back at five feeds with its current recorded"),
+    "delay": ("feeds:{a}", "all axes there and back at two feeds: a late recording is late in all alike"),
+    "coulomb_friction": ("feeds:{a}", "{a} there and back at five feeds with its current recorded"),
+    "viscous_friction": ("feeds:{a}", "{a} there and back at five feeds with its current recorded"),
 }
 
 
@@ -54,6 +57,8 @@ def showing(effect: str, axis: str, machine: Machine) -> str:
     other = next((x for x in letters if x != single), single)
     pair = axis if len(axis) == 2 else "".join(sorted(single + other))
     name = experiment.format(a=single, p=pair)
+    if not name:
+        return words.format(a=single, p=pair)
     return f"{words.format(a=single, p=pair)}: gcomp simulate --test {name} --machine {machine.name} --program-out {name.replace(':', '_')}.nc"
 
 

@@ -18,6 +18,7 @@ MAP_UM = 0.26  # um: by how much each smooth term of a measured map is usually w
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 PART = 5e-4  # mm
+FEATURE = 4e-3  # mm
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 SQUARE = 1.5e-6  # rad
 
@@ -35,7 +36,11 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     seen = np.isin(rows.sees, ("laser", "tool"))
     for signal in range(len(rows.signals)):
         which = rows.signal == signal
-        add(which.astype(float), FREE)
+        # A feature of a turned part has no set-up zero of its own, only what the map does not know at its place.
+        placed = rows.other and bool(
+            np.all(rows.sees[which] == "part") and np.all([np.isnan(v[which]).any() for v in rows.other.values()])
+        )
+        add(which.astype(float), FEATURE if placed else FREE)
     for file, kind in enumerate(rows.kinds):
         if kind == "ballbar":
             for i in range(3):
@@ -52,6 +57,9 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
                 add(which.astype(float), WALK)
                 add(late, WALK)
     part = rows.sees == "part"
+    for file, kind in enumerate(rows.kinds):
+        if kind == "features":
+            add(np.where(part & (rows.file == file), rows.state.channels.get("wall", np.ones(len(rows))), 0.0), FREE)
     for number in np.unique(rows.run[part]):  # every part lies a little differently in its fixture
         for i in range(3):
             add(

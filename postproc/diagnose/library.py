@@ -79,7 +79,8 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     seen = visible(rows, module)
     if value.ndim == 2:
         return np.where(seen, value, 0.0).T
-    if rows.other and "part" in module.SEES and module.PER != "all" and "part" not in module.NEEDS:
+    # The difference of two places; what comes with time or with the tool is in one of its walls.
+    if rows.other and "part" in module.SEES and module.PER != "all" and not {"part", "time"} & set(module.NEEDS):
         part = (rows.sees == "part") & np.all([np.isfinite(v) for v in rows.other.values()], axis=0)
         there = pick_state(rows.state, part)
         for x in there.position:

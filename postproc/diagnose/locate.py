@@ -44,9 +44,9 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     rng = np.random.default_rng(99)
     y = rows.residual
     left = y - projector.nuisance(y)
-    draws = (u * np.minimum(prior, 0.01)) @ rng.normal(size=(len(prior), DRAWS)) + sigma[:, None] * rng.normal(
-        size=(len(y), DRAWS)
-    )
+    draws = (u * np.where(prior < 0.005, prior, 0.0)) @ rng.normal(size=(len(prior), DRAWS)) + sigma[
+        :, None
+    ] * rng.normal(size=(len(y), DRAWS))
     draws = draws - u @ (projector.inner @ (u.T @ (projector.w[:, None] * draws)))
     found = []
     for signal in np.unique(rows.signal):

@@ -17,6 +17,7 @@ from postproc.diagnose.rows import Rows
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
 MAD = 1.4826
 LARGEST_RHO = 0.9
+LINE = 25.0  # times the power around
 
 
 def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -76,13 +77,28 @@ def _dense(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float, 
     for r in np.unique(run):
         part = y[run == r]
         if len(part) > 8:
-            rough.append(part - _smooth(part))
+            rough.append(_without_lines(part - _smooth(part)))
     if not rough:
         return float(np.std(y)), 0.0
     flat = np.concatenate(rough)
     size = spread(flat)
     rho = np.mean([_alike(part) for part in rough])
     return size * np.sqrt(15.0 / 14.0), float(np.clip(rho, 0.0, LARGEST_RHO))
+
+
+def _without_lines(values: np.ndarray) -> np.ndarray:
+    """What is left when the sharpest lines of the spectrum are taken out: an oscillation is no noise."""
+    spectrum = np.fft.rfft(values)
+    power = np.abs(spectrum) ** 2
+    width = 31
+    if len(power) < 2 * width:
+        return values
+    around = np.array([np.median(power[max(0, k - width) : k + width + 1]) for k in range(0, len(power), width)])
+    level = np.repeat(around, width)[: len(power)]
+    line = power > LINE * np.maximum(level, 1e-30)
+    wide = line | np.concatenate([line[1:], [False]]) | np.concatenate([[False], line[:-1]])
+    spectrum[wide] = 0.0
+    return np.fft.irfft(spectrum, len(values))
 
 
 def _smooth(values: np.ndarray, width: int = 15) -> np.ndarray:

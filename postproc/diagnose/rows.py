@@ -141,12 +141,8 @@ def _passages(parts: list[dict]) -> np.ndarray:
 
 
 def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, float]]:
-    """The range over which shapes are drawn: the table's where there is one, the travel's else."""
-    result = {}
-    for x in letters:
-        table = machine.tables.get(x)
-        result[x] = (float(table.nodes[0]), float(table.nodes[-1])) if table is not None else machine.axes[x].travel
-    return result
+    """The range over which shapes are drawn: the travel, as for the compensator and the simulator."""
+    return {x: machine.axes[x].travel for x in letters}
 
 
 def _filled(values: np.ndarray) -> np.ndarray:
@@ -168,7 +164,7 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     from postproc.diagnose import library  # it builds on this module
 
     result = np.zeros(len(rows))
-    tool = np.isin(rows.sees, ("laser", "tool"))
+    tool = np.isin(rows.sees, ("laser", "tool")) | _turned(rows)
     bare = replace(machine, effects=tuple(e for e in machine.effects if e.module is None))
     if tool.any():
         part = pick_state(rows.state, tool)
@@ -181,6 +177,13 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
         turned = (rows.sees == "angle") & _moving(rows, axis)
         result[turned] += (angle[:, turned] * rows.direction[turned].T).sum(axis=0)
     return result
+
+
+def _turned(rows: Rows) -> np.ndarray:
+    """(N,) bool: diameters of a lathe, whose place on the slide is known."""
+    if not rows.other:
+        return np.zeros(len(rows), bool)
+    return (rows.sees == "part") & np.any([np.isnan(v) for v in rows.other.values()], axis=0)
 
 
 def _moving(rows: Rows, axis: str) -> np.ndarray:
@@ -398,6 +401,7 @@ def _features(recording: Recording, machine: Machine):
     columns["channel part"] = np.array([float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part])
     columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])
     columns["channel wall"] = np.where(turned, 1.0, [-MATERIAL.get(str(k), 0.0) for k in kind])
+    columns["channel bore"] = np.array([float(k == "bore_diameter") for k in kind]) * turned
     columns["run"] = columns["channel part"]
     columns["y"], columns["direction"] = recording.columns["measured_mm"] - nominal, direction
     names = np.array([f"{f} {k}" for f, k in zip(recording.columns["feature"], kind, strict=True)])

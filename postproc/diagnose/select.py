@@ -118,7 +118,9 @@ class Selector:
     def calibrate(self, rng: np.random.Generator, draws: int = 200) -> None:
         """The least score so that of recordings of this very design without any effect 1 % find one."""
         n = len(self.y)
-        nulls = (self.u * np.minimum(self.prior, 0.01)) @ rng.normal(size=(self.u.shape[1], draws))
+        # What has no size beforehand is taken out of every draw again: it need not be put in.
+        sized = np.where(self.prior < 0.005, self.prior, 0.0)
+        nulls = (self.u * sized) @ rng.normal(size=(self.u.shape[1], draws))
         nulls += self.sigma[:, None] * rng.standard_t(6, size=(n, draws)) * np.sqrt(4 / 6)
         best = self.scores([], self.sigma, nulls).max(axis=0)
         self.least = max(LEAST_SCORE, float(np.quantile(best, 0.99)))

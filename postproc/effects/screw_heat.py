@@ -13,6 +13,7 @@ PARAMETERS = {
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
 }
 EXPECTED = {"alpha_ppm_K": 1}
+PLAUSIBLE = {"alpha_ppm_K": (-150.0, 150.0), "fixed_um_K": (-60.0, 60.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "time"), ("tool",)
 TEXT = (

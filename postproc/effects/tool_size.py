@@ -17,8 +17,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str) -> np.ndarray:
+    """Half a diameter towards the wall: of a pocket it grows, of a boss it shrinks; on a lathe the same by the tool's nose."""
+    walls = state.channels["material"].copy()
+    turned = (walls == 0) & (state.channels.get("wall", walls) != 0)
+    walls[turned] = np.where(state.channels.get("bore", walls)[turned] > 0, 0.5, -0.5)
     value = np.zeros((1, 3, len(state)))
-    value[:] = state.channels["material"] * 1e-3
+    value[:] = walls * 1e-3
     return value
 
 

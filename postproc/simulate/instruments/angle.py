@@ -1,0 +1,36 @@
+"""Angular optics or a level: rotation of the axis that travels, about a direction, captured at rest.
+
+The rotation is the one of that axis' table; no effect of the library turns an axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.errors import GcompError, UsageError
+from postproc.simulate.actual import Reality
+from postproc.simulate.instruments import Settings, Signal, channel_names
+from postproc.simulate.instruments import _targets as targets
+
+TITLE = "angular interferometer"
+SETTINGS = {**targets.SETTINGS, "about": "Y: axis of the rotation (Y, where Z or X travels; X, where Y does)"}
+
+
+def measure(reality: Reality, settings: Settings) -> Signal:
+    found = targets.captures(reality, settings)
+    if not found.moving:
+        raise GcompError("the axes never move between two captures: whose angle?", "a program that travels")
+    moving = found.moving[0]
+    given = settings.place("about") or {"X" if moving == "Y" else "Y": 1.0}
+    vector = np.array([given.get(x, 0.0) for x in "XYZ"])
+    if np.linalg.norm(vector) == 0:
+        raise UsageError("--set about names no direction", "--set about=Y")
+    vector /= np.linalg.norm(vector)
+    turned = found.state.angles.get(moving, np.zeros((3, len(found.piece))))
+    columns = found.columns()
+    columns["reading_urad"] = vector @ turned * 1e6
+    head = {
+        "instrument": TITLE, "quantity": "angle",
+        "sensitive": {x: float(v) for x, v in zip("XYZ", vector, strict=True) if v},
+    }  # fmt: skip
+    return Signal("targets", head, columns, {"reading_urad": 1.0}, found.state, channel_names(found.state))

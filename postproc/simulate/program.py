@@ -1,0 +1,263 @@
+"""A program as steps: motions of the slides, waits between them, and how fast the spindle turns meanwhile.
+
+The filter reads the text, as it does for a correction, on the machine without errors: so a program is understood alike
+here and there. What the control works out by itself (cycles, cutter radius, threads) is not simulated but refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from postproc.errors import GcompError, Notice, Place
+from postproc.filter import MARK, Filter
+from postproc.machine.model import Machine
+from postproc.motions import FREE, HOLE, RAPID, THREAD, Arcs, Motions
+from postproc.nc.batch import written_codes
+from postproc.nc.codes import AFTER_MOTION
+from postproc.nc.columns import hold_last, hold_last_float
+from postproc.nc.lexer import KEYWORD_LETTER, Words
+from postproc.units import TICKS_PER_MM
+
+HALTS = (0, 1, 2, 3, 4, 5, 6, 19, 30, 60)  # M codes for which the slides come to rest
+SECONDS = {  # dialect (its first word) to the letters of a dwell and the seconds of one unit of each
+    "fanuc": {"P": 1e-3, "X": 1.0, "U": 1.0}, "haas": {"P": 1.0}, "linuxcnc": {"P": 1.0}, "grbl": {"P": 1.0},
+    "grblhal": {"P": 1.0}, "fluidnc": {"P": 1.0}, "marlin": {"P": 1e-3, "S": 1.0}, "reprap": {"P": 1e-3, "S": 1.0},
+    "siemens": {"F": 1.0}, "heidenhain": {"F": 1.0},
+}  # fmt: skip
+PER_TURN, SURFACE = 950, 960
+
+
+@dataclass(frozen=True)
+class Steps:
+    """N steps in the order in which they are done; positions are slide positions, mm and degrees, A axes.
+
+    end (A, N): where a step ends; begin (A,): where the first begins. wait (N,) s: a rest of so long, nan of a motion.
+    rapid (N,); feed (N,) mm/s along the path, or 1/s where inverse (N,): nan of rapids and rests. stop (N,): whether the
+    slides come to rest at its end. line (N,): of the program. rpm (N,): the spindle's turns per minute. part (N,): 1, 2, ...
+    arc (N,): its row in arcs, or -1. length (A, N) mm: of the tool in use."""
+
+    begin: np.ndarray
+    end: np.ndarray
+    wait: np.ndarray
+    rapid: np.ndarray
+    feed: np.ndarray
+    inverse: np.ndarray
+    stop: np.ndarray
+    line: np.ndarray
+    rpm: np.ndarray
+    part: np.ndarray
+    arc: np.ndarray
+    arcs: Arcs
+    length: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+
+class Reader:
+    """Reads a program, once for each part that is made of it."""
+
+    def __init__(
+        self, machine: Machine, make: Callable[[Machine, dict[str, float]], Filter], name: str, feed: float = np.nan
+    ):
+        """make(machine, start) gives a filter for a machine that stands at `start`. feed: mm/s, before the first F."""
+        self.feed = feed
+        self.machine, self.make, self.name = without_errors(machine), make, name
+        self.columns: list[dict[str, np.ndarray]] = []
+        self.arcs: list[Arcs] = []
+        self.notices: list[Notice] = []
+        self.corrected = False
+        self.rpm, self.turning, self.per_turn, self.surface = 0.0, 0, 940, 970
+
+    def read(self, text: Iterable[bytes], part: int = 1, start: dict[str, float] | None = None) -> dict[str, float]:
+        """One part's program; returns where the axes stand behind it. Raises ProgramError and GcompError."""
+        filter_ = self.make(self.machine, start or {})
+        filter_.name = self.name
+        self.dialect, self.letters, self.part = filter_.dialect, filter_.machine.letters, part
+        self.drops = filter_.setup.block_delete
+        filter_.watchers.append(lambda words, motions, pieces, output, lines: self._batch(words, motions, lines))
+        for portion in text:
+            self.corrected |= bool(MARK.search(portion))
+            filter_.feed(MARK.sub(lambda found: found[0].replace(b" ", b"_"), portion))
+        filter_.finish()
+        if part == 1:
+            self.notices += filter_.notices
+        known = filter_.modal.known
+        return {
+            x: float(filter_.modal.position[i]) / TICKS_PER_MM
+            for i, x in enumerate(self.letters)
+            if known[i] and x in self.machine.letters
+        }
+
+    def _fault(self, line: int, message: str, advice: str) -> GcompError:
+        return GcompError(message, advice, Place(self.name, int(line)))
+
+    def _batch(self, words: Words, motions: Motions, lines: int) -> None:
+        rpm, feed_mode, surface = self._spindle(words)
+        events = self._events(words)
+        if not len(motions) and not events:
+            return
+        line = words.line[motions.block] + lines + 1
+        self._refuse(motions, line)
+        n = len(motions)
+        unit = np.where((motions.scale > TICKS_PER_MM).any(axis=0), 25.4, 1.0)
+        feed = motions.feed * unit / 60.0
+        feed = np.where(np.isnan(feed), self.feed, feed)
+        feed = np.where(motions.inverse, motions.feed / 60.0, feed)
+        mode = feed_mode[motions.block] if n else np.zeros(0)
+        turning = rpm[motions.block] if n else np.zeros(0)
+        by_turn = (mode == PER_TURN) & (motions.code != RAPID)
+        for k in np.flatnonzero(by_turn & ((turning == 0) | (surface[motions.block] == SURFACE)))[:1]:
+            raise self._fault(
+                line[k],
+                "feed per turn (G95), and the spindle's speed is not known",
+                "M3 and S in rpm before it, or G94",
+            )
+        feed = np.where(by_turn, feed * turning, feed)
+        wrong = (motions.code != RAPID) & ~(feed > 0)
+        for k in np.flatnonzero(wrong)[:1]:
+            raise self._fault(line[k], "the motion has no feed", "an F above zero before it, or --feed")
+        arc = np.full(n, -1, np.int64)
+        arc[motions.arcs.motion] = np.arange(len(motions.arcs)) + sum(map(len, self.arcs))
+        self.arcs.append(motions.arcs)
+        target = np.where(motions.target_known, motions.target / TICKS_PER_MM, np.nan)
+        a = len(self.letters)
+        order = [3.0 * b + 1.0 for b in motions.block.tolist()]
+        columns = {
+            "end": target, "wait": np.full(n, np.nan), "rapid": motions.code == RAPID,
+            "feed": np.where(motions.code == RAPID, np.nan, feed), "inverse": motions.inverse & (motions.code != RAPID),
+            "stop": motions.stop > 0, "line": line, "rpm": turning, "arc": arc, "sent": motions.sent.any(axis=0),
+            "length": motions.length / TICKS_PER_MM,
+        }  # fmt: skip
+        if events:
+            m = len(events)
+            at = np.array([block for block, _, _ in events])
+            rest = {
+                "end": np.full((a, m), np.nan), "wait": np.array([s for _, _, s in events]), "rapid": np.zeros(m, bool),
+                "feed": np.full(m, np.nan), "inverse": np.zeros(m, bool), "stop": np.ones(m, bool),
+                "line": words.line[at] + lines + 1, "rpm": rpm[at], "arc": np.full(m, -1), "sent": np.zeros(m, bool),
+                "length": np.full((a, m), np.nan),
+            }  # fmt: skip
+            order += [3.0 * block + place for block, place, _ in events]
+            sort = np.argsort(order, kind="stable")
+            columns = {k: np.concatenate([columns[k], rest[k]], axis=-1)[..., sort] for k in columns}
+        columns["part"] = np.full(len(columns["line"]), self.part)
+        self.columns.append(columns)
+
+    def _refuse(self, motions: Motions, line: np.ndarray) -> None:
+        """What the slides do there is not what the words say."""
+        for k in np.flatnonzero(motions.reason)[:1]:
+            message, advice = motions.reasons[int(motions.reason[k])]
+            raise self._fault(line[k], message, advice)
+        for which, what, advice in (
+            (motions.code == HOLE, "a canned cycle is not simulated as it stands", "--expand writes it out as plain blocks"),
+            (motions.code == THREAD, "a thread is not simulated: its feed hangs on the spindle", "write it as G1"),
+            (motions.cutter != FREE, "under cutter radius compensation the slides go beside the words", "program the tool centre path"),
+        ):  # fmt: skip
+            for k in np.flatnonzero(which)[:1]:
+                raise self._fault(line[k], what, advice)
+
+    def _live(self, words: Words) -> int:
+        """The block behind which nothing is read."""
+        m = np.flatnonzero(
+            (words.letter == ord("M")) & np.isin(words.mantissa, self.dialect.ends) & (words.decimals == 0)
+        )
+        return int(words.block[m[0]]) if len(m) else words.blocks
+
+    def _spindle(self, words: Words) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(B,) rpm, code of the feed mode, and code of the spindle mode at each block."""
+        n = words.blocks
+        place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
+        number = written_codes(words, place)
+        number = np.where(number >= 0, self.dialect.meant[np.maximum(number, 0)], -1)
+        mode, surface = np.full(n, -1, np.int64), np.full(n, -1, np.int64)
+        for codes, column in (((930, 940, 950), mode), ((960, 970), surface)):
+            of = np.isin(number, codes)
+            column[words.block[place[of]]] = number[of]
+        mode, surface = hold_last(mode, self.per_turn), hold_last(surface, self.surface)
+        speed = np.full(n, np.nan)
+        turns = np.flatnonzero(words.letter == ord("S"))
+        turns = turns[~np.isin(words.block[turns], words.block[place[number == 40]])]
+        speed[words.block[turns]] = words.mantissa[turns] / 10.0 ** words.decimals[turns]
+        speed = hold_last_float(speed, self.rpm)
+        on = np.full(n, -1, np.int64)
+        for k in np.flatnonzero(words.letter == ord("M")):
+            code = int(words.mantissa[k])
+            if words.decimals[k] == 0 and code in (3, 4, 5):
+                on[words.block[k]] = code != 5
+        on = hold_last(on, self.turning)
+        if n:
+            self.rpm, self.turning, self.per_turn, self.surface = (
+                float(speed[-1]),
+                int(on[-1]),
+                int(mode[-1]),
+                int(surface[-1]),
+            )
+        return np.where((on == 1) & (surface != SURFACE), speed, 0.0), mode, surface
+
+    def _events(self, words: Words) -> list[tuple[int, int, float]]:
+        """(block, 0 before its motion or 2 behind it, seconds) of everything for which the slides rest."""
+        events: list[tuple[int, int, float]] = []
+        live = self._live(words)
+        place = np.flatnonzero(words.letter == ord("G"))
+        dwells = words.block[place[written_codes(words, place) == 40]]
+        for block in dwells.tolist():
+            events.append((block, 2, self._seconds(words, block)))
+        for k in np.flatnonzero(words.letter == ord("M")):
+            code = int(words.mantissa[k])
+            if words.decimals[k] == 0 and code in HALTS:
+                events.append((int(words.block[k]), 2 if code in AFTER_MOTION else 0, 0.0))
+        return [e for e in events if e[0] <= live and not (self.drops and words.skip[e[0]])]
+
+    def _seconds(self, words: Words, block: int) -> float:
+        """How long a G4 block waits."""
+        units = SECONDS.get(self.dialect.name.partition("-")[0], {})
+        low, high = (int(np.searchsorted(words.block, b)) for b in (block, block + 1))
+        for k in range(low, high):
+            letter = chr(words.letter[k])
+            if letter in units:
+                seconds = float(words.mantissa[k]) / 10.0 ** float(words.decimals[k]) * units[letter]
+                if self.dialect.name.startswith("haas") and not words.pointed[k]:
+                    seconds *= 1e-3
+                if letter in "XU" and not words.pointed[k] and self._in_increments:
+                    seconds *= 1e-3
+                if seconds < 0 or seconds > 1e7:
+                    raise self._fault(words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?")
+                return seconds
+        raise self._fault(
+            words.line[block] + 1, f"G4 without a time that {self.dialect.title} knows",
+            f"letters: {', '.join(units) or 'not known for this control'}",
+        )  # fmt: skip
+
+    @property
+    def _in_increments(self) -> bool:
+        return self.dialect.integers == "least increments"
+
+    def steps(self, rest: dict[str, float]) -> Steps:
+        """All that was read. rest: mm, where an axis stands that the program never places."""
+        if not self.columns:
+            raise GcompError(f"{self.name} moves nothing", "a program with motions is wanted")
+        c = {k: np.concatenate([p[k] for p in self.columns], axis=-1) for k in self.columns[0]}
+        end, begin = c["end"], np.zeros(len(self.letters))
+        for i, x in enumerate(self.letters):
+            known = np.flatnonzero(~np.isnan(end[i]))
+            begin[i] = end[i, known[0]] if len(known) else rest.get(x, 0.0)
+            end[i] = hold_last_float(end[i], begin[i])
+            c["length"][i] = hold_last_float(c["length"][i], 0.0)
+        for k in np.flatnonzero(c.pop("sent"))[:1]:
+            self.notices.append(
+                Notice(
+                    "sent", "behind G28 or G30 an axis is taken to come from where it stood before", int(c["line"][k])
+                )
+            )
+        arcs = Arcs(**{f.name: np.concatenate([getattr(a, f.name) for a in self.arcs], axis=-1) for f in fields(Arcs)})
+        return Steps(begin=begin, arcs=arcs, **c)
+
+
+def without_errors(machine: Machine) -> Machine:
+    """The machine as its control believes it to be."""
+    axes = {x: axis.bare for x, axis in machine.axes.items()}
+    return replace(machine, axes=axes, square={}, effects=(), control_tables=())
