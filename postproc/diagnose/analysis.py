@@ -15,7 +15,7 @@ from postproc import effects
 from postproc.diagnose import fit, library, locate, noise
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
-from postproc.diagnose.select import Model, Selector
+from postproc.diagnose.select import MATERIAL, Model, Selector
 from postproc.errors import UsageError
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
@@ -162,13 +162,12 @@ def _residuals(rows, sigma, u, prior, held, every, chosen, model):
     explained = sum(
         (every[c].columns @ model.coefficients[model.part(k)] for k, c in enumerate(chosen)), np.zeros(len(rows))
     )
+    # Set-up zeros and the map's own error once, from the fit with everything in it: what is shown before and after differs by
+    # the accepted effects alone.
     train = ~held
-    result = []
-    for left, weight in ((y, sigma[train]), (y - explained, model.sigma if len(chosen) else sigma[train])):
-        p = fit.Projector.of(weight, u[train], prior)
-        coefficient = p.inner @ (p.u.T @ (p.w * left[train]))
-        result.append(left - u @ coefficient)
-    return result[0], result[1]
+    p = fit.Projector.of(model.sigma if chosen else sigma[train], u[train], prior)
+    coefficient = p.inner @ (p.u.T @ (p.w * (y - explained)[train]))
+    return y - u @ coefficient, y - explained - u @ coefficient
 
 
 def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
@@ -218,7 +217,7 @@ def _limits(selector: Selector, chosen: list[int]) -> dict[str, float]:
         if power <= 0:
             continue
         size = np.sqrt((wanted + penalty) / power) * float(np.abs(column).max())
-        result[block.key] = min(result.get(block.key, np.inf), size)
+        result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
     return result
 
 
@@ -229,8 +228,15 @@ def _blind(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
     for name in effects.names():
         module = effects.load(name)
         for axis in library.axes_of(rows, module):
+            if name == "cyclic" and (even := _even(rows, axis)):
+                result.append(
+                    (name, axis, f"targets at even steps of {even:g} mm: a period that divides them can not be seen")
+                )
+                continue
             if (name, axis) in seen:
                 continue
+            if name in library.FOUND and library.visible(rows, module).any() and library.needed(rows, module, axis):
+                continue  # it would have been looked for in the spectrum
             if not library.visible(rows, module).any():
                 why = f"it shows only to {', '.join(module.SEES)}: no such recording"
             elif not library.needed(rows, module, axis):
@@ -239,6 +245,21 @@ def _blind(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                 why = "these places and times can not tell it from a zero"
             result.append((name, axis, why))
     return result
+
+
+def _even(rows: Rows, axis: str) -> float:
+    """mm: the step of targets along an axis, where they stand at even steps and nothing but targets was recorded; else 0."""
+    moving = [s for s in np.unique(rows.signal) if np.ptp(rows.state.position[axis][rows.signal == s]) > 1e-3]
+    steps = []
+    for signal in moving:
+        which = rows.signal == signal
+        if rows.state.passage[which][0] >= 0:
+            return 0.0
+        gaps = np.diff(np.unique(np.round(rows.state.position[axis][which], 3)))
+        if len(gaps) < 3 or np.ptp(gaps) > 0.02:
+            return 0.0
+        steps.append(float(np.median(gaps)))
+    return round(min(steps), 3) if steps else 0.0
 
 
 def _unknown(d: Diagnosis) -> None:

@@ -182,7 +182,7 @@ def as_text(d: Diagnosis) -> str:
         )
     best = sorted((size, key) for key, size in d.limits.items() if size < 1.0)
     if best:
-        lines.append("Would have been seen from, um: " + ", ".join(f"{key} {size * UM:.1f}" for size, key in best[:12]))
+        lines.append("Would have been seen from, um: " + ", ".join(f"{key} {size * UM:.1f}" for size, key in best[:20]))
     blind = sorted({f"{name}{':' + axis if axis else ''}" for name, axis, _ in d.blind})
     if blind:
         lines.append(f"Can not be seen in these recordings: {', '.join(blind[:20])}{' ...' if len(blind) > 20 else ''}")

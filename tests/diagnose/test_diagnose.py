@@ -1,0 +1,211 @@
+"""What a machine's model leaves out is found, named with its size, written down, and then nothing is left."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import recordings
+from postproc.cli import main
+from postproc.diagnose import report
+from postproc.diagnose.analysis import diagnose
+from postproc.machine import places
+from postproc.machine.file import read_machine
+
+ROOT = Path(__file__).resolve().parents[2]
+PRACTICE = ROOT.parent / "shared" / "recordings" / "practice"
+STUDER = str(ROOT / "machines" / "studer-s36")
+TESTS = ("positioning:Z", "positioning:X", "diagonal:XZ", "ballbar:XZ")
+
+
+def simulate(
+    folder: Path, effects: tuple[str, ...] = (), seed: int = 1, tests=TESTS, machine: str = STUDER
+) -> list[str]:
+    """Recordings of a machine that has more errors than its file says."""
+    files = []
+    for number, test in enumerate(tests):
+        file = folder / f"r{number + 1}.csv"
+        extra = [word for effect in effects for word in ("--with", effect)]
+        assert (
+            main(
+                [
+                    "simulate",
+                    "--test",
+                    test,
+                    "--machine",
+                    machine,
+                    *extra,
+                    "--noise",
+                    "0.4",
+                    "--seed",
+                    str(seed + number),
+                    "-o",
+                    str(file),
+                    "--quiet",
+                ]
+            )
+            == 0
+        )
+        files.append(str(file))
+    return files
+
+
+def answer(files: list[str], machine: str, folder: Path, *more: str) -> dict:
+    out = folder / "answer.json"
+    assert main(["diagnose", *files, "--machine", machine, "--json", str(out), "--force", "--quiet", *more]) == 0
+    return json.loads(out.read_text())
+
+
+def accepted(told: dict) -> list[tuple[str, str]]:
+    return [(e["effect"], e["axis"]) for e in told["effects"] if e["status"] == "accepted"]
+
+
+@pytest.mark.parametrize(
+    "effect, name, axis, parameter, value",
+    [
+        ("backlash:Z:size_um=7", "backlash", "Z", "size_um", 7.0),
+        ("squareness:XZ:urad=60", "squareness", "XZ", "urad", 60.0),
+        ("scale:X:ppm=40", "scale", "X", "ppm", 40.0),
+        ("servo_lag:X:tau_ms=0.3", "servo_lag", "X", "tau_ms", 0.3),
+        ("cyclic:Z:period_mm=11.3,amplitude_um=3,phase_deg=40", "cyclic", "Z", "amplitude_um", 3.0),
+    ],
+)
+def test_one_effect_is_found_and_then_nothing_is_left(tmp_path, effect, name, axis, parameter, value):
+    files = simulate(tmp_path, (effect,))
+    told = answer(
+        files, STUDER, tmp_path, "--write-machine", str(tmp_path / "found"), "--residuals", str(tmp_path / "r.csv")
+    )
+    assert told["verdict"] == "left-out-physics"
+    found = told["effects"][0]
+    names = [f"{found['effect']}:{found['axis']}", *found["equivalent"]]
+    assert f"{name}:{axis}" in names
+    if found["effect"] == name and found["axis"] == axis:
+        low, high = found["parameters"][parameter]["ci95"]
+        assert low - 0.02 * abs(value) <= value <= high + 0.02 * abs(value)
+    fit = told["fit"]
+    assert fit["rms_after_um"] < 1.3 * fit["noise_floor_um"] < fit["rms_before_um"]
+    assert 0.90 <= fit["coverage95"]
+    assert told["mismatch"] and all(m["p_value"] <= 0.01 for m in told["mismatch"])
+    lines = (tmp_path / "r.csv").read_text().splitlines()
+    assert lines[0] == "recording,row,signal,measured_um,before_um,after_um,held_out"
+    after = np.array([float(line.split(",")[5]) for line in lines[1:] if line.endswith(",1")])
+    assert np.sqrt(np.mean(after**2)) == pytest.approx(fit["rms_after_um"], rel=1e-3)
+    again = answer(files, str(tmp_path / "found"), tmp_path)
+    assert again["verdict"] == "nothing-left-out"
+
+
+@pytest.mark.parametrize("seed", [11, 21, 31])
+def test_nothing_is_found_where_nothing_is(tmp_path, seed):
+    told = answer(simulate(tmp_path, seed=seed), STUDER, tmp_path)
+    assert told["verdict"] == "nothing-left-out"
+    assert not told["effects"] and told["unknown"] is None
+    assert told["detection_limits_um"]["backlash:Z"] < 2.0  # it says what it would have seen
+    assert all(size >= 0.7 for size in told["detection_limits_um"].values())
+
+
+def test_an_instrument_never_reaches_the_machine(tmp_path):
+    """A laser that is not parallel to the axis, and a machine with lost motion: only the second is written down."""
+    files = simulate(tmp_path, ("backlash:Z:size_um=7",))
+    text = Path(files[1]).read_text().splitlines()
+    at = text.index(next(line for line in text if line.startswith("run,")))
+    names = text[at].split(",")
+    x, y = names.index("X_mm"), names.index("reading_um")
+    for k in range(at + 1, len(text)):
+        cells = text[k].split(",")
+        cells[y] = f"{float(cells[y]) - 60e-3 * float(cells[x]):.4f}"  # -60 um/m of beam length
+        text[k] = ",".join(cells)
+    Path(files[1]).write_text("\n".join(text) + "\n")
+    told = answer(files, STUDER, tmp_path, "--write-machine", str(tmp_path / "found"))
+    assert {("backlash", "Z"), ("cosine", "X")} <= set(accepted(told))
+    written = [e.name for e in read_machine(tmp_path / "found").effects]
+    assert written == ["backlash"]
+
+
+def test_what_even_targets_hide_is_said(tmp_path):
+    told = answer(simulate(tmp_path, tests=("positioning:Z",)), STUDER, tmp_path)
+    hidden = [v for v in told["not_visible"] if v["effect"] == "cyclic" and v["axis"] == "Z"]
+    assert not hidden or "even steps" in hidden[0]["why"]
+    assert any(v["effect"] == "squareness" for v in told["not_visible"]) or len(told["not_visible"]) > 3
+    for entry in told["not_visible"]:
+        assert entry["why"] and entry["next_test"]
+
+
+def test_the_order_of_files_does_not_matter(tmp_path):
+    files = simulate(tmp_path, ("backlash:Z:size_um=7",))
+    one, other = (answer(order, STUDER, tmp_path) for order in (files, files[::-1]))
+    assert accepted(one) == accepted(other)
+    sizes = [told["effects"][0]["parameters"]["size_um"]["value"] for told in (one, other)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "change, why",
+    [
+        (lambda t: t.replace("reading_um", "reading"), "reading_um is missing"),
+        (lambda t: t.split("run,")[0], "no header row"),
+        (lambda t: "", "empty"),
+        (lambda t: t.replace("gcomp-recording/1", "gcomp-recording/9"), "gcomp-recording/9"),
+        (lambda t: t.replace("X_mm", "Y_mm"), "which is no axis of studer-s36"),
+    ],
+)
+def test_unusable_input_is_refused(tmp_path, capsys, change, why):
+    file = Path(simulate(tmp_path, tests=("positioning:Z",))[0])
+    file.write_text(change(file.read_text()))
+    capsys.readouterr()
+    assert main(["diagnose", str(file), "--machine", STUDER]) == 2
+    told = capsys.readouterr().err
+    assert why in told and file.name in told
+    assert "Traceback" not in told
+
+
+def test_a_row_that_can_not_be_used_is_listed(tmp_path):
+    file = Path(simulate(tmp_path, tests=("positioning:Z",))[0])
+    lines = file.read_text().splitlines()
+    cells = lines[-5].split(",")
+    cells[
+        [i for i, n in enumerate(next(x for x in lines if x.startswith("run,")).split(",")) if n == "reading_um"][0]
+    ] = "nan"
+    lines[-5] = ",".join(cells)
+    file.write_text("\n".join(lines) + "\n")
+    told = answer([str(file)], STUDER, tmp_path)
+    assert any(f["row"] == len(lines) - 4 for f in told["data_faults"])
+
+
+@pytest.mark.skipif(not PRACTICE.is_dir(), reason="the practice cases are not here")
+@pytest.mark.parametrize("case", sorted(p.name for p in PRACTICE.iterdir() if p.is_dir()) if PRACTICE.is_dir() else [])
+def test_practice_cases(case):
+    """Every visible effect is named or in the set; nothing is accepted where nothing is."""
+    truth = json.loads((PRACTICE / "answers.json").read_text())[case]
+    files = sorted((PRACTICE / case).glob("r*.csv"))
+    read = [recordings.read(recordings.Source(f.name, f.read_bytes())) for f in files]
+    d = diagnose(read, read_machine(PRACTICE / case / "machine"))
+    told = report.as_json(d, [f.read_bytes() for f in files])
+    json.dumps(told, allow_nan=False)
+    names = {f"{e['effect']}:{e['axis']}" for e in told["effects"]} | {
+        k for e in told["effects"] for k in e["equivalent"]
+    }
+    for effect in truth:
+        if effect["visible"]:
+            assert f"{effect['effect']}:{effect['axis']}" in names
+    if not truth:
+        assert told["verdict"] == "nothing-left-out"
+
+
+def test_the_page_has_the_text_and_pictures(tmp_path):
+    pytest.importorskip("matplotlib")
+    files = simulate(tmp_path, ("backlash:Z:size_um=7",), tests=("positioning:Z",))
+    assert main(["diagnose", *files, "--machine", STUDER, "--report", str(tmp_path / "p.html"), "--quiet"]) == 0
+    text = (tmp_path / "p.html").read_text()
+    assert "backlash of Z" in text and text.count("<svg") >= 1
+
+
+def test_scipy_is_loaded_only_where_it_is_needed():
+    import subprocess
+    import sys
+
+    code = "import sys, postproc.cli, postproc.commands.compensate, postproc.filter; assert 'scipy' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+    assert places.load(STUDER).name == "studer-s36"
