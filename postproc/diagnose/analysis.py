@@ -106,10 +106,11 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("choosing")
     model = selector.run()
     chosen = [selector.blocks.index(b) for b in model.blocks]
-    # What was found on the way has columns of the rows that took part only: read them of all rows.
-    every += [
-        replace(b, columns=library.read(rows, b.module, b.axis, dict(b.shape))) for b in selector.blocks[len(blocks) :]
-    ]
+    # What was found on the way has columns of the rows that took part only: read them of all rows. A passage that took no
+    # part swings in a phase that nobody knows.
+    for b in selector.blocks[len(blocks) :]:
+        columns = library.read(rows, b.module, b.axis, dict(b.shape))
+        every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
     options.told("showing")
     before, after = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]

@@ -14,11 +14,11 @@ from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
 
 FREE = 1e3  # mm: a zero that nobody knows
-MAP_UM = 0.26  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 PART = 5e-4  # mm
-FEATURE = 4e-3  # mm
+FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 SQUARE = 1.5e-6  # rad
 
@@ -36,10 +36,8 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     seen = np.isin(rows.sees, ("laser", "tool"))
     for signal in range(len(rows.signals)):
         which = rows.signal == signal
-        # A feature of a turned part has no set-up zero of its own, only what the map does not know at its place.
-        placed = rows.other and bool(
-            np.all(rows.sees[which] == "part") and np.all([np.isnan(v[which]).any() for v in rows.other.values()])
-        )
+        # A feature has no set-up zero of its own, only what the map does not know at its place; a step has none that is known.
+        placed = bool(np.all(rows.sees[which] == "part")) and "step" not in rows.signals[signal]
         add(which.astype(float), FEATURE if placed else FREE)
     for file, kind in enumerate(rows.kinds):
         if kind == "ballbar":
@@ -59,7 +57,7 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     part = rows.sees == "part"
     for file, kind in enumerate(rows.kinds):
         if kind == "features":
-            add(np.where(part & (rows.file == file), rows.state.channels.get("wall", np.ones(len(rows))), 0.0), FREE)
+            add(np.where(part & (rows.file == file), rows.state.channels.get("wall", np.ones(len(rows))), 0.0), PART)
     for number in np.unique(rows.run[part]):  # every part lies a little differently in its fixture
         for i in range(3):
             add(
@@ -76,7 +74,7 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
             enters = np.where(seen, rows.direction[:, along], 0.0)
             for degree in DEGREES:
                 if along == XYZ.index(x) or degree > 1:
-                    add(enters * legendre(u, degree), map_um * 1e-3 / (1.0 if along == XYZ.index(x) else 1.5))
+                    add(enters * legendre(u, degree), map_um * 1e-3)
             if along != XYZ.index(x):
                 add(enters * rows.state.position[x], SQUARE)
     return np.stack(columns, axis=1), np.array(size)

@@ -12,7 +12,7 @@ import numpy as np
 
 from postproc import effects
 from postproc.diagnose import spectra
-from postproc.diagnose.rows import XYZ, Rows, pick_state
+from postproc.diagnose.rows import XYZ, Rows, second_place
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",),
@@ -82,9 +82,7 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     # The difference of two places; what comes with time or with the tool is in one of its walls.
     if rows.other and "part" in module.SEES and module.PER != "all" and not {"part", "time"} & set(module.NEEDS):
         part = (rows.sees == "part") & np.all([np.isfinite(v) for v in rows.other.values()], axis=0)
-        there = pick_state(rows.state, part)
-        for x in there.position:
-            there.position[x] = rows.other[x][part]
+        there = second_place(rows, part)
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
     return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)

@@ -18,7 +18,9 @@ from postproc.recordings import Recording, RecordingError
 XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
+RESTS = 2e-5  # mm from sample to sample
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
+INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
 
@@ -68,7 +70,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
     return State(
         of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
         of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
-        of_each(state.angles), state.beam[which], state.passage[which], state.file[which],
+        of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which],
     )  # fmt: skip
 
 
@@ -110,7 +112,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
         distance={x: column(f"{x} distance", FAR) for x in letters}, since={x: column(f"{x} since", FAR) for x in letters},
         time=column("time"), run=column("run"), channels={c: _filled(column(f"channel {c}", np.nan)) for c in channels},
-        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"),
+        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"),
     )  # fmt: skip
     angles = {x: _angles(machine, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
@@ -169,6 +171,11 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     if tool.any():
         part = pick_state(rows.state, tool)
         result[tool] = (deviation_at(bare, part) * rows.direction[tool].T).sum(axis=0)
+    part = (rows.sees == "part") & ~_turned(rows)
+    if part.any():
+        near, far = pick_state(rows.state, part), second_place(rows, part)
+        between = deviation_at(bare, near) - deviation_at(bare, far)
+        result[part] = (between * rows.direction[part].T).sum(axis=0)
     for term in machine.effects:  # with their history: what a place alone decides is only what a program can correct
         if term.module is not None and library.needed(rows, term.module, term.axis):
             value, shape = term.module.coefficients(**term.parameters)
@@ -177,6 +184,13 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
         turned = (rows.sees == "angle") & _moving(rows, axis)
         result[turned] += (angle[:, turned] * rows.direction[turned].T).sum(axis=0)
     return result
+
+
+def second_place(rows: Rows, which: np.ndarray) -> State:
+    """The state at the other wall of features: its own place, reached from the other side."""
+    there = pick_state(rows.state, which)
+    position = {x: np.nan_to_num(rows.other[x][which]) for x in there.position}
+    return replace(there, position=position, approach={x: -a for x, a in there.approach.items()})
 
 
 def _turned(rows: Rows) -> np.ndarray:
@@ -282,7 +296,8 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
         t, p = time[part], position[part]
         v[part] = np.gradient(p, t)
         a[part] = np.gradient(v[part], t)
-        still = np.abs(v[part]) < 1e-4 * max(np.abs(v[part]).max(), 1e-9)
+        jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
+        still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
         sign = np.sign(v[part]) * ~still
         held = np.maximum.accumulate(np.where(sign != 0, np.arange(len(part)), -1))
         s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], 0)
@@ -362,7 +377,8 @@ def _averaged(columns: dict, run: np.ndarray) -> dict:
     start = np.concatenate([[0], np.flatnonzero(cut) + 1, [n]])
     edges = np.concatenate([np.arange(a, b, width) for a, b in pairwise(start)])
     size = np.diff(np.append(edges, n))
-    result = {}
+    step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
+    result: dict = {"width": size * float(step)}
     for name, value in columns.items():
         if not isinstance(value, np.ndarray):
             result[name] = value
@@ -397,6 +413,8 @@ def _features(recording: Recording, machine: Machine):
         middle = (low + high) / 2 if np.isfinite(low + high) else 0.0
         columns[f"{x} position"] = np.where(turned & (size > 0), size / 2, middle + size / 2)
         columns[f"{x} other"] = np.where(turned, np.nan, middle - size / 2)
+        # A wall is reached from the inside of a pocket or a bore, from the outside of a boss.
+        columns[f"{x} approach"] = np.where(size > 0, [INSIDE.get(str(k), 0.0) for k in kind], 0.0)
     part = recording.columns.get("part", np.ones(n))
     columns["channel part"] = np.array([float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part])
     columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])

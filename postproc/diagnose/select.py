@@ -205,7 +205,8 @@ class Selector:
         worst = 0.0
         for which in self.signals:
             part = contribution[which]
-            away = np.abs(part - np.median(part))
+            zero = 0.0 if self.rows.sees[which[0]] == "part" else float(np.median(part))  # features have no set-up zero
+            away = np.abs(part - zero)
             few = min(len(away), max(4, len(away) // 400))  # a spike is short: so many readings must show it
             swing = float(np.partition(away, len(away) - few)[len(away) - few])
             worst = max(worst, swing / max(MATERIAL, 0.5 * float(np.median(self.sigma[which]))))

@@ -39,7 +39,8 @@ class State:
     last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run (N,): which passage. channels: name to (N,), as
     recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
     (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
-    -1 for rows at rest; file (N,): number of the recording.
+    -1 for rows at rest; file (N,): number of the recording. width (N,) s: over
+    which samples were averaged to a row.
     """
 
     position: dict[str, np.ndarray]
@@ -56,6 +57,7 @@ class State:
     beam: np.ndarray = field(default_factory=lambda: np.zeros(0))
     passage: np.ndarray = field(default_factory=lambda: np.zeros(0))
     file: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    width: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))
@@ -92,6 +94,11 @@ def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:
     if play_mm <= 0 or near is None:
         return np.ones(len(state))
     return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
+
+
+def blurred(state: State, per_second: np.ndarray | float) -> np.ndarray:
+    """(N,) how much of an oscillation is left in rows that are averages over some time; per_second: its cycles."""
+    return np.sinc(per_second * state.width) if len(state.width) == len(state) else np.ones(len(state))
 
 
 def swing(coefficients: np.ndarray) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, along, swing, swing_coefficients
+from postproc.effects import State, along, blurred, swing, swing_coefficients
 
 PARAMETERS = {
     "period_mm": "mm, its period",
@@ -23,7 +23,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, period_mm: float) -> np.ndarray:
     angle = 2 * np.pi * state.position[axis] / period_mm
-    return along(axis, np.cos(angle), np.sin(angle))
+    left = blurred(state, state.velocity[axis] / period_mm) if axis in state.velocity else 1.0
+    return along(axis, left * np.cos(angle), left * np.sin(angle))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

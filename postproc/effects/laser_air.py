@@ -8,7 +8,7 @@ PARAMETERS = {
     "ppm_K": "um/(m K), reading over beam length and the air's temperature",
     "from_C": "degrees Celsius, from which it counts; -300, from the first reading",
 }
-PLAUSIBLE = {"ppm_K": (-3.0, 3.0)}  # beyond, it is something else
+PLAUSIBLE = {"ppm_K": (-30.0, 30.0)}  # beyond, it is something else
 OPTIONAL = {"from_C": -300.0}
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)

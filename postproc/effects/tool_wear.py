@@ -8,9 +8,10 @@ PARAMETERS = {
     "rate_um": "um, wear of the edge from part to part",
     "start_um": "um, the quick wear of a new edge",
     "change": "number of the part before which the tool was changed, 0: never",
+    "worn_um": "um, wear of the first tool before the first part",
     "bores": "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does",
 }
-OPTIONAL = {"bores": 1.0}
+OPTIONAL = {"bores": 1.0, "worn_um": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("part",), ("part",)
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
@@ -28,19 +29,18 @@ def columns(state: State, axis: str, change: float, bores: float = 1.0) -> np.nd
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
     age = np.where((part >= change) & (change > 0), part - change, part - first)
-    return along(axis, wall * age, wall * (1.0 - np.exp(-age)))
+    parts = [wall * age, wall * (1.0 - np.exp(-age))]
+    return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {
-        "rate_um": float(coefficients[0]),
-        "start_um": float(coefficients[1]),
-        "change": shape["change"],
-        "bores": shape.get("bores", 1.0),
-    }
+    values = [*(float(c) for c in coefficients), 0.0][:3]
+    named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
+    return named | {"change": shape["change"], "bores": shape.get("bores", 1.0)}
 
 
 def coefficients(
-    rate_um: float, start_um: float, change: float, bores: float = 1.0
+    rate_um: float, start_um: float, change: float, worn_um: float = 0.0, bores: float = 1.0
 ) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([rate_um, start_um]), {"change": change, "bores": bores}
+    values = [rate_um, start_um, worn_um] if change > 0 else [rate_um, start_um]
+    return np.array(values), {"change": change, "bores": bores}

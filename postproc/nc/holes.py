@@ -15,8 +15,10 @@ from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.state import Cycle
+from postproc.units import TICKS_PER_MM
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
+SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
 
 
@@ -81,7 +83,9 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", WRITE_OUT)
     before = np.concatenate([[cycle.at_level], at_level[:-1] | cycle.at_level])
-    b.blame(holes[(initial & before)[holes]], "G98 after G99 in one series of holes", WRITE_OUT)
+    # An initial level that is R but for a correction is the same level.
+    higher = initial & (cycle.initial - level > SAME_LEVEL)
+    b.blame(holes[(higher & before)[holes]], "G98 after G99 in one series of holes", WRITE_OUT)
     last = int(np.flatnonzero(mask)[-1])
     after = None
     if mask[-1]:
