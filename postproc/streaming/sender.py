@@ -34,6 +34,7 @@ RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
 MOVING = {"run", "hold", "jog", "door", "home", "tool", "sleep"}
 RESTS = {"idle", "check"}
 STOPPED = "the controller was told to stop"
+BACKLOG = 512  # bytes that wait for the port, beyond which no further line is taken
 POLL_AGAIN = 1.0  # s after which an unanswered status request is made again
 
 
@@ -176,13 +177,19 @@ class Sender:
         if self._ended and not self._queue and self.check and not self._check_off and not self._sent:
             self._check_off = True
             self._insert(self.protocol.check_mode())
-        while self._queue and self.state == RUNNING and self.protocol.ready(self._queue[0].text):
+        while (
+            self._queue
+            and self.state == RUNNING
+            and len(self._out) < BACKLOG
+            and self.protocol.ready(self._queue[0].text)
+        ):
             line = self._queue.popleft()
             if not self._sent:
                 self._moved = now  # waiting begins with the first line that waits
                 self._idle_since = None
             data = self.protocol.send(line.number, line.text)
-            self._sent[line.number] = line
+            if self.protocol.confirms != "nothing":
+                self._sent[line.number] = line
             self._out += data
             self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
             if line.number > 0:
@@ -213,8 +220,8 @@ class Sender:
                 ends.DISCONNECTED, f"the controller has said nothing for {now - self._heard:.1f} s, not even its status",
                 self._position_advice(),
             )  # fmt: skip
-        elif not polls and text and self.state == RUNNING and now - max(self._heard, self._moved) > patience:
-            self._stalled(now, f"no answer for {now - self._heard:.1f} s")
+        elif not polls and text and self.state == RUNNING and now - self._moved > patience:
+            self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
         elif self._ended and not self._queue and not self._sent and not self._out and self._pending is None:
             self._drain(now)
 
@@ -222,7 +229,7 @@ class Sender:
         """All is answered: is it done?"""
         confirms = self.protocol.confirms
         if confirms == "answers":
-            self._done()
+            self._done(self.status)
         elif confirms == "nothing":
             self._finish(
                 ends.SENT, f"{self.tally.sent} lines were sent; this link tells nothing of what became of them"
@@ -253,8 +260,9 @@ class Sender:
                 "the link loses or alters bytes: check cable, baud rate and flow control", hold=True,
             )  # fmt: skip
         elif isinstance(event, Write):
-            self._out += event.data
-            self._moved = now
+            if self.state in (RUNNING, HELD):
+                self._out += event.data
+                self._moved = now
         elif isinstance(event, Busy):
             self._moved = now
         elif isinstance(event, Told):
@@ -355,6 +363,11 @@ class Sender:
         self._finish(*verdict(self.tally, off, self.check))
 
     def _stalled(self, now: float, how: str) -> None:
+        again = self.protocol.overdue()
+        if again:  # a numbered line that the receiver will not take twice
+            self._out += again
+            self._moved, self._idle_since = now, None
+            return
         lines = "; ".join(line.where() for line in self.waiting[:4])
         self._end_soon(
             ends.STALLED, f"{len(self._sent)} lines were sent and not answered, and {how}. Oldest: {lines}", now,

@@ -28,7 +28,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
     link = parser.add_argument_group("the link")
     link.add_argument("--port", metavar="PORT", help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port")
-    link.add_argument("--baud", type=int, default=115200, help="default 115200")
+    link.add_argument("--baud", type=int, help="default 115200; of a DNC link, its control's common speed")
+    link.add_argument(
+        "--frame",
+        metavar="7E2",
+        help="data bits, parity (E, O, N), stop bits; default 8N1; of a DNC link, its control's common frame",
+    )
     link.add_argument("--protocol", default="auto", metavar="NAME", help="default auto: by what the controller says")
     link.add_argument("--simple", action="store_true", help="one line at a time: slower, for links that lose bytes")
     link.add_argument(
@@ -75,13 +80,14 @@ def run(options: argparse.Namespace) -> int:
     from postproc.commands.stream import job as jobs
     from postproc.commands.stream.port import Port
 
+    frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
     line = jobs.resume_line(options, machine) if options.resume_from else 1
     if options.port is None:
         raise UsageError("--port is missing: where is the controller?", _ports())
     job = None
-    port = Port(options.port, options.baud, reset=not options.no_reset_on_open)
+    port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame)
     try:
         greeting = _greeted(port, options)
         assert greeting.protocol is not None
@@ -101,6 +107,22 @@ def run(options: argparse.Namespace) -> int:
         raise (jobs.with_hint(error, job) if job is not None else error) from None
     finally:
         port.close()
+
+
+def _line(options: argparse.Namespace) -> tuple[int, str, int]:
+    """The frame of a byte on the line; --baud where it was left out. Raises UsageError."""
+    from postproc.streaming import protocols
+    from postproc.streaming.greeting import AUTO
+
+    link = None if options.protocol == AUTO else getattr(protocols.load(options.protocol).PROTOCOL, "link", None)
+    if options.baud is None:
+        options.baud = link.baud if link else 115200
+    if options.frame is None:
+        return (link.bits, link.parity, link.stop) if link else (8, "N", 1)
+    text = options.frame.upper()
+    if len(text) != 3 or text[0] not in "78" or text[1] not in "EON" or text[2] not in "12":
+        raise UsageError(f"--frame {options.frame} is no frame", "data bits, parity, stop bits: 7E2, 7E1, 8N1")
+    return int(text[0]), text[1], int(text[2])
 
 
 def _refuse(options: argparse.Namespace, is_file: bool) -> None:

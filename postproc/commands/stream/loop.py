@@ -19,6 +19,7 @@ from postproc.streaming.events import Status
 from postproc.streaming.greeting import Greeting
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome
+from postproc.streaming.protocols import UNLIMITED
 from postproc.streaming.sender import HELD, Sender
 from postproc.streaming.trace import Trace
 
@@ -125,7 +126,8 @@ class Run:
                 try:
                     self._write()
                     hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
-                    data = self.port.read(HUNGRY if hungry else WAIT)
+                    dripping = sender.queued and 0 < sender.protocol.release() < UNLIMITED
+                    data = self.port.read(0.0 if dripping else HUNGRY if hungry else WAIT)
                 except Lost as error:
                     sender.lost(str(error), time.monotonic())
                     data = b""
@@ -156,6 +158,9 @@ class Run:
             n = self.port.write(data)
             if n < len(data):
                 self.sender.unwritten(data[n:])
+                return
+            if self.sender.protocol.release() < UNLIMITED:  # few at a time, and look for a stop in between
+                self.port.drain()
                 return
 
     def _obey(self, signals: Signals, now: float) -> None:

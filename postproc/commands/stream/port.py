@@ -14,9 +14,12 @@ class Lost(Exception):
 
 
 class Port:
-    """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says how much."""
+    """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says how much.
 
-    def __init__(self, url: str, baud: int, reset: bool = True):
+    frame: data bits, parity (E, O, N) and stop bits.
+    """
+
+    def __init__(self, url: str, baud: int, reset: bool = True, frame: tuple[int, str, int] = (8, "N", 1)):
         try:
             import serial
         except ImportError:
@@ -25,6 +28,7 @@ class Port:
         try:
             port: Any = serial.serial_for_url(url, do_not_open=True)
             port.baudrate, port.timeout, port.write_timeout = baud, 0, 0
+            port.bytesize, port.parity, port.stopbits = frame
             with contextlib.suppress(AttributeError, ValueError):
                 port.exclusive = True
             if not reset:  # raising DTR restarts boards of the Arduino kind
@@ -63,6 +67,13 @@ class Port:
             if self._fd is not None and not select.select([], [self._fd], [], 0)[1]:
                 return 0
             return int(self._port.write(data) or 0)
+        except self._broken as error:
+            raise Lost(_reason(error)) from None
+
+    def drain(self) -> None:
+        """Wait until what was written has left: for links on which the other side may say stop at any byte."""
+        try:
+            self._port.flush()
         except self._broken as error:
             raise Lost(_reason(error)) from None
 

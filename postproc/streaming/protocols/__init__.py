@@ -91,6 +91,10 @@ class Protocol(Interface):
     def patience(self, text: bytes) -> float:
         """s that this line may take without any word from the controller."""
 
+    def overdue(self) -> bytes:
+        """What to write when the oldest line has waited too long for its answer: only what the receiver can not execute twice
+        (a numbered line, a question). b"": nothing, the job has stalled."""
+
     def forget(self) -> None:
         """All that was sent is void: the controller has restarted, or the window was emptied."""
 

@@ -51,7 +51,7 @@ STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep
 
 def recognises(banner: str) -> bool:
     """Whether it is GRBL itself; a status report alone is taken for GRBL until $I says more."""
-    if re.search(r"fluidnc|grblhal", banner, re.IGNORECASE):
+    if re.search(r"fluidnc|grblhal|smoothie", banner, re.IGNORECASE) or re.search(r"MPos:[^<>]*WPos:", banner):
         return False
     return bool(BANNER.search(banner) or STATUS.search(banner) or re.search(r"\[VER:1\.1", banner))
 
@@ -141,6 +141,9 @@ class Grbl:
             return SLOW
         dwell = DWELL.search(BLANKS.sub(b"", text))
         return 2.0 + (float(dwell[1]) if dwell else 0.0)  # while it dwells it reports Idle
+
+    def overdue(self) -> bytes:
+        return b""  # a line that is sent again may be executed twice
 
     def forget(self) -> None:
         self._waiting.clear()

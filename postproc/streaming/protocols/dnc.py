@@ -1,0 +1,158 @@
+"""Drip feed over RS-232 without answers: the control says go and stop, and nothing else. Fanuc's way; others are data.
+
+What is known: when bytes left, and that the control let them. What is not: whether they arrived, were read, or were executed.
+So a job on this link ends as "sent" and never as "done". Rules (Fanuc's tape reader interface, ISO code: general knowledge,
+unverified on hardware; Haas, mill operator's manual 1999, RS-232 and Setting 14; CIMCO DNC-Max manual, serial port and
+troubleshooting): DC1 go, DC3 stop, DC2 and DC4 before and after where they are wanted; `%` opens and closes the program; a
+block ends with LF or CR LF. After DC3 a control takes only so many more bytes before it raises an alarm (Fanuc 087: its
+buffer has overflowed), so few bytes leave at once, and input is looked at between: no driver and no FIFO is trusted.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from postproc.streaming.events import Alarm, Event, Told
+from postproc.streaming.lines import Unsendable
+from postproc.streaming.protocols import Controller
+
+TITLE = "DNC, Fanuc"
+POKE = b""
+DC1, DC2, DC3, DC4 = 0x11, 0x12, 0x13, 0x14
+AT_ONCE = 16  # bytes: what a UART of the 16550 kind holds; a control that says stop gets these and no more
+COMMENT = re.compile(rb"\([^()\n]*\)")
+UNCLOSED = re.compile(rb"\([^()\n]*$")
+EOB = re.compile(rb";[^\n]*")
+FOREIGN = re.compile(rb"[^\x20-\x7e]|%")
+LONGEST = 255
+
+
+@dataclass(frozen=True)
+class Link:
+    """A control's habits. bits, parity (E, O, N), stop: the line's frame; end: of a block; leader: before the first %, trailer: behind
+    the last; opens: the program's mark at both ends; waits: for DC1 before the first byte; go, halt: what it says."""
+
+    bits: int = 7
+    parity: str = "E"
+    stop: int = 2
+    baud: int = 4800
+    end: bytes = b"\n"
+    leader: bytes = b""
+    trailer: bytes = b""
+    opens: bytes = b"%"
+    waits: bool = True
+    go: int = DC1
+    halt: int = DC3
+    at_once: int = AT_ONCE
+    comments: bool = True
+
+
+FANUC = Link()
+
+
+def recognises(banner: str) -> bool:
+    """A control that is fed says nothing of itself."""
+    return False
+
+
+class Dnc:
+    """One connection. `counting` means nothing here."""
+
+    title = TITLE
+    link = FANUC
+    confirms = "nothing"
+    questions: tuple[bytes, ...] = ()
+
+    def __init__(self, counting: bool = True):
+        link = self.link
+        self.controller = Controller(self.title, window=link.at_once, line_limit=LONGEST, planner=0)
+        self.opening: tuple[bytes, ...] = (link.opens,) if link.opens else ()
+        self.closing: tuple[bytes, ...] = (link.opens,) if link.opens else ()
+        self.stopped = link.waits
+        self.stops = 0
+        self._opened = self._closed = False
+
+    # -- lines out -----------------------------------------------------------------------------------------------------
+
+    def prepare(self, text: bytes) -> bytes:
+        """In capital letters of 7 bits; comments stay where every byte of them is one, others go."""
+        text = text.strip()
+        if not text or text.startswith(b"%"):
+            return b""
+        text = UNCLOSED.sub(b"", EOB.sub(b"", text))
+        text = COMMENT.sub(self._comment, text).upper().strip()
+        found = FOREIGN.search(text)
+        if found:
+            raise Unsendable(
+                f"the line has byte {found[0][0]} in it, which is none of the control's code or means something else on this link",
+                "take it out; in comments it does no harm",
+            )
+        if len(text) > LONGEST:
+            raise Unsendable(f"the line has {len(text)} characters", f"controls take about {LONGEST}: split it")
+        return text
+
+    def _comment(self, found: re.Match[bytes]) -> bytes:
+        return b"" if not self.link.comments or FOREIGN.search(found[0]) else found[0]
+
+    def alone(self, text: bytes) -> bool:
+        return False
+
+    def ready(self, text: bytes) -> bool:
+        return True
+
+    def send(self, number: int, text: bytes) -> bytes:
+        link = self.link
+        if text == link.opens and not self._opened:
+            self._opened = True
+            return link.leader + text + link.end
+        if text == link.opens:
+            self._closed = True
+            return text + link.end + link.trailer
+        return text + link.end
+
+    def release(self) -> int:
+        return 0 if self.stopped else self.link.at_once
+
+    def urgent(self, what: str) -> bytes:
+        return b""
+
+    def outstanding(self) -> list[int]:
+        return []
+
+    def patience(self, text: bytes) -> float:
+        return float("inf")
+
+    def overdue(self) -> bytes:
+        return b""
+
+    def forget(self) -> None:
+        """Nothing was promised."""
+
+    def check_mode(self) -> bytes:
+        return b""
+
+    # -- what the control says -----------------------------------------------------------------------------------------
+
+    def receive(self, data: bytes) -> list[Event]:
+        """Go and stop; DC4 before the end is the control's end of it. Parity that the port has left in is taken off."""
+        events: list[Event] = []
+        words = bytearray()
+        for byte in data:
+            byte &= 0x7F
+            if byte == self.link.go:
+                self.stopped = False
+            elif byte == self.link.halt:
+                self.stops += not self.stopped
+                self.stopped = True
+            elif byte == DC4 and not self._closed:
+                events.append(Alarm("DC4", "the control has ended the reception: look at its screen"))
+            elif byte >= 0x20:
+                words.append(byte)
+        return [Told(words.decode()), *events] if words else events
+
+    def learn(self, question: bytes, answers: list[str]) -> None:
+        """It is asked nothing."""
+
+
+PROTOCOL = Dnc

@@ -1,0 +1,128 @@
+"""Smoothieware: numbered lines with checksums as Marlin, one at a time; status, hold and stop by single bytes as GRBL.
+
+From Smoothieware/Smoothieware, src/modules/communication/GcodeDispatch.cpp: "rs N<n>" asks for a line and has no ok behind it; a
+line with several G and M codes gets one ok (grbl_mode, ok_per_line) or one for each code up to a G1, which is asked for
+before the job; an empty line gets an ok, so none is sent; an error halts it ("!!", "error:Alarm lock"). src/libs/Kernel.cpp:
+`<Idle|MPos:..|WPos:..>`, earlier with commas. An ok may stand behind a report without a line end between (its issue 1453).
+`!` and `~` work where feed hold is built in (unverified on hardware); ^X halts until M999.
+"""
+
+from __future__ import annotations
+
+import re
+
+from postproc.streaming.events import Alarm, Event, Status, Told
+from postproc.streaming.protocols import Controller
+from postproc.streaming.protocols._numbered import Numbered
+
+TITLE = "Smoothieware"
+POKE = b"version\n"
+REPORT = re.compile(r"<([A-Za-z]+)[|,]([^<>]*)>")
+PLACE = re.compile(r"MPos:(-?\d+\.\d+),(-?\d+\.\d+),(-?\d+\.\d+)(?![\d.])")
+WORK = re.compile(r"WPos:(-?\d+\.\d+),(-?\d+\.\d+),(-?\d+\.\d+)(?![\d.])")
+HALT = re.compile(
+    r"!!|ALARM|error:|.*(?:Entering Alarm/Halt|HALTED|Emergency Stop|Kill button|Limit switch)", re.IGNORECASE
+)
+URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
+PROBE = b"G4 P0 G4 P0"  # two codes that do nothing: how many oks come?
+
+
+def recognises(banner: str) -> bool:
+    """Its name, its build, or a report with both positions, as GRBL never makes it."""
+    return bool(re.search(r"smoothie|Build version:.*Build date:", banner, re.IGNORECASE)) or any(
+        "MPos:" in found[2] and "WPos:" in found[2] for found in REPORT.finditer(banner)
+    )
+
+
+class Smoothieware(Numbered):
+    """One connection; `counting` changes nothing: it loses lines that come before it has answered."""
+
+    confirms = "idle"
+    questions = (PROBE, b"M115", b"M114")
+    closing = (b"M400",)
+    forbidden = re.compile(rb"M(?:110|112|28|29|1000)(?![0-9])", re.IGNORECASE)
+    own_ok = False
+    gap = b" "  # without its star a line would pass unchecked, and its checksum be read into its last number
+    anew = b"*999\n"  # no checksum is 999: what may be left of a line is refused, where a mere line end would have it executed
+
+    def __init__(self, counting: bool = True):
+        super().__init__(False, Controller(TITLE, window=1, line_limit=110, planner=32))
+        self._each = False  # it answers every code of a line
+        self._named = False
+        self._fragments = 0  # answers to come for what is no line
+
+    def prepare(self, text: bytes) -> bytes:
+        text = super().prepare(text)
+        return text.replace(b"!", b"").replace(b"?", b"").replace(b"~", b"") if text.startswith(b"M117") else text
+
+    def overdue(self) -> bytes:
+        data = super().overdue()
+        self._fragments += bool(data)
+        return data
+
+    def answers(self, text: bytes) -> int:
+        if not self._each:
+            return 1
+        n = 0
+        while text:
+            code = re.match(rb"G0*(\d+)", text)
+            n += 1
+            if code and code[1] in (b"1", b"53"):
+                break
+            nexts = [i for i in (text.find(b"G", 2), text.find(b"M", 2)) if i > 0]
+            text = text[min(nexts) :] if nexts else b""
+        return max(1, n)
+
+    def urgent(self, what: str) -> bytes:
+        return URGENT.get(what, b"")
+
+    def _meaning(self, text: str) -> list[Event]:
+        events: list[Event] = []
+        found = REPORT.match(text)
+        if found:
+            events = [self._report(text, found)]
+            text = text[found.end() :].strip()
+            if not text:
+                return events
+        asked = self._waiting[0].text if self._waiting else b"M115"
+        if text == "ok" and asked == b"M115" and not self._named and any(x.text == PROBE for x in self._known):
+            self._each = True  # the second ok of PROBE: that of M115 comes behind its name
+            return events
+        if text == "ok - ignored":  # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
+            self._fragments -= 1
+            cut = self._fragments < 0 and self._started
+            return [*events, *(self._fault(f"{text}: it has read a line as two") if cut else [Told(text)])]
+        if text.startswith("ok - "):
+            text = "ok"
+        return events + super()._meaning(text)
+
+    def _other(self, text: str) -> list[Event]:
+        self._named = self._named or "FIRMWARE_NAME" in text
+        if HALT.match(text):
+            return [Alarm(text, "it has halted: M999 clears it, home it first")]
+        if re.match(r"Smoothie(?:$| Running| command| ok)", text):
+            return self.restarted(text)
+        return super()._other(text)
+
+    def _report(self, text: str, found: re.Match[str]) -> Event:
+        place = PLACE.search(found[2])
+        if not place:
+            return Told(text)
+        work = WORK.search(found[2])
+        machine = tuple(float(place[i]) for i in (1, 2, 3))
+        if work:
+            zero = [m - float(work[i + 1]) for i, m in enumerate(machine)]
+            self.controller.offsets = [f"[G54:{','.join(f'{v:.3f}' for v in zero)}]"]
+        return Status(found[1].lower(), place=machine)
+
+    def placed(self, text: str, logical: tuple[float, ...], rest: str) -> list[Event]:
+        return [Told(text)]  # the place is taken from `?`
+
+    def learn(self, question: bytes, answers: list[str]) -> None:
+        for text in answers:
+            found = re.search(r"FIRMWARE_VERSION:\s*([^,]+)", text)
+            if found:
+                self.controller.version = found[1].strip()
+
+
+PROTOCOL = Smoothieware

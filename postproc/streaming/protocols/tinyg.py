@@ -1,0 +1,297 @@
+"""TinyG: lines in, one JSON answer each with a footer; reports in between; every line is echoed and compared.
+
+Rules: synthetos/TinyG, wiki (JSON Operation, Status Reports, TinyG Alarms, Sending Data using RX Packet Mode) and
+firmware/tinyg/json_parser.c, util.c (compute_checksum): `{"r":{..},"f":[revision,status,bytes,checksum]}`, bytes taken out of the
+receive buffer, checksum of the text up to the last comma (revision 1). The receive buffer holds 254 bytes, and at 80 % of it
+the board says XOFF. Verbosity 5 ($jv) echoes each block, so that a byte lost on the way shows; it is put back at the end.
+An answer says that a line was taken, not that it was executed: the end of motion is a report of state 3 or 4.
+`!` `~` `%` and ^X are obeyed wherever they stand. `?` and `$` would switch to text mode, so they are never sent.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import deque
+from typing import Any, ClassVar
+
+from postproc.streaming.events import Accepted, Alarm, Altered, Busy, Event, Rejected, Restarted, Status, Stray, Told
+from postproc.streaming.lines import Unsendable
+from postproc.streaming.protocols import UNLIMITED, Controller
+
+TITLE = "TinyG"
+POKE = b'{"fv":null}\n'
+COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
+BLANKS = re.compile(rb"[\x00-\x20]+")
+REALTIME = re.compile(rb"[!~%\x18]|[^\x20-\x7e]")
+XON, XOFF = 0x11, 0x13
+LONGEST_ANSWER = 4096
+STATES = {0: "start", 1: "idle", 2: "alarm", 3: "idle", 4: "idle", 5: "run", 6: "hold", 7: "run", 8: "run", 9: "home", 10: "jog",
+          11: "door", 12: "alarm", 13: "alarm"}  # fmt: skip
+TAKEN = {0, 60, 61, 201, 202}  # ok, and moves too short to make
+MEANINGS = {
+    5: "terminated", 40: "unrecognised command", 41: "command letter expected", 42: "bad number", 43: "too long", 44: "too small",
+    45: "too large", 46: "out of range", 47: "not supported", 48: "no JSON", 50: "out of buffer space", 62: "bad block", 63: "no feed rate",
+    64: "axis word missing", 65: "two codes of one modal group", 66: "homing failed", 67: "beyond the travel", 68: "spindle too fast",
+    69: "bad arc", 100: "unrecognised command", 108: "not supported", 111: "no JSON", 130: "bad block", 203: "limit switch",
+    204: "locked by an alarm", 205: "shut down", 206: "panic", 220: "beyond the travel",
+}  # fmt: skip
+FILL = 200  # bytes: below the 80 % of 254 at which it says XOFF
+AXES = "xyzabc"
+WORK = ("g54", "g55", "g56", "g57", "g58", "g59", "g92")
+STAND = b'{"sr":null}'  # asked at the end, answered for us when the machine stands
+PLACE = b'{"mpo":null}'
+SLOW = re.compile(rb"G28\.[234]|G30\.[234]|G38")
+
+
+def checksum(text: str) -> int:
+    """Java's hash of strings, 32 bits, modulo 9999."""
+    value = 0
+    for byte in text.encode("latin-1"):
+        value = (31 * value + byte) & 0xFFFFFFFF
+    return value % 9999
+
+
+def recognises(banner: str) -> bool:
+    """Its JSON: a footer, a report, its name; not g2core, which says so by its version of 100 and above."""
+    if re.search(r"g2core|\"fb\":1[0-9]{2}\.", banner):
+        return False
+    return bool(re.search(r"\"f\":\[\d+,\d+,\d+|\{\"sr\":\{|tinyg \[(?:mm|inch)\]", banner))
+
+
+class TinyG:
+    """One connection. `counting`: keep its receive buffer filled; else one line at a time."""
+
+    title = TITLE
+    confirms = "answers"
+    questions: tuple[bytes, ...] = (
+        b'{"ej":1}', b'{"jv":null}', b'{"jv":5}', b'{"sys":null}', *(b'{"%s":null}' % n.encode() for n in WORK), PLACE, STAND,
+    )  # fmt: skip
+    opening: tuple[bytes, ...] = ()
+    lines = 1 << 20  # that may wait for an answer
+    fill = FILL
+    counts = True  # its footers say how many bytes it took
+    urgents: ClassVar[dict[str, bytes]] = {"hold": b"!", "resume": b"~", "stop": b"!%"}
+
+    def __init__(self, counting: bool = True):
+        self.counting = counting
+        self.controller = Controller(self.title, window=self.fill, line_limit=200, planner=28)
+        self._verbosity: int | None = None
+        self._rest = b""
+        self._held = False  # it has said XOFF
+        self._state: dict[str, Any] = {}
+        self.forget()
+
+    @property
+    def closing(self) -> tuple[bytes, ...]:
+        back = () if self._verbosity in (None, 5) else (b'{"jv":%d}' % (self._verbosity or 0),)
+        return (STAND, PLACE, *back)
+
+    # -- lines out -----------------------------------------------------------------------------------------------------
+
+    def prepare(self, text: bytes) -> bytes:
+        """Without comments and blanks, upper case: as it will be echoed."""
+        text = text.strip()
+        if not text or text.startswith(b"%"):
+            return b""
+        text = BLANKS.sub(b"", COMMENT.sub(b"", text)).lstrip(b"/").upper()
+        found = REALTIME.search(text)
+        if found:
+            raise Unsendable(
+                f"the line has {found[0]!r} in it, which {self.controller.name} would obey at once wherever it stands",
+                "take it out; in comments it does no harm",
+            )
+        if text[:1] in (b"$", b"?", b"H", b"{"):
+            raise Unsendable("the line is a setting and no block", "set it before the job, and take the line out")
+        if len(text) > self.controller.line_limit:
+            raise Unsendable(
+                f"the line has {len(text)} characters, and {self.controller.name} takes {self.controller.line_limit}",
+                "shorten it: drop digits beyond the machine's resolution",
+            )
+        return text
+
+    def alone(self, text: bytes) -> bool:
+        return text.startswith(b"{") or bool(re.search(rb"M(?:2|30|0|1|60)(?![0-9])|G10(?![0-9])", text))
+
+    def ready(self, text: bytes) -> bool:
+        if not self._waiting:
+            return True
+        if not self.counting or self.alone(text) or self.alone(self._waiting[-1][1]):
+            return False
+        return len(self._waiting) < self.lines and self.used + len(text) + 1 <= self.controller.window
+
+    def send(self, number: int, text: bytes) -> bytes:
+        self._waiting.append((number, text))
+        return text + b"\n"
+
+    def release(self) -> int:
+        return 0 if self._held else UNLIMITED
+
+    def urgent(self, what: str) -> bytes:
+        return self.urgents.get(what, b"")
+
+    def outstanding(self) -> list[int]:
+        return [number for number, _ in self._waiting]
+
+    @property
+    def used(self) -> int:
+        """Bytes that may be in the controller's buffer."""
+        return sum(len(text) + 1 for _, text in self._waiting)
+
+    def patience(self, text: bytes) -> float:
+        return 300.0 if SLOW.search(text) else 10.0
+
+    def overdue(self) -> bytes:
+        """A question may be asked again; a block never."""
+        if not self._waiting or not self._waiting[0][1].startswith(b"{") or self._asked_again >= 5:
+            return b""
+        self._asked_again += 1
+        return b"\n" + self._waiting[0][1] + b"\n"
+
+    def forget(self) -> None:
+        self._waiting: deque[tuple[int, bytes]] = deque()
+        self._stands_asked = False
+        self._asked_again = 0
+
+    def check_mode(self) -> bytes:
+        return b""
+
+    # -- answers in ----------------------------------------------------------------------------------------------------
+
+    def receive(self, data: bytes) -> list[Event]:
+        for byte in data:
+            if byte in (XON, XOFF):
+                self._held = byte == XOFF
+        data = data.translate(None, bytes((XON, XOFF)))
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > LONGEST_ANSWER:
+            lines, self._rest = [*lines, self._rest], b""
+        events: list[Event] = []
+        for line in lines:
+            text = line.strip(b"\r\0 \t").decode("latin-1")
+            if text:
+                events += self._meaning(text)
+        return events
+
+    def _meaning(self, text: str) -> list[Event]:
+        try:
+            value = json.loads(text)
+        except ValueError:
+            return [Told(text)]
+        if not isinstance(value, dict):
+            return [Told(text)]
+        if "r" in value:
+            body = value["r"] if isinstance(value["r"], dict) else {}
+            footer = value.get("f", body.pop("f", None))
+            if not isinstance(footer, list) or not footer_is_good(footer, text):
+                return [Told(text)]
+            return self._answer(text, body, footer)
+        if isinstance(value.get("sr"), dict):
+            return self._report(value["sr"])
+        if "er" in value:
+            return [Alarm(text, str(value["er"].get("msg", "")) if isinstance(value["er"], dict) else "")]
+        if "qr" in value:
+            return [Busy(text)] if self._stands_asked else []
+        return [Told(text)]
+
+    def _answer(self, text: str, body: dict[str, Any], footer: list[int]) -> list[Event]:
+        if "SYSTEM READY" in str(body.get("msg", "")):
+            self.forget()
+            self._held = False
+            return [Restarted(text)]
+        if not self._waiting:
+            return [Stray(text)]
+        number, sent = self._waiting[0]
+        wrong = self._differs(sent, body, footer)
+        if wrong == "repeated":
+            return [Told(text)]
+        if wrong:
+            return [Altered(number, wrong)]
+        if footer[1] not in TAKEN:
+            self._waiting.popleft()
+            return [Rejected(number, f"status {footer[1]}", MEANINGS.get(footer[1], str(body.get("msg", ""))))]
+        events: list[Event] = [Told(text)] if sent.startswith(b"{") else []
+        if sent == STAND:
+            self._stands_asked = True
+            return events + self._report(body["sr"])
+        self._waiting.popleft()
+        if sent == PLACE:
+            place = numbers(body["mpo"])
+            if place:
+                events.append(Status("idle", place=place))
+        self._asked_again = 0
+        return [*events, Accepted(number)]
+
+    def _differs(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:
+        """What was read that was not sent, in words; "": nothing; "repeated": an answer to a question asked before."""
+        if sent.startswith(b"{"):
+            name = next(iter(json.loads(sent)))
+            if name in body:
+                return ""
+            return "repeated" if "gc" not in body else str(body["gc"])
+        block = body.get("gc")
+        if block is None:
+            if any(name in body for name in ("sr", "mpo", "jv", *WORK)):
+                return "repeated"
+            return "" if not self.counts or footer[0] == 3 or footer[2] == len(sent) + 1 else f"{footer[2]} bytes"
+        if BLANKS.sub(b"", str(block).encode("latin-1", "replace")).upper() != sent:
+            return str(block)
+        return (
+            ""
+            if not self.counts or footer[0] != 1 or footer[2] in (0, len(sent) + 1)
+            else f"{block}, {footer[2]} bytes"
+        )
+
+    def _report(self, report: dict[str, Any]) -> list[Event]:
+        self._state |= report
+        known = self._state.get("stat")
+        state = STATES.get(known, str(known)) if isinstance(known, int) else ""
+        if state == "alarm":
+            return [Alarm(f"state {known}", "it has locked itself")]
+        events: list[Event] = []
+        if state:
+            feed = self._state.get("vel")
+            events.append(Status(state, feed=feed if isinstance(feed, int | float) else None))
+        if self._stands_asked and self._waiting and self._waiting[0][1] == STAND:
+            if state == "idle":
+                self._stands_asked = False
+                events.append(Accepted(self._waiting.popleft()[0]))
+            else:
+                events.append(Busy(state))
+        elif state in ("run", "hold", "home"):
+            events.append(Busy(state))
+        return events
+
+    def learn(self, question: bytes, answers: list[str]) -> None:
+        for text in answers:
+            try:
+                body = json.loads(text).get("r", {})
+            except (ValueError, AttributeError):
+                continue
+            if question == b'{"jv":null}' and isinstance(body.get("jv"), int) and self._verbosity is None:
+                self._verbosity = body["jv"]
+            system = body.get("sys")
+            if isinstance(system, dict):
+                self.controller.version = f"{system.get('fv', '')} build {system.get('fb', '')}"
+                self.controller.settings |= {k: str(v) for k, v in system.items()}
+            for name in WORK:
+                place = numbers(body.get(name))
+                if place:
+                    self.controller.offsets.append(f"[{name.upper()}:{','.join(f'{v:.3f}' for v in place)}]")
+
+
+def footer_is_good(footer: list[Any], text: str) -> bool:
+    """Whether it is one, and its checksum, where it has one, is that of the text before it."""
+    if len(footer) < 3 or not all(isinstance(v, int) for v in footer):
+        return False
+    return len(footer) < 4 or checksum(text[: text.rindex(",")]) == footer[3]
+
+
+def numbers(group: Any) -> tuple[float, ...]:
+    """The values of a group in the order of axes; (): it is no group of numbers."""
+    if not isinstance(group, dict) or not all(isinstance(group.get(x, 0), int | float) for x in AXES):
+        return ()
+    return tuple(float(group[x]) for x in AXES if x in group)
+
+
+PROTOCOL = TinyG
