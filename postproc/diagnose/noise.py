@@ -64,7 +64,7 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float,
             differences.append(np.array(pairs) / np.sqrt(2.0))
     if differences:
         flat = np.concatenate(differences)
-        return float(np.hypot(spread(flat), 0.0)) if len(flat) > 3 else float(np.std(flat)), 0.0
+        return spread(flat) if len(flat) > 3 else float(np.std(flat)), 0.0
     order = np.lexsort((rows.state.time[which], run))
     second = np.diff(y[order], 2) / np.sqrt(6.0)
     return spread(second) if len(second) > 3 else float(np.std(y)), 0.0

@@ -7,21 +7,13 @@ deviation along a direction, or of an axis' own scale; a feature of a part is th
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 
+from postproc.diagnose.signals import FAR, XYZ, signals_of
 from postproc.effects import State
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
-
-XYZ = "XYZ"
-OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
-MOST_ROWS = 5000  # per signal: traces are averaged down to it
-RESTS = 2e-5  # mm from sample to sample
-FAR = 1e6  # mm and s: nobody knows when an axis turned back last
-INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
-MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
 
 @dataclass(frozen=True)
@@ -85,7 +77,7 @@ def of(recordings: list[Recording], machine: Machine) -> Rows:
                     f"{recording.file} records {letter}, which is no axis of {machine.name}",
                     f"its axes are {' '.join(machine.letters)}",
                 )
-        for name, columns in _signals(recording, machine):
+        for name, columns in signals_of(recording, machine):
             columns["file"] = np.full(len(columns["y"]), number)
             columns["signal"] = np.full(len(columns["y"]), len(signals))
             signals.append(name)
@@ -220,209 +212,3 @@ def deviation_at(machine: Machine, state: State) -> np.ndarray:
         if x in XYZ:
             result[XYZ.index(x)] = deviation[i]
     return result
-
-
-# -- one recording -------------------------------------------------------------------------------------------------------
-
-
-def _signals(recording: Recording, machine: Machine):
-    """(name, columns) of every signal of a recording."""
-    makers = {"targets": _targets, "ballbar": _ballbar, "trace": _trace, "features": _features}
-    yield from makers[recording.kind](recording, machine)
-
-
-def _common(recording: Recording) -> dict[str, np.ndarray]:
-    n = len(recording)
-    columns: dict[str, np.ndarray] = {
-        "time": recording.columns.get("t_s", np.arange(n, dtype=float)),
-        "run": recording.columns.get("run", np.ones(n)),
-        "line": recording.lines if len(recording.lines) == n else np.arange(n),
-    }
-    for name, values in recording.columns.items():
-        if name.startswith(("T_", "force_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
-            columns[f"channel {name}"] = values
-    return columns
-
-
-def _targets(recording: Recording, machine: Machine):
-    columns = _common(recording)
-    n = len(recording)
-    vector = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
-    angle = recording.quantity == "angle"
-    if angle:
-        vector = np.array(
-            [recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0)) for i, x in enumerate(XYZ)]
-        )
-    path = np.zeros(n)
-    for x in recording.axes:
-        if x not in XYZ:
-            continue
-        p = recording.position(x)
-        columns[f"{x} position"], columns[f"{x} approach"] = p, recording.approach(x)
-        columns[f"{x} distance"] = _since_turn(p, recording.approach(x), columns["run"])
-        path += vector[XYZ.index(x)] * p
-    columns["beam"] = path - path.min() if not angle and recording.quantity == "displacement" else np.zeros(n)
-    laser = "laser" if recording.quantity == "displacement" else "tool"
-    yield "reading_urad" if angle else "reading_um", columns | {
-        "y": recording.reading, "direction": np.repeat(vector[None], n, axis=0), "sees": "angle" if angle else laser,
-    }  # fmt: skip
-
-
-def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> np.ndarray:
-    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun a little before a turn."""
-    result = np.full(len(position), FAR)
-    gone = FAR
-    for k in range(1, len(position)):
-        step = abs(position[k] - position[k - 1])
-        if approach[k] != approach[k - 1]:
-            gone = step + OVERRUN if step < 1e-9 or approach[k] * (position[k] - position[k - 1]) >= 0 else OVERRUN
-        else:
-            gone = gone + step
-        result[k] = gone
-    if np.ptp(position) < 1e-9:
-        return np.full(len(position), FAR)
-    return result
-
-
-def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, run: np.ndarray) -> None:
-    """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of each run."""
-    n = len(position)
-    names = ("velocity", "acceleration", "approach", "distance", "since")
-    v, a, s, d, since = (np.zeros(n) for _ in names)
-    edges = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0)) + 1
-    for part in np.split(np.arange(n), edges):
-        if len(part) < 3:
-            continue
-        t, p = time[part], position[part]
-        v[part] = np.gradient(p, t)
-        a[part] = np.gradient(v[part], t)
-        jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
-        still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
-        sign = np.sign(v[part]) * ~still
-        held = np.maximum.accumulate(np.where(sign != 0, np.arange(len(part)), -1))
-        s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], 0)
-        turn = np.concatenate([[False], (s[part][1:] != s[part][:-1]) & (s[part][:-1] != 0)])
-        last = np.maximum.accumulate(np.where(turn, np.arange(len(part)), -1))
-        gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))])
-        d[part] = np.where(last >= 0, gone - gone[np.maximum(last, 0)], FAR)
-        since[part] = np.where(last >= 0, t - t[np.maximum(last, 0)], FAR)
-    for name, value in zip(names, (v, a, s, d, since), strict=True):
-        columns[f"{letter} {name}"] = value
-    columns[f"{letter} position"] = position
-
-
-def _ballbar(recording: Recording, machine: Machine):
-    columns = _common(recording)
-    run = _unbroken(columns["run"], recording.columns["sense"])
-    centre = recording.head["centre"]
-    n = len(recording)
-    unit = np.zeros((n, 3))
-    for x in recording.axes:
-        p = recording.position(x)
-        _motion(columns, x, p, columns["time"], run)
-        if x in centre:
-            unit[:, XYZ.index(x)] = p - centre[x]
-    unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
-    sure = _sure(columns, [x for x in recording.axes if x in centre], run)
-    columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
-    columns = {name: value[sure] for name, value in columns.items()}
-    yield "radial_um", _averaged(columns | {"sees": "tool"}, run[sure])
-
-
-def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
-    """Runs, cut where the sense changes."""
-    change = np.concatenate([[0], np.cumsum((np.diff(run) != 0) | (np.diff(sense) != 0))])
-    return change.astype(float)
-
-
-def _trace(recording: Recording, machine: Machine):
-    columns = _common(recording)
-    scale = recording.head.get("sees", "scale") == "scale"
-    letters = [x for x in recording.axes if x in XYZ]
-    for x in letters:
-        _motion(columns, x, recording.position(x), columns["time"], columns["run"])
-    # Before an axis has moved, nobody knows from which side it came; and in the very sample in which it turns neither.
-    sure = _sure(columns, [x for x in letters if np.ptp(recording.position(x)) > 0], columns["run"])
-    for x in letters:
-        y = recording.columns[f"{x}_act_mm"] - recording.position(x)
-        direction = np.zeros((len(recording), 3))
-        direction[:, XYZ.index(x)] = 1.0
-        one = columns | {"y": y, "dense": np.ones(len(y)), "direction": direction, "sees": "scale" if scale else "tool"}
-        one = {name: v[sure] if isinstance(v, np.ndarray) else v for name, v in one.items()}
-        yield f"{x}_act_mm", _averaged(one, one["run"])
-
-
-def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples whose directions of approach are known."""
-    result = np.ones(len(run), bool)
-    for x in letters:
-        side = columns[f"{x} approach"]
-        turn = np.flatnonzero((np.diff(side) != 0) & (np.diff(run) == 0))
-        result &= side != 0
-        result[turn] = False
-        result[turn + 1] = False
-    return result
-
-
-def _averaged(columns: dict, run: np.ndarray) -> dict:
-    """Neighbouring samples of a run averaged until at most MOST_ROWS are left."""
-    n = len(columns["y"])
-    width = int(np.ceil(n / MOST_ROWS))
-    if width == 1:
-        return columns
-    cut = np.diff(run) != 0
-    for name, value in columns.items():
-        if name.endswith("approach"):
-            cut = cut | (np.diff(value) != 0)
-    start = np.concatenate([[0], np.flatnonzero(cut) + 1, [n]])
-    edges = np.concatenate([np.arange(a, b, width) for a, b in pairwise(start)])
-    size = np.diff(np.append(edges, n))
-    step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
-    result: dict = {"width": size * float(step)}
-    for name, value in columns.items():
-        if not isinstance(value, np.ndarray):
-            result[name] = value
-        elif name in ("run", "line") or name.endswith("approach"):
-            result[name] = value[np.minimum(edges + size // 2, n - 1)]
-        else:
-            mean = np.add.reduceat(value, edges, axis=0)
-            result[name] = mean / (size if value.ndim == 1 else size[:, None])
-    return result
-
-
-def _features(recording: Recording, machine: Machine):
-    columns = _common(recording)
-    kind, axis = recording.columns["kind"], recording.columns["axis"]
-    nominal = recording.columns["nominal_mm"]
-    use = np.array(
-        [k in (*MATERIAL, "centre_distance", "step") and str(a)[:1] in XYZ for k, a in zip(kind, axis, strict=True)]
-    )
-    if not use.any():
-        return
-    n = len(recording)
-    direction = np.zeros((n, 3))
-    turned = np.zeros(n, bool)  # a diameter of a lathe: twice what the tool is off at its radius
-    for k in range(n):
-        letters = [x for x in str(axis[k]) if x in XYZ]
-        turned[k] = kind[k] in MATERIAL and len(letters) == 1 and letters[0] in machine.diameter
-        for x in letters:
-            direction[k, XYZ.index(x)] = 2.0 if turned[k] else 1.0 / len(letters)
-    for x in (x for x in machine.letters if x in XYZ):
-        low, high = machine.axes[x].travel
-        size = nominal * (direction[:, XYZ.index(x)] != 0)
-        middle = (low + high) / 2 if np.isfinite(low + high) else 0.0
-        columns[f"{x} position"] = np.where(turned & (size > 0), size / 2, middle + size / 2)
-        columns[f"{x} other"] = np.where(turned, np.nan, middle - size / 2)
-        # A wall is reached from the inside of a pocket or a bore, from the outside of a boss.
-        columns[f"{x} approach"] = np.where(size > 0, [INSIDE.get(str(k), 0.0) for k in kind], 0.0)
-    part = recording.columns.get("part", np.ones(n))
-    columns["channel part"] = np.array([float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part])
-    columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])
-    columns["channel wall"] = np.where(turned, 1.0, [-MATERIAL.get(str(k), 0.0) for k in kind])
-    columns["channel bore"] = np.array([float(k == "bore_diameter") for k in kind]) * turned
-    columns["run"] = columns["channel part"]
-    columns["y"], columns["direction"] = recording.columns["measured_mm"] - nominal, direction
-    names = np.array([f"{f} {k}" for f, k in zip(recording.columns["feature"], kind, strict=True)])
-    for name in sorted(set(names[use])):
-        which = use & (names == name)
-        yield f"measured_mm {name}", {c: v[which] for c, v in columns.items()} | {"sees": "part"}

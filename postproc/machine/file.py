@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from postproc import effects
-from postproc.errors import MachineError, Place
+from postproc.errors import MachineError
 from postproc.machine import chain as chains
-from postproc.machine.axis_file import over_turns, read_grid, read_table, text_of
+from postproc.machine.axis_file import over_turns, read_grid, read_table
 from postproc.machine.chain import OPTICS, ROTARY, XYZ
 from postproc.machine.model import Axis, ControlTable, EffectTerm, Expansion, Limits, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.toml_file import TomlFile
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
@@ -38,74 +38,6 @@ PPM = 1e-6  # um/m is mm/mm by a million
 REVERSALS = ("mean", "step", "ramp", "off")
 
 
-class _Toml:
-    """A TOML document that knows in which line a key stands."""
-
-    def __init__(self, path: Path):
-        self.path, self.text = path, text_of(path)
-        try:
-            self.data: dict[str, Any] = tomllib.loads(self.text)
-        except tomllib.TOMLDecodeError as error:
-            found = re.search(r"line (\d+)", str(error))
-            raise MachineError(
-                f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)
-            ) from None
-
-    def line(self, section: str, key: str, index: int = 0) -> int:
-        """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout lets us find it."""
-        here, count, fallback = "", -1, 0
-        for number, line in enumerate(self.text.splitlines(), 1):
-            header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
-            if header:
-                here = header[1].replace('"', "")
-                count += here == section
-                if here == section and count == index:
-                    fallback = number
-                if f"{section}.{key}".lstrip(".") == here:
-                    return number
-            elif (
-                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section and (count == index or not section)
-            ):
-                return number
-        return fallback or 1
-
-    def fault(self, section: str, key: str, message: str, advice: str = "", index: int = 0) -> MachineError:
-        return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))
-
-    def table(self, key: str) -> dict[str, Any]:
-        """A section, empty where it is missing."""
-        value = self.data.get(key, {})
-        if not isinstance(value, dict):
-            raise self.fault("", key, f"{key} = {value!r} must be a section [{key}]")
-        return value
-
-    def check_keys(self, section: str, data: dict, known: set[str], index: int = 0) -> None:
-        for key in data:
-            if key not in known:
-                where = f"[{section or 'machine'}]"
-                raise self.fault(
-                    section, key, f"{key!r} is not a key of {where}", f"keys: {', '.join(sorted(known))}", index
-                )
-
-    def number(
-        self, section: str, data: dict, key: str, default: float | None = None, at: str = "", index: int = 0
-    ) -> float:
-        """A finite number; `at`: the key whose line to name, where this one stands inside a table of its own."""
-        value = data.get(key, default)
-        if value is None:
-            raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
-        return float(value)
-
-    def string(self, section: str, data: dict, key: str, default: str | None = None, index: int = 0) -> str:
-        value = data.get(key, default)
-        if not isinstance(value, str):
-            message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"
-            raise self.fault(section, key, message, index=index)
-        return value
-
-
 def read_machine(folder: Path) -> Machine:
     """Read a machine folder. Raises MachineError with file and line for anything that is not as the format says."""
     path = folder / "machine.toml"
@@ -113,7 +45,7 @@ def read_machine(folder: Path) -> Machine:
         raise MachineError(
             f"{folder} has no machine.toml", "a machine is a folder with machine.toml and a CSV table per axis"
         )
-    toml = _Toml(path)
+    toml = TomlFile(path)
     data = toml.data
     toml.check_keys("", data, KEYS[""])
     if toml.string("", data, "format") != FORMAT:
@@ -158,7 +90,7 @@ def read_machine(folder: Path) -> Machine:
     )  # fmt: skip
 
 
-def _limits(toml: _Toml) -> Limits:
+def _limits(toml: TomlFile) -> Limits:
     data = toml.table("limits")
     toml.check_keys("limits", data, KEYS["limits"])
     outside = toml.string("limits", data, "outside", "error")
@@ -173,7 +105,7 @@ def _limits(toml: _Toml) -> Limits:
     return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside)
 
 
-def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axis:
+def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> Axis:
     name = f"axes.{letter}"
     if letter not in tuple(XYZ + ROTARY) or not isinstance(section, dict):
         raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C")
@@ -215,7 +147,7 @@ def _axis(toml: _Toml, letter: str, section: Any, digest, limits: Limits) -> Axi
     )  # fmt: skip
 
 
-def _table_path(toml: _Toml, name: str, value: Any, key: str) -> Path:
+def _table_path(toml: TomlFile, name: str, value: Any, key: str) -> Path:
     if not isinstance(value, str):
         raise toml.fault(name, key, f"{key} = {value!r} is not a text")
     path = toml.path.parent / value
@@ -224,7 +156,7 @@ def _table_path(toml: _Toml, name: str, value: Any, key: str) -> Path:
     return path
 
 
-def _grids(toml: _Toml, name: str, letter: str, section: dict, digest, limits: Limits) -> tuple[GridTable, ...]:
+def _grids(toml: TomlFile, name: str, letter: str, section: dict, digest, limits: Limits) -> tuple[GridTable, ...]:
     """`by = { X = "Z_by_X.csv" }`: what of Z depends on X too."""
     by = section.get("by", {})
     if not isinstance(by, dict):
@@ -239,7 +171,7 @@ def _grids(toml: _Toml, name: str, letter: str, section: dict, digest, limits: L
     return tuple(grids)
 
 
-def _centre(toml: _Toml, name: str, letter: str, section: dict) -> np.ndarray:
+def _centre(toml: TomlFile, name: str, letter: str, section: dict) -> np.ndarray:
     """(3,) mm: a point on the line of a rotary axis."""
     centre = section.get("centre", {})
     if "centre" in section and letter not in ROTARY:
@@ -249,7 +181,7 @@ def _centre(toml: _Toml, name: str, letter: str, section: dict) -> np.ndarray:
     return np.array([toml.number(name, centre, x, 0.0, at="centre") for x in XYZ])
 
 
-def _heat(toml: _Toml, name: str, section: dict) -> Expansion | None:
+def _heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
     """`heat = { scale_um_m_K = 11.5, scale_C = 24.0, work_um_m_K = 11.5, work_C = 21.0, fixed_mm = 0.0 }`."""
     if "heat" not in section:
         return None
@@ -276,7 +208,7 @@ def _heat(toml: _Toml, name: str, section: dict) -> Expansion | None:
     return Expansion(rate * PPM, at, work * PPM, work_at, fixed)
 
 
-def _location(toml: _Toml, axes: dict[str, Axis]) -> dict[str, Axis]:
+def _location(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, Axis]:
     """[location]: how the line of a rotary axis lies beside the nominal one, `X0C_um = 12.0` (ISO 230-7, ISO 10791-6)."""
     data = toml.table("location")
     toml_keys = {f"{d}0{x}_um" for x in axes if x in ROTARY for d in XYZ if XYZ.index(d) != ROTARY.index(x)}
@@ -294,7 +226,7 @@ def _finite(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
+def _squareness(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     square: dict[str, np.ndarray] = {}
     data = toml.table("squareness")
     for name in data:
@@ -312,7 +244,7 @@ def _squareness(toml: _Toml, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
     return square
 
 
-def _control_tables(toml: _Toml, digest) -> tuple[ControlTable, ...]:
+def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
     """[[control_table]]: tables of the control itself, and whether the map was measured with them."""
     entries = toml.data.get("control_table", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
@@ -357,7 +289,7 @@ def _control_tables(toml: _Toml, digest) -> tuple[ControlTable, ...]:
     return tuple(result)
 
 
-def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
+def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
     offsets = {}
     for name, values in toml.table("offsets").items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
@@ -371,7 +303,7 @@ def _offsets(toml: _Toml, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
     return offsets
 
 
-def _effect_axis(toml: _Toml, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
+def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
     """The axis of an effect, a pair of them, or "" for one of the whole machine."""
     name = entry["name"]
     axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
@@ -387,7 +319,7 @@ def _effect_axis(toml: _Toml, entry: dict, module, axes: dict[str, Axis], index:
     return axis
 
 
-def _effects(toml: _Toml, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
+def _effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
     terms = []
     entries = toml.data.get("effect", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):

@@ -125,12 +125,23 @@ def test_an_instrument_never_reaches_the_machine(tmp_path):
 
 
 def test_what_even_targets_hide_is_said(tmp_path):
-    told = answer(simulate(tmp_path, tests=("positioning:Z",)), STUDER, tmp_path)
+    """Targets every 30 mm: a screw of 10 mm could swing as it likes; the tool says so, and which test would show it."""
+    rng = np.random.default_rng(8)
+    head = '# format = "gcomp-recording/1"\n# kind = "targets"\n# quantity = "displacement"\n# sensitive = { X = 0.0, Z = 1.0 }\n'
+    machine = places.load(STUDER)
+    rows = []
+    for run in (1, 2, 3):
+        for way, z in [(1, 30.0 * k) for k in range(17)] + [(-1, 30.0 * k) for k in range(16, -1, -1)]:
+            position, approach = np.array([[50.0], [z]]), np.array([[1.0], [float(way)]])
+            off = machine.deviation(position, approach)[1, 0] * 1000 + rng.normal(0, 0.4)
+            rows.append(f"{run},{len(rows) * 6},50.0,{z},1,{way},{off:.2f}")
+    file = tmp_path / "even.csv"
+    file.write_text(head + "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um\n" + "\n".join(rows) + "\n")
+    told = answer([str(file)], STUDER, tmp_path)
+    assert told["verdict"] == "nothing-left-out"
     hidden = [v for v in told["not_visible"] if v["effect"] == "cyclic" and v["axis"] == "Z"]
-    assert not hidden or "even steps" in hidden[0]["why"]
-    assert any(v["effect"] == "squareness" for v in told["not_visible"]) or len(told["not_visible"]) > 3
-    for entry in told["not_visible"]:
-        assert entry["why"] and entry["next_test"]
+    assert len(hidden) == 1 and "even steps of 30 mm" in hidden[0]["why"] and "positioning:Z" in hidden[0]["next_test"]
+    assert all(v["why"] and v["next_test"] for v in told["not_visible"])
 
 
 def test_the_order_of_files_does_not_matter(tmp_path):

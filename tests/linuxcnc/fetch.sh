@@ -25,7 +25,7 @@ done
 
 work=$(mktemp -d) || fail "cannot make a temporary folder"
 trap 'rm -rf "$work"' EXIT
-mkdir -p "$work/debs" "$work/root"
+mkdir -p "$work/debs" "$work/tree"
 
 download() {    # package ...: into $work/debs, refreshing apt's lists only if they do not know a package
     cd "$work/debs"
@@ -41,21 +41,21 @@ unpack() {      # pattern ...: from every downloaded package, the members whose 
         tar -tf "$work/files.tar" >"$work/names"
         : >"$work/take"
         for pattern in "$@"; do grep -F -- "$pattern" "$work/names" >>"$work/take" || true; done
-        grep -v '/$' "$work/take" | tar -xf "$work/files.tar" -C "$work/root" -T - || fail "cannot unpack $(basename "$deb")"
+        grep -v '/$' "$work/take" | tar -xf "$work/files.tar" -C "$work/tree" -T - || fail "cannot unpack $(basename "$deb")"
         rm "$deb"
     done
 }
 
 missing() {     # names of shared libraries that the loader does not find
-    LD_LIBRARY_PATH="$work/root/usr/lib:$work/root/usr/lib/$(arch)-linux-gnu:$work/root/lib/$(arch)-linux-gnu" \
-        ldd "$work"/root/usr/bin/rs274 "$work"/root/usr/lib/python3/dist-packages/gcode.cpython-311-*.so 2>/dev/null \
+    LD_LIBRARY_PATH="$work/tree/usr/lib:$work/tree/usr/lib/$(arch)-linux-gnu:$work/tree/lib/$(arch)-linux-gnu" \
+        ldd "$work"/tree/usr/bin/rs274 "$work"/tree/usr/lib/python3/dist-packages/gcode.cpython-311-*.so 2>/dev/null \
         | awk '/not found/ {print $1}' | sort -u
 }
 
 download $packages
 unpack $wanted
 for file in $wanted; do
-    found=$(find "$work/root" -path "*$file*" | head -n 1)
+    found=$(find "$work/tree" -path "*$file*" | head -n 1)
     [ -n "$found" ] || fail "the packages hold no $file: LinuxCNC 2.9 for Python 3.11 (Debian 12) is needed"
 done
 
@@ -74,4 +74,4 @@ for library in $(missing); do
 done
 [ -z "$(missing)" ] || fail "still missing: $(missing | tr '\n' ' ')"
 
-mkdir -p "$dir" && cp -R "$work/root/." "$dir/" && touch "$dir/complete" || fail "cannot write $dir"
+mkdir -p "$dir" && cp -R "$work/tree/." "$dir/" && touch "$dir/complete" || fail "cannot write $dir"

@@ -1,0 +1,80 @@
+"""A TOML document that knows in which line a key stands, so that every complaint can name it."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from postproc.errors import MachineError, Place
+from postproc.machine.axis_file import text_of
+
+
+class TomlFile:
+    """A TOML document that knows in which line a key stands."""
+
+    def __init__(self, path: Path):
+        self.path, self.text = path, text_of(path)
+        try:
+            self.data: dict[str, Any] = tomllib.loads(self.text)
+        except tomllib.TOMLDecodeError as error:
+            found = re.search(r"line (\d+)", str(error))
+            raise MachineError(
+                f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)
+            ) from None
+
+    def line(self, section: str, key: str, index: int = 0) -> int:
+        """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout lets us find it."""
+        here, count, fallback = "", -1, 0
+        for number, line in enumerate(self.text.splitlines(), 1):
+            header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+            if header:
+                here = header[1].replace('"', "")
+                count += here == section
+                if here == section and count == index:
+                    fallback = number
+                if f"{section}.{key}".lstrip(".") == here:
+                    return number
+            elif (
+                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section and (count == index or not section)
+            ):
+                return number
+        return fallback or 1
+
+    def fault(self, section: str, key: str, message: str, advice: str = "", index: int = 0) -> MachineError:
+        return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))
+
+    def table(self, key: str) -> dict[str, Any]:
+        """A section, empty where it is missing."""
+        value = self.data.get(key, {})
+        if not isinstance(value, dict):
+            raise self.fault("", key, f"{key} = {value!r} must be a section [{key}]")
+        return value
+
+    def check_keys(self, section: str, data: dict, known: set[str], index: int = 0) -> None:
+        for key in data:
+            if key not in known:
+                where = f"[{section or 'machine'}]"
+                raise self.fault(
+                    section, key, f"{key!r} is not a key of {where}", f"keys: {', '.join(sorted(known))}", index
+                )
+
+    def number(
+        self, section: str, data: dict, key: str, default: float | None = None, at: str = "", index: int = 0
+    ) -> float:
+        """A finite number; `at`: the key whose line to name, where this one stands inside a table of its own."""
+        value = data.get(key, default)
+        if value is None:
+            raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
+        return float(value)
+
+    def string(self, section: str, data: dict, key: str, default: str | None = None, index: int = 0) -> str:
+        value = data.get(key, default)
+        if not isinstance(value, str):
+            message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"
+            raise self.fault(section, key, message, index=index)
+        return value
