@@ -6,13 +6,14 @@ not have been seen; the fit on what took no part; what no name explains.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import fit, library, locate, noise
+from postproc.diagnose import fit, library, locate, noise, restless, structure, unrecorded
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.select import MATERIAL, Model, Selector
@@ -22,8 +23,8 @@ from postproc.recordings import Recording
 
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 ALIKE = 0.97  # of the best score: explains as well
-UNEXPLAINED = 1.3
-TENTATIVE = 0.5
+CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
+CONCERNS = 0.3  # of what is left in a signal
 SEED = 20131
 
 
@@ -98,13 +99,16 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     blocks = [replace(b, columns=b.columns[train]) for b in every]
     live = [k for k, b in enumerate(blocks) if (np.abs(b.columns).max(axis=0) > 1e-9).all()]
     every, blocks = [every[k] for k in live], [blocks[k] for k in live]
-    selector = Selector(part, part.residual, sigma[train], u[train], prior, blocks)
-    options.told("calibrating")
-    if options.draws:
-        selector.calibrate(np.random.default_rng(SEED), options.draws)
-    places = locate.regions(part, sigma[train], u[train], prior)
-    options.told("choosing")
-    model = selector.run()
+    selector, model, places = _chosen(part, sigma[train], u[train], prior, blocks, options)
+    creep = restless.creeping(part, _left(part, selector, model), sigma[train], alike[train])
+    if creep and any(
+        b.axis == creep.axis and b.name in restless.LIKE and score > creep.fall
+        for b, score in zip(model.blocks, model.scores, strict=True)
+    ):
+        creep = None
+    if creep:  # what nobody can foretell there is noise to all that can be foretold
+        sigma = np.hypot(sigma, creep.rms * alike * restless.rows_of(rows, creep))
+        selector, model, places = _chosen(part, sigma[train], u[train], prior, blocks, options)
     chosen = [selector.blocks.index(b) for b in model.blocks]
     # What was found on the way has columns of the rows that took part only: read them of all rows. A passage that took no
     # part swings in a phase that nobody knows.
@@ -113,13 +117,32 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
     options.told("showing")
     before, after = _residuals(rows, sigma, u, prior, held, every, chosen, model)
-    findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]
+    findings = [_finding(rows, selector, model, k, chosen, every) for k in range(len(chosen))]
+    if creep:
+        findings.append(_restless(creep, len(rows)))
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, findings, places, _limits(selector, chosen),
         _blind(rows, every), faults, selector.least, alike,
     )  # fmt: skip
     _unknown(diagnosis)
     return diagnosis
+
+
+def _chosen(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray, blocks: list[Block], options: Options):
+    """The selector, what it chose, and where the mismatch is."""
+    selector = Selector(rows, rows.residual, sigma, u, prior, blocks)
+    options.told("calibrating")
+    if options.draws:
+        selector.calibrate(np.random.default_rng(SEED), options.draws)
+    places = locate.regions(rows, sigma, u, prior)
+    options.told("choosing")
+    return selector, selector.run(), places
+
+
+def _left(rows: Rows, selector: Selector, model: Model) -> np.ndarray:
+    """(N,) mm that nuisances and the chosen leave."""
+    left = rows.residual - model.explained
+    return left - fit.Projector.of(model.sigma, selector.u, selector.prior).nuisance(left)
 
 
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
@@ -152,8 +175,8 @@ def _held(rows: Rows, wanted: str) -> tuple[np.ndarray, str]:
         which = rows.file == file
         runs = np.unique(rows.run[which])
         if len(runs) >= 3 and rows.kinds[file] != "features":
-            held |= which & (rows.run == runs[-1])
-    return held, "the last run of every recording that has three at least" if held.any() else ""
+            held |= which & (rows.run == runs[len(runs) // 2])  # in the middle: heat and wear lie between what is known
+    return held, "the middle run of every recording that has three at least" if held.any() else ""
 
 
 def _residuals(rows, sigma, u, prior, held, every, chosen, model):
@@ -171,7 +194,7 @@ def _residuals(rows, sigma, u, prior, held, every, chosen, model):
     return y - u @ coefficient, y - explained - u @ coefficient
 
 
-def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
+def _finding(rows: Rows, selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
     block, part = model.blocks[k], model.part(k)
     value = model.coefficients[part]
     covariance = model.covariance[part, part]
@@ -186,7 +209,16 @@ def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every:
             best[key] = max(best.get(key, -np.inf), float(score))
     alike = sorted((key for key, s in best.items() if s >= ALIKE * own - 10 and s > 0), key=lambda key: -best[key])
     fall = own + float(selector.penalty[chosen[k]])
-    return Finding(block, named, ci, every[chosen[k]].columns @ value, own, fall, alike[:6])
+    contribution = every[chosen[k]].columns @ value
+    alike = alike[:6] + [n for n in unrecorded.names(rows, block, contribution) if n not in alike[:6]]
+    return Finding(block, named, ci, contribution, own, fall, alike)
+
+
+def _restless(creep: restless.Creep, n: int) -> Finding:
+    """What nobody can foretell sample by sample explains nothing of a single reading, only how they spread."""
+    module, shape, value = restless.named(creep)
+    block = Block(module, creep.axis, tuple(sorted(shape.items())), np.zeros((n, 1)))
+    return Finding(block, value, {name: (v, v) for name, v in value.items()}, np.zeros(n), creep.fall, creep.fall, [])
 
 
 def _intervals(block: Block, value: np.ndarray, covariance: np.ndarray):
@@ -212,12 +244,14 @@ def _limits(selector: Selector, chosen: list[int]) -> dict[str, float]:
     p = selector.projector(chosen, selector.sigma)
     result: dict[str, float] = {}
     wanted = selector.least + 2 * np.sqrt(selector.least)
-    for block, penalty in zip(selector.blocks, selector.penalty, strict=True):
-        column = block.columns[:, 0]
-        power = float(column @ p(column))
+    first = selector.stack[:, [part.start for part in selector.slices]]
+    powers = p.powers(first)
+    for block, penalty, power, peak in zip(
+        selector.blocks, selector.penalty, powers, np.abs(first).max(axis=0, initial=0.0), strict=True
+    ):
         if power <= 0:
             continue
-        size = np.sqrt((wanted + penalty) / power) * float(np.abs(column).max())
+        size = np.sqrt((wanted + penalty) / power) * float(peak)
         result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
     return result
 
@@ -264,24 +298,21 @@ def _even(rows: Rows, axis: str) -> float:
 
 
 def _unknown(d: Diagnosis) -> None:
-    """Structure that is left: runs that agree with each other about what nothing explains."""
-    worst: tuple[float, int, float] = (0.0, -1, 0.0)
-    for signal in range(len(d.rows.signals)):
-        which = d.rows.signal == signal
-        if not which.any() or d.rows.sees[which][0] == "part":  # a feature has one place: nothing to agree about
-            continue
-        left = locate.shared(d.rows, d.after, d.sigma, which)
-        explained = sum((f.contribution for f in d.findings), np.zeros(len(d.rows)))[which]
-        ground = np.hypot(
-            max(1e-3 if d.rows.kinds[d.rows.file[which][0]] == "targets" else 5e-4, 0.0), 0.3 * float(np.std(explained))
-        )
-        if left / ground > worst[0]:
-            worst = (left / ground, signal, left)
-    if worst[0] > UNEXPLAINED:
-        which = d.rows.signal == worst[1]
-        total = float((d.before**2 / d.sigma**2)[~d.held].sum())
-        rest = float((d.after**2 / d.sigma**2)[~d.held].sum())
-        d.unknown = {"signal": worst[1], "rms": worst[2], "share": rest / max(total, 1e-9)}
-        if rest > TENTATIVE * total:
-            for f in d.findings:
+    """Structure that is left, and a curve that takes many names: those names are no answer."""
+    shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
+    many = {axis for axis, n in shapes.items() if n >= MANY}
+    left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held)
+    for f in d.findings:
+        if f.block.name in CURVES and f.block.axis in many:
+            f.status = "tentative"
+        for there in left:
+            which = (d.rows.signal == there.signal) & ~d.held
+            if float(np.std(f.contribution[which])) > CONCERNS * there.rms:
                 f.status = "tentative"
+    if left:
+        d.unknown = {"signal": left[0].signal, "rms": left[0].rms, "share": left[0].share}
+    elif many:
+        worst = max((f for f in d.findings if f.block.axis in many), key=lambda f: float(np.std(f.contribution)))
+        signals = [float(np.std(worst.contribution[d.rows.signal == s])) for s in range(len(d.rows.signals))]
+        signal = int(np.argmax(signals))
+        d.unknown = {"signal": signal, "rms": signals[signal], "share": 1.0}

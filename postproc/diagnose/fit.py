@@ -17,6 +17,7 @@ FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
+BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
 FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
@@ -43,6 +44,13 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
         if kind == "ballbar":
             for i in range(3):
                 add(np.where(rows.file == file, rows.direction[:, i], 0.0), CENTRE)
+            own = rows.file == file  # the bar warms in the hand and on the machine
+            t = rows.state.time[own]
+            share = 2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1
+            for degree in (1, 2, 3):
+                longer = np.zeros(len(rows))
+                longer[own] = legendre(share, degree)
+                add(longer, BAR)
     for file, kind in enumerate(rows.kinds):
         if kind != "targets":
             continue
@@ -99,6 +107,11 @@ class Projector:
         """P D for (N,) or (N, K)."""
         weighted = columns * (self.w if columns.ndim == 1 else self.w[:, None])
         return weighted - (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ weighted))
+
+    def powers(self, columns: np.ndarray) -> np.ndarray:
+        """(K,) D'P D of each column of (N, K) alone."""
+        cross = self.u.T @ (columns * self.w[:, None])
+        return np.einsum("ij,ij,i->j", columns, columns, self.w) - np.einsum("ij,ij->j", cross, self.inner @ cross)
 
     def chi2(self, y: np.ndarray) -> float:
         return float(y @ self(y))

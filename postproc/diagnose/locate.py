@@ -40,45 +40,29 @@ class Place:
 
 def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> list[Place]:
     """The region of every signal that noise does not explain, the clearest first."""
-    projector = Projector.of(sigma, u, prior)
+    # Zeros are nobody's fault; what the map may be wrong by is among the draws: more than that is a mismatch.
+    free = prior >= 0.005
+    projector = Projector.of(sigma, u[:, free], prior[free])
     rng = np.random.default_rng(99)
     y = rows.residual
     left = y - projector.nuisance(y)
-    draws = (u * np.where(prior < 0.005, prior, 0.0)) @ rng.normal(size=(len(prior), DRAWS)) + sigma[
-        :, None
-    ] * rng.normal(size=(len(y), DRAWS))
-    draws = draws - u @ (projector.inner @ (u.T @ (projector.w[:, None] * draws)))
+    draws = (u * np.where(free, 0.0, prior)) @ rng.normal(size=(len(prior), DRAWS))
+    draws += sigma[:, None] * rng.normal(size=(len(y), DRAWS))
+    evidence = projector(np.concatenate([y[:, None], draws], axis=1))
     found = []
     for signal in np.unique(rows.signal):
         which = np.flatnonzero(rows.signal == signal)
         axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][which])))
         place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
         cell = _cells(place, side)
-        size = np.sqrt(np.bincount(cell, 1 / sigma[which] ** 2))
-        windows = _windows(len(size))
-
-        def scan(
-            values: np.ndarray, cell=cell, size=size, which=which, windows=windows
-        ) -> tuple[np.ndarray, np.ndarray]:
-            weighted = np.stack([np.bincount(cell, v / sigma[which] ** 2, len(size)) for v in np.atleast_2d(values)])
-            best = np.full(len(weighted), -1.0)
-            where = np.zeros(len(weighted), int)
-            chi = np.where(size > 0, weighted / np.maximum(size, 1e-12), 0.0) ** 2
-            total = np.concatenate([np.zeros((len(chi), 1)), np.cumsum(chi, axis=1)], axis=1)
-            for k, (a, b) in enumerate(windows):
-                score = (total[:, b] - total[:, a] - (b - a)) / np.sqrt(2.0 * (b - a))
-                better = score > best
-                best[better], where[better] = score[better], k
-            return best, where
-
-        value, at = scan(left[which])
-        nulls, _ = scan(draws[which].T)
-        p = (1 + int((nulls >= value[0]).sum())) / (DRAWS + 1)
+        windows = _windows(int(cell.max()) + 1)
+        value, at, nulls = _scan(projector, evidence, which, cell, windows)
+        p = (1 + int((nulls >= value).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
-        a, b = windows[int(at[0])]
+        a, b = windows[at]
         inside = which[(cell >= a) & (cell < b)]
-        half = len(size) // 2
+        half = (int(cell.max()) + 1) // 2
         approach = "both" if (side == side[0]).all() or (a < half < b) else "-" if b <= half else "+"
         pick = rows.state.position[axis][inside]
         found.append(
@@ -91,6 +75,29 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
             )
         )  # fmt: skip
     return sorted(found, key=lambda f: -f.rms)
+
+
+def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows):
+    """The highest score of a window, which it is, and the highest of each draw: by how much chi squared falls if the window
+    had a mean of its own, beside all nuisances."""
+    n = int(cell.max()) + 1
+    member = np.zeros((len(evidence), n))
+    member[which, cell] = 1.0
+    normal = member.T @ projector(member)
+    sums = member.T @ evidence
+    along = np.concatenate([np.zeros((1, sums.shape[1])), np.cumsum(sums, axis=0)])
+    block = np.zeros((n + 1, n + 1))
+    block[1:, 1:] = normal.cumsum(axis=0).cumsum(axis=1)
+    best, where = np.zeros(sums.shape[1]), 0
+    for k, (a, b) in enumerate(windows):
+        power = block[b, b] - block[a, b] - block[b, a] + block[a, a]
+        if power <= 1e-9 * max(float(np.trace(normal)), 1e-30):
+            continue
+        score = (along[b] - along[a]) ** 2 / power
+        if score[0] > best[0]:
+            where = k
+        best = np.maximum(best, score)
+    return float(best[0]), where, best[1:]
 
 
 def _cells(place: np.ndarray, side: np.ndarray) -> np.ndarray:

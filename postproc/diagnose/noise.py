@@ -31,6 +31,11 @@ def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
             alike[which] = np.sqrt((1 + rho) / (1 - rho))
             sigma[which] = max(size, FLOOR[kind]) * alike[which]
+    for file in range(len(rows.files)):  # one gauge measures all features of a part: few of each, many together
+        own = (rows.file == file) & (rows.sees == "part")
+        each = [float(sigma[own & (rows.signal == s)][0]) for s in np.unique(rows.signal[own])]
+        if each:
+            sigma[own] = float(np.median(each))
     return sigma, alike
 
 

@@ -17,6 +17,8 @@ XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
 RESTS = 2e-5  # mm from sample to sample
+STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
+SMOOTH = 0.02  # s
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
@@ -90,9 +92,9 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
     for part in np.split(np.arange(n), edges):
         if len(part) < 3:
             continue
-        t, p = time[part], position[part]
-        v[part] = np.gradient(p, t)
-        a[part] = np.gradient(v[part], t)
+        t, p = _even(time[part]), position[part]
+        v[part] = np.gradient(p, t, edge_order=2)
+        a[part] = _slope(v[part], t)
         jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
         still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
         sign = np.sign(v[part]) * ~still
@@ -106,6 +108,25 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
     for name, value in zip(names, (v, a, s, d, since), strict=True):
         columns[f"{letter} {name}"] = value
     columns[f"{letter} position"] = position
+
+
+def _even(t: np.ndarray) -> np.ndarray:
+    """(N,) s: what a clock without rounding would have said of samples that were taken at even steps."""
+    n = np.arange(len(t))
+    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
+    straight = t.mean() + (n - n.mean()) * step
+    return straight if np.abs(t - straight).max() < min(STAMP, 0.4 * step) else t
+
+
+def _slope(v: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(N,) slope of a line through the neighbours within SMOOTH: second differences of rounded places are mostly noise."""
+    steps = np.diff(t)
+    half = int(SMOOTH / max(float(np.median(steps)), 1e-9))
+    if half < 2 or np.ptp(steps) > 1e-3 * steps.max() or len(v) < 2 * half + 1:
+        return np.gradient(v, t, edge_order=2)
+    k = np.arange(-half, half + 1)
+    head, tail = 2 * v[0] - v[half:0:-1], 2 * v[-1] - v[-2 : -half - 2 : -1]
+    return np.convolve(np.concatenate([head, v, tail]), k[::-1] / (k @ k), "valid") / steps[0]
 
 
 def _ballbar(recording: Recording, machine: Machine):

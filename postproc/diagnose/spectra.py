@@ -40,7 +40,9 @@ def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> 
     frequencies = np.fft.rfftfreq(bins, step)
     total = np.abs(spectrum) ** 2 / max(float(power[use].sum()) / 2, 1e-30)
     allowed = (frequencies >= 3.0 / span) & (frequencies <= finest)
-    return [float(1 / f) for f in _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)]
+    parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
+    best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
+    return [1 / _polished(f, 0.7 / span, parts) for f in best]
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
@@ -70,7 +72,18 @@ def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
         part = np.abs(spectrum) ** 2 / max(float(power[which].sum()) / 2, 1e-30)
         inside = grid <= own
         total[inside] += np.interp(grid[inside], f, part)
-    return [float(f) for f in _best(grid, total, 1.0 / length)]
+    parts = [(rows.state.time[w], weighted[w], max(float(power[w].sum()) / 2, 1e-30)) for w in passages]
+    return [_polished(f, 0.5 / length, parts) for f in _best(grid, total, 1.0 / length)]
+
+
+def _polished(frequency: float, within: float, parts: list[tuple[np.ndarray, np.ndarray, float]]) -> float:
+    """The frequency near this one at which the sums over (time or place, readings, power) of all parts are largest."""
+    for _ in range(3):
+        tried = frequency + within * np.linspace(-1.0, 1.0, 9)
+        value = [sum(abs(np.exp(-2j * np.pi * f * (t - t[0])) @ w) ** 2 / p for t, w, p in parts) for f in tried]
+        frequency = float(tried[int(np.argmax(value))])
+        within /= 4
+    return frequency
 
 
 def _best(frequencies: np.ndarray, value: np.ndarray, apart: float) -> list[float]:

@@ -2,7 +2,7 @@
 
 A module holds
 
-- EXPECTED: a parameter's usual sign; PLAUSIBLE: its range, beyond which it is something else;
+- EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed less; PLAUSIBLE: its range, beyond which it is something else;
 - PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
@@ -29,6 +29,7 @@ import numpy as np
 
 UM = 1e-3  # mm
 XYZ = "XYZ"
+FASTEST = 1000.0  # mm/s
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,41 @@ def along(axis: str, *values: np.ndarray) -> np.ndarray:
     return result
 
 
-def warmth(state: State, axis: str, tau_s: float) -> np.ndarray:
-    """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes with time, 0 to 1."""
+def warmth(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.ndarray:
+    """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes with time, 0 to 1, or of
+    what the axis' own travel makes and the room takes away again."""
     measured = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C")
     if tau_s == 0 and measured is not None:
         return measured - measured[0]
-    return 1.0 - np.exp(-(state.time - state.time.min()) / max(tau_s, 1.0))
+    if not by_travel:
+        return 1.0 - np.exp(-(state.time - state.time.min()) / max(tau_s, 1.0))
+    heat = late(state, travelled(state, axis), max(tau_s, 1.0))
+    return heat / max(float(heat.max(initial=0.0)), 1e-12)
+
+
+def travelled(state: State, axis: str) -> np.ndarray:
+    """(N,) mm/s at which the axis came to each row, as far as the rows tell: what heats a screw."""
+    order = np.argsort(state.time, kind="stable")
+    t, p = state.time[order], state.position[axis][order]
+    rate = np.zeros(len(t))
+    rate[1:] = np.abs(np.diff(p)) / np.maximum(np.diff(t), 1e-3)
+    result = np.empty(len(t))
+    result[order] = np.minimum(rate, FASTEST)
+    return result
+
+
+def late(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
+    """(N,) a driver (N,) as it comes through a body that takes tau_s, s, to follow; it was at rest before the first row."""
+    order = np.argsort(state.time, kind="stable")
+    kept = np.exp(-np.diff(state.time[order]) / tau_s)
+    level = driver[order]
+    result, now = np.zeros(len(level)), 0.0
+    for k, (keep, value) in enumerate(zip(kept.tolist(), level[1:].tolist(), strict=True), 1):
+        now = keep * now + (1.0 - keep) * value
+        result[k] = now
+    back = np.empty(len(level))
+    back[order] = result
+    return back
 
 
 def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:
@@ -94,6 +124,11 @@ def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:
     if play_mm <= 0 or near is None:
         return np.ones(len(state))
     return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
+
+
+def sampled(state: State) -> np.ndarray:
+    """(N,) bool: rows of motions that were sampled; all where nobody knows."""
+    return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)
 
 
 def blurred(state: State, per_second: np.ndarray | float) -> np.ndarray:

@@ -8,9 +8,13 @@ PARAMETERS = {
     "b0_um": "um, mean lost motion",
     "b1_um": "um, its change from the middle to the end of the travel",
     "b2_um": "um, share of its second Legendre polynomial",
+    "b3_um": "um, share of its third",
+    "b4_um": "um, share of its fourth",
+    "b5_um": "um, share of its fifth",
+    "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
 }
-OPTIONAL = {"play_mm": 0.0}
+OPTIONAL = {"play_mm": 0.0, **{f"b{k}_um": 0.0 for k in (3, 4, 5, 6)}}
 SMALL = 0.02  # mm
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool",)
@@ -23,25 +27,30 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
-    return [{"play_mm": v} for v in (0.0, 0.004, 0.008, 0.016)] if fine else [{"play_mm": 0.0}]
+    return [{"play_mm": v, "degree": d} for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,)) for d in (2.0, 6.0)]
 
 
-def columns(state: State, axis: str, play_mm: float = 0.0) -> np.ndarray:
+def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) -> np.ndarray:
     u = state.share(axis)
     half = -state.approach[axis] / 2 * taken_up(state, axis, play_mm)
-    return along(axis, half, half * u, half * legendre(u, 2))
+    return along(axis, *(half * legendre(u, k) for k in range(int(degree) + 1)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     return {f"b{k}_um": float(c) for k, c in enumerate(coefficients)} | {"play_mm": shape["play_mm"]}
 
 
-def coefficients(b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([b0_um, b1_um, b2_um]), {"play_mm": play_mm}
+def coefficients(
+    b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0, **higher: float
+) -> tuple[np.ndarray, dict[str, float]]:
+    more = [higher.get(f"b{k}_um", 0.0) for k in (3, 4, 5, 6)]
+    if not any(more):
+        return np.array([b0_um, b1_um, b2_um]), {"play_mm": play_mm, "degree": 2.0}
+    return np.array([b0_um, b1_um, b2_um, *more]), {"play_mm": play_mm, "degree": 6.0}
 
 
-def tables(axis: str, travel: tuple[float, float], b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0):
-    nodes = np.linspace(*travel, 21)
-    u = np.linspace(-1, 1, 21)
-    half = (b0_um + b1_um * u + b2_um * legendre(u, 2)) * UM / 2
+def tables(axis: str, travel: tuple[float, float], play_mm: float = 0.0, **shares: float):
+    nodes = np.linspace(*travel, 41)
+    u = np.linspace(-1, 1, 41)
+    half = sum((shares.get(f"b{k}_um", 0.0) * legendre(u, k) for k in range(7)), np.zeros(len(u))) * UM / 2
     return [(f"E{axis}", axis, nodes, -half, half)]

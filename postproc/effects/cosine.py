@@ -19,11 +19,8 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    reads = state.beam > 0
-    moves = np.array(
-        [len(state) > 0 and float(np.ptp(state.position[axis][state.file == f])) > 1e-6 for f in state.file]
-    )
-    return [{"file": float(f)} for f in np.unique(state.file[reads & moves])]
+    read = np.unique(state.file[state.beam > 0])
+    return [{"file": float(f)} for f in read if np.ptp(state.position[axis][state.file == f]) > 1e-6]
 
 
 def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:

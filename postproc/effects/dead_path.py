@@ -6,7 +6,9 @@ from postproc.effects import State
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
+    "file": "number of the recording, 0 the first; -1: all",
 }
+OPTIONAL = {"file": -1.0}
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)
 TEXT = (
@@ -16,17 +18,18 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    return [{"file": float(f)} for f in np.unique(state.file[state.beam > 0])]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
+def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
     air = state.channels["T_air_C"]
-    return ((air - air[0]) * 1e-3)[None]
+    own = (state.file == file) | (file < 0)
+    return ((air - air[0]) * own * 1e-3)[None]
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_K": float(coefficients[0])}
+    return {"um_K": float(coefficients[0]), "file": shape["file"]}
 
 
-def coefficients(um_K: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_K]), {}
+def coefficients(um_K: float, file: float = -1.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([um_K]), {"file": file}

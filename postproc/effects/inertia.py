@@ -8,6 +8,7 @@ PARAMETERS = {
     "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
 }
 EXPECTED = {"um_per_mm_s2": -1}
+ODD = 0.05  # a slide that leads its drive is seldom
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("acceleration",), ("tool", "scale")
 TEXT = "The axis gives way when it is accelerated. Acceleration feed-forward, less jerk; a program can not correct it."

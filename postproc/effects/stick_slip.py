@@ -1,13 +1,19 @@
-"""Stick-slip: saw-tooth motion at low feed; the slide waits, then jumps."""
+"""Stick-slip: saw-tooth motion at low feed; the slide waits, then jumps.
+
+Where the jumps are too short for the samples only their mean is seen: while the axis creeps it lags by half a tooth and more.
+"""
 
 import numpy as np
 
 from postproc.effects import State, along, grid
 
 PARAMETERS = {
-    "period_mm": "mm, way between two jumps",
+    "period_mm": "mm, way between two jumps; 0, too short to be told apart",
     "size_um": "um, how far it lags before it jumps",
+    "fastest_mm_s": "mm/s, speed above which it slides evenly; 0, none",
 }
+OPTIONAL = {"fastest_mm_s": 0.0}
+EXPECTED = {"size_um": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("distance", "velocity", "approach"), ("tool", "scale")
 TEXT = (
@@ -17,18 +23,26 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"period_mm": v} for v in grid(0.02, 2.0, 12)]
+    long = [{"period_mm": v, "fastest_mm_s": 0.0} for v in grid(0.02, 2.0, 12)]
+    speed = np.abs(state.velocity[axis])
+    slow = [v for v in grid(0.5, 6.0, 8) if np.any(speed > 1.5 * v) and np.count_nonzero((speed > 0) & (speed < v)) > 8]
+    return long + [{"period_mm": 0.0, "fastest_mm_s": v} for v in slow]
 
 
-def columns(state: State, axis: str, period_mm: float) -> np.ndarray:
-    phase = (state.distance[axis] / period_mm) % 1.0
-    moves = state.velocity[axis] != 0
-    return along(axis, -state.approach[axis] * moves * (phase - 0.5))
+def columns(state: State, axis: str, period_mm: float, fastest_mm_s: float = 0.0) -> np.ndarray:
+    speed = np.abs(state.velocity[axis])
+    moves = speed > 0
+    if fastest_mm_s > 0:
+        moves &= speed < fastest_mm_s
+    phase = (state.distance[axis] / period_mm) % 1.0 - 0.5 if period_mm > 0 else 0.5
+    return along(axis, -state.approach[axis] * moves * phase)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"period_mm": shape["period_mm"], "size_um": float(coefficients[0])}
+    return {"period_mm": shape["period_mm"], "size_um": float(coefficients[0])} | {
+        "fastest_mm_s": shape.get("fastest_mm_s", 0.0)
+    }
 
 
-def coefficients(period_mm: float, size_um: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"period_mm": period_mm}
+def coefficients(period_mm: float, size_um: float, fastest_mm_s: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um]), {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s}

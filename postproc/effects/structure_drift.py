@@ -2,13 +2,17 @@
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, late
 
 PARAMETERS = {
     "size_um": "um per K, drift over the temperature of bed or room; where none is recorded um at the end",
-    "tau_s": "s, 0: by the recorded temperature, else the time in which it comes",
+    "tau_s": "s, 0: by the recorded temperature of the bed; below zero: by that of the air, so many seconds late; else the time in which it comes",
+    "from_s": "s, when it begins, for what comes with time",
+    "file": "number of the one recording in which it goes with its time, 0 the first; -1: all",
+    "bend_um": "um, its share with the square of that time",
 }
-PLAUSIBLE = {"size_um": (-100.0, 100.0)}  # beyond, it is something else
+OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0}
+PLAUSIBLE = {"size_um": (-300.0, 300.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time",), ("tool",)
 TEXT = (
@@ -18,25 +22,43 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    known = [{"tau_s": 0.0}] if state.channel("T_bed_C") is not None else []
-    known += [{"tau_s": -1.0}] if state.channel("T_air_C") is not None else []
-    return known + [{"tau_s": v} for v in (900.0, 2700.0, 8100.0, 1e6)] if len(state.time) else []
+    known: list[dict[str, float]] = [{"tau_s": 0.0}] if state.channel("T_bed_C") is not None else []
+    if state.channel("T_air_C") is not None:
+        known += [{"tau_s": -v} for v in (1.0, 1000.0, 3000.0, 9000.0)]
+    if not len(state.time):
+        return known
+    files = np.unique(state.file)
+    starts = sorted({float(state.time[state.file == f].min()) for f in files})
+    begins = [-1.0, *(t for t in starts[1:] if t > starts[0])]
+    known += [{"tau_s": v, "from_s": b} for b in begins for v in (900.0, 2700.0, 8100.0, 1e6)]
+    return known + [{"tau_s": 1e6, "file": float(f)} for f in files if len(files) > 1]
 
 
-def columns(state: State, axis: str, tau_s: float) -> np.ndarray:
-    gone = state.time - state.time.min()
+def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: float = -1.0) -> np.ndarray:
     bed, air = state.channel("T_bed_C"), state.channel("T_air_C")
+    if file >= 0:
+        own = state.file == file
+        t = state.time[own]
+        gone = np.zeros(len(own))
+        gone[own] = (t - t.min()) / max(float(np.ptp(t)), 1.0) if own.any() else 0.0
+        return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
-        return along(axis, air - air[0])
+        return along(axis, late(state, air - air[0], -tau_s))
     if tau_s == 0 and bed is not None:
         return along(axis, bed - bed[0])
     tau = max(tau_s, 1.0)
+    gone = np.maximum(state.time - (state.time.min() if from_s < 0 else from_s), 0.0)
     return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "tau_s": shape["tau_s"]}
+    named = {"size_um": float(coefficients[0]), "tau_s": shape["tau_s"], "from_s": shape.get("from_s", -1.0)}
+    bend = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return named | {"file": shape.get("file", -1.0), "bend_um": bend}
 
 
-def coefficients(size_um: float, tau_s: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"tau_s": tau_s}
+def coefficients(
+    size_um: float, tau_s: float, from_s: float = -1.0, file: float = -1.0, bend_um: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    value = np.array([size_um, bend_um] if file >= 0 else [size_um])
+    return value, {"tau_s": tau_s, "from_s": from_s, "file": file}

@@ -1,4 +1,4 @@
-"""Servo lag: a following error proportional to the speed, v times the time by which the axis is late."""
+"""Viscous friction: an error proportional to the speed, of a drive that gives under the grease's resistance."""
 
 import numpy as np
 
