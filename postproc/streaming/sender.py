@@ -11,39 +11,26 @@ import math
 from collections import deque
 from collections.abc import Iterable
 
-from postproc.streaming import outcome as ends
-from postproc.streaming.events import (
-    Accepted,
-    Alarm,
-    Altered,
-    Busy,
-    Event,
-    Rejected,
-    Restarted,
-    Status,
-    Stray,
-    Told,
-    Write,
-)
+from postproc.streaming import endings, events, holds
+from postproc.streaming.holds import Hold
 from postproc.streaming.limits import Limits
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome, Tally, off_by, verdict
 from postproc.streaming.protocols import Protocol
 
 RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
-MOVING = {"run", "hold", "jog", "door", "home", "tool", "sleep"}
 RESTS = {"idle", "check"}
-STOPPED = "the controller was told to stop"
 BACKLOG = 512  # bytes that wait for the port, beyond which no further line is taken
 POLL_AGAIN = 1.0  # s after which an unanswered status request is made again
 
 
 class Sender:
-    """One job on one connection. `on_error`: "stop" or "continue"; `check`: a dry run in the controller's check mode.
+    """One job on one connection. `check`: a dry run in the controller's check mode. `on_error`: "stop"; "continue"; or "ask": hold,
+    and wait for decide(), `asks` being the lines that were refused, with the controller's words.
 
     order: where each axis of a line's `end` stands in the controller's reports; (): in the same order, None: it does not report them.
     `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected", line, time), ("status",
-    status, time), ("told", text, time).
+    status, time), ("told", text, time), and ("hold", text, time), ("resumed", text, time) for what gcomp did not order.
     """
 
     def __init__(
@@ -58,8 +45,9 @@ class Sender:
         self.outcome: Outcome | None = None
         self.tally = Tally()
         self.state = RUNNING
-        self.status: Status | None = None
+        self.status: events.Status | None = None
         self.log: list[tuple[str, object, float]] = []
+        self.asks: list[tuple[WireLine, str]] = []
         self._queue: deque[WireLine] = deque()
         self._ended = False
         self._sent: dict[int, WireLine] = {}
@@ -77,7 +65,8 @@ class Sender:
         self._own = 0
         self._begun = False
         self._check_off = False
-        self._holds = False
+        self._hold = Hold()
+        self._confirmed = False  # that it has stopped
         for text in protocol.opening:
             self._insert(text)
         if check:
@@ -110,29 +99,36 @@ class Sender:
         """Feed hold: the machine slows down and stands; no further line leaves."""
         if self.outcome is None and self.state in (RUNNING, HELD):
             self._urgent += self.protocol.urgent("hold")
-            self.state, self._holds = HELD, True
+            self.state = HELD
+            self._hold.order(now)
 
     def resume(self, now: float) -> None:
-        """Go on where the hold was, also one that the program (M0) or the machine made."""
+        """Go on where the hold was, also one that the program (M0) or the machine made, or a refused line."""
         if self.outcome is None and self.state in (RUNNING, HELD):
             self._urgent += self.protocol.urgent("resume")
-            self.state, self._holds = RUNNING, False
-            self._moved = now
-            self._idle_since = None
+            self.asks.clear()
+            self._hold.release(now)
+            self._goes_on(now)
+
+    def decide(self, go_on: bool, now: float) -> None:
+        """The answer to `asks`: go on without these lines, or end the job here."""
+        if go_on:
+            self.resume(now)
+        elif self.asks:
+            line, words = self.asks[0]
+            self._end_soon(endings.refused(line, words, len(self._sent), self.protocol), now, HALTING, hold=True)
 
     def stop(self, now: float, why: str = "stopped by the user") -> None:
-        """Soft reset: what was sent and not executed is dropped."""
+        """What was sent and not executed is dropped, where the protocol can do that."""
         if self.outcome is None and self.state != STOPPING:
             self._urgent += self.protocol.urgent("stop")
             self._out = b""
             self._queue.clear()
-            self._end_soon(
-                ends.ABORTED, why, now, "the controller was reset: home it if it moved when it was stopped", STOPPING
-            )
+            self._end_soon(endings.stopped(why, self.protocol), now, STOPPING)
 
     def lost(self, why: str, now: float) -> None:
         """The port is gone."""
-        self._finish(ends.DISCONNECTED, f"the connection is lost: {why}", self._position_advice())
+        self._finish(endings.lost(why))
 
     # -- bytes and time ------------------------------------------------------------------------------------------------
 
@@ -200,29 +196,28 @@ class Sender:
 
     def _poll(self, now: float) -> None:
         request = self.protocol.urgent("status")
-        if not request or now - self._polled < self.limits.poll:
-            return
-        if not self._waits_for_status or now - self._polled >= POLL_AGAIN:
+        pause = POLL_AGAIN if self._waits_for_status else self.limits.poll
+        if request and now - self._polled >= pause:
             self._urgent += request
             self._polled, self._waits_for_status = now, True
 
     def _watch(self, now: float) -> None:
         """The clock's part: orders that are overdue, silence, standstill, the end."""
         if now >= self._deadline and self._pending is not None:
-            self.outcome = self._with_rest(self._pending)
+            silent = self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
+            self.outcome = self._with_rest(
+                endings.unconfirmed(self._pending, self.limits.grace) if silent else self._pending
+            )
             return
         oldest = self.protocol.outstanding()[:1]
         text = self._sent[oldest[0]].text if oldest and oldest[0] in self._sent else b""
         polls = bool(self.protocol.urgent("status"))
         patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
         if polls and self._waits_for_status and now - max(self._heard, self._moved) > patience:
-            self._finish(
-                ends.DISCONNECTED, f"the controller has said nothing for {now - self._heard:.1f} s, not even its status",
-                self._position_advice(),
-            )  # fmt: skip
-        elif not polls and text and self.state == RUNNING and now - self._moved > patience:
+            self._finish(endings.silent(now - self._heard))
+        elif not polls and text and self.state == RUNNING and not self._hold.stands and now - self._moved > patience:
             self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
-        elif self._ended and not self._queue and not self._sent and not self._out and self._pending is None:
+        elif self._ended and not self._queue and not self._sent and not self._out and not (self._pending or self.asks):
             self._drain(now)
 
     def _drain(self, now: float) -> None:
@@ -231,46 +226,41 @@ class Sender:
         if confirms == "answers":
             self._done(self.status)
         elif confirms == "nothing":
-            self._finish(
-                ends.SENT, f"{self.tally.sent} lines were sent; this link tells nothing of what became of them"
-            )
+            self._finish(endings.sent(self.tally.sent))
         elif self._drained is None:
             self._drained, self._rests = now, 0
 
-    def _take(self, event: Event, now: float) -> None:
-        if isinstance(event, Accepted):
+    def _take(self, event: events.Event, now: float) -> None:
+        if isinstance(event, events.Accepted):
             self._answered(event.number, now)
-        elif isinstance(event, Status):
+        elif isinstance(event, events.Status):
             self._reported(event, now)
-        elif isinstance(event, Rejected):
+        elif isinstance(event, events.Rejected):
             self._rejected(event, now)
-        elif isinstance(event, Alarm):
+        elif isinstance(event, events.Alarm):
             self._alarmed(event, now)
-        elif isinstance(event, Restarted):
+        elif isinstance(event, events.Restarted):
             self._restarted(event, now)
-        elif isinstance(event, Stray):
-            self._end_soon(
-                ends.DRIFT, f"the controller answered {event.text!r} while no line waits for an answer: answers were counted wrong, "
-                "or somebody else sends too", now, "what it received is not certain; stop, look at the part, and restart", hold=True,
-            )  # fmt: skip
-        elif isinstance(event, Altered):
-            line = self._sent.get(event.number)
-            self._end_soon(
-                ends.ALTERED, f"the controller read {event.heard!r}, which is not what was sent: {line.where() if line else ''}", now,
-                "the link loses or alters bytes: check cable, baud rate and flow control", hold=True,
-            )  # fmt: skip
-        elif isinstance(event, Write):
+        elif isinstance(event, events.Stray):
+            self._end_soon(endings.stray(event), now, hold=True)
+        elif isinstance(event, events.Altered):
+            self._end_soon(endings.altered(event, self._sent.get(event.number)), now, hold=True)
+        elif isinstance(event, events.Write):
             if self.state in (RUNNING, HELD):
                 self._out += event.data
                 self._moved = now
-        elif isinstance(event, Busy):
+        elif isinstance(event, events.Busy):
             self._moved = now
-        elif isinstance(event, Told):
+            if "paused" in event.text and not self._hold.foreign:
+                self._hold.foreign = True
+                self.log.append(("hold", holds.PAUSED, now))
+        elif isinstance(event, events.Told):
             self.log.append(("told", event.text, now))
 
     def _answered(self, number: int, now: float) -> None:
         line = self._sent.pop(number, None)
         self._moved, self._idle_since = now, None
+        self._hold.foreign = self._hold.foreign and self._hold.stands
         if line is None or number <= 0:
             return
         self._last = line
@@ -281,38 +271,36 @@ class Sender:
             self._end = line.end
         self.log.append(("answered", line, now))
 
-    def _rejected(self, event: Rejected, now: float) -> None:
+    def _rejected(self, event: events.Rejected, now: float) -> None:
         line = self._sent.pop(event.number, None)
         self._moved, self._idle_since = now, None
         if line is None:
             return
-        said = event.code + (f" ({event.meaning})" if event.meaning else "")
+        words = endings.said(event)
         if line.number <= 0:
-            self._end_soon(ends.ERROR, f"the controller refused {line.text.decode()}: {said}", now)
+            self._end_soon(endings.own_refused(line, words), now)
             return
-        self.tally.rejected.append((line, said))
+        self.tally.rejected.append((line, words))
         self.tally.answered += 1
         self._end = ()
         self.log.append(("rejected", line, now))
         if self.on_error == "continue" or self.check:
             return
-        behind = len(self._sent)
-        self._end_soon(
-            ends.ERROR, f"the controller refused {line.where()}\n    {said}", now,
-            (f"it had {behind} more lines by then, which it may still execute; " if behind else "")
-            + "it was told to hold: resume (~) executes what it has, a reset (Ctrl-X) drops it",
-            HALTING, hold=True,
-        )  # fmt: skip
-
-    def _alarmed(self, event: Alarm, now: float) -> None:
-        said = event.code + (f": {event.meaning}" if event.meaning else "")
-        if self.state == STOPPING:
-            self.log.append(("told", said, now))
+        if self.on_error == "ask" and self.state in (RUNNING, HELD):
+            self.asks.append((line, words))
+            if self.state == RUNNING:
+                self.hold(now)
             return
-        at = f"; the oldest line unanswered is {self.waiting[0].where()}" if self.waiting else ""
-        self._finish(ends.ALARM, f"alarm: {said}{at}", "clear its cause, home or unlock, and restart the job")
+        self._end_soon(endings.refused(line, words, len(self._sent), self.protocol), now, HALTING, hold=True)
 
-    def _restarted(self, event: Restarted, now: float) -> None:
+    def _alarmed(self, event: events.Alarm, now: float) -> None:
+        if self.state == STOPPING:
+            self.log.append(("told", endings.said(event), now))
+            self._confirmed = True
+            return
+        self._finish(endings.alarm(event, self.waiting))
+
+    def _restarted(self, event: events.Restarted, now: float) -> None:
         if self.state == STOPPING:
             self.outcome = self._with_rest(self._pending) if self._pending else None
             return
@@ -320,27 +308,43 @@ class Sender:
             self._sent.clear()
             self._moved = now
             return
-        at = f"; it may have been at {self.waiting[0].where()}" if self._sent else ""
-        self._finish(
-            ends.RESET, f"the controller has restarted in the middle of the job ({event.text.strip()}){at}",
-            "its position is not certain any more: home it, and restart from a line before",
-            unanswered=tuple(self._sent.values()),
-        )  # fmt: skip
+        self._finish(endings.restarted(event, self.waiting))
 
-    def _reported(self, status: Status, now: float) -> None:
+    def _reported(self, status: events.Status, now: float) -> None:
+        asked = self._polled if self.protocol.urgent("status") else math.inf
         asked_after_drain = self._drained is not None and self._waits_for_status and self._polled >= self._drained
         self._waits_for_status = False
         self.status = status
         self.log.append(("status", status, now))
         if status.state == "alarm" and self.state != STOPPING:
-            self._finish(
-                ends.ALARM, "the controller is in alarm", "clear its cause, home or unlock, and restart the job"
-            )
-        elif self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
+            self._finish(endings.alarm_state())
+            return
+        if self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
             self._deadline = min(self._deadline, now)
-        elif self._holds and status.state == "run":
+        news = self._hold.reported(status.state, asked)
+        if news:
+            self._held(news, status, now)
+        elif not self._hold.ordered:
+            self._at_rest(status, asked_after_drain, now)
+
+    def _held(self, news: str, status: events.Status, now: float) -> None:
+        """A hold, or its end, that was not ordered; or an order that was lost."""
+        self._idle_since, self._rests, self._moved = None, 0, now
+        if news == holds.AGAIN:
             self._urgent += self.protocol.urgent("hold")  # it was lost on the way, or while EEPROM was written
-        elif status.state in RESTS:
+        elif self.state in (RUNNING, HELD) and news == holds.FOREIGN:
+            self.log.append(("hold", holds.words(status, next(iter(self._sent.values()), None)), now))
+        elif self.state in (RUNNING, HELD):
+            self.log.append(("resumed", "the machine goes on, and not by gcomp's order", now))
+            if not self.asks:
+                self._goes_on(now)
+
+    def _goes_on(self, now: float) -> None:
+        self.state, self._moved, self._idle_since, self._rests = RUNNING, now, None, 0
+
+    def _at_rest(self, status: events.Status, asked_after_drain: bool, now: float) -> None:
+        """Is it idle with lines unanswered, or at the end?"""
+        if status.state in RESTS:
             if self._sent and self.state == RUNNING:
                 self._idle_since = now if self._idle_since is None else self._idle_since
                 waiting = self.waiting[:1]
@@ -358,9 +362,9 @@ class Sender:
 
     # -- ends ----------------------------------------------------------------------------------------------------------
 
-    def _done(self, status: Status | None = None) -> None:
+    def _done(self, status: events.Status | None = None) -> None:
         off = None if status is None or self.check else off_by(status.place, self._end, self.order, self.limits.off_mm)
-        self._finish(*verdict(self.tally, off, self.check))
+        self._finish(Outcome(*verdict(self.tally, off, self.check)))
 
     def _stalled(self, now: float, how: str) -> None:
         again = self.protocol.overdue()
@@ -368,39 +372,28 @@ class Sender:
             self._out += again
             self._moved, self._idle_since = now, None
             return
-        lines = "; ".join(line.where() for line in self.waiting[:4])
-        self._end_soon(
-            ends.STALLED, f"{len(self._sent)} lines were sent and not answered, and {how}. Oldest: {lines}", now,
-            "an answer or a part of a line was lost; nothing is sent again, because a line executed twice is worse. "
-            "Look at the machine, then restart from the last line answered", hold=True,
-        )  # fmt: skip
+        self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
 
-    def _position_advice(self) -> str:
-        return "what the controller has received it may still execute; check where it stands before you restart"
-
-    def _end_soon(
-        self, kind: str, message: str, now: float, advice: str = "", state: str = HALTING, hold: bool = False
-    ) -> None:
+    def _end_soon(self, outcome: Outcome, now: float, state: str = HALTING, hold: bool = False) -> None:
         """Nothing more leaves; the outcome stands, and is told when the controller has come to rest, or the grace is over."""
         if self._pending is None or state == STOPPING:
-            self._pending = Outcome(kind, message, advice)
+            self._pending = outcome
+        self._hold.release(now)
         if hold:
             self._urgent += self.protocol.urgent("hold")
-        self.state, self._holds = state, hold
+            self._hold.order(now)
+        self.state = state
+        self.asks.clear()
         self._deadline = min(self._deadline, now + self.limits.grace)
 
-    def _finish(
-        self, kind: str, message: str, advice: str = "", unanswered: tuple[WireLine, ...] | None = None
-    ) -> None:
+    def _finish(self, outcome: Outcome) -> None:
         if self.outcome is None:
-            first = self._pending or Outcome(kind, message, advice)
-            self.outcome = self._with_rest(first, unanswered)
+            self.outcome = self._with_rest(self._pending or outcome)
 
-    def _with_rest(self, outcome: Outcome, unanswered: tuple[WireLine, ...] | None = None) -> Outcome:
+    def _with_rest(self, outcome: Outcome) -> Outcome:
         """The outcome with what is certain and what is not."""
-        rest = tuple(self._sent.values()) if unanswered is None else unanswered
         return Outcome(
             outcome.kind, outcome.message, outcome.advice, self._last.number if self._last else 0,
-            tuple(line for line in rest if line.number > 0), tuple(self.tally.rejected),
+            tuple(line for line in self._sent.values() if line.number > 0), tuple(self.tally.rejected),
             self._last.source if self._last else 0,
         )  # fmt: skip

@@ -27,6 +27,7 @@ class PtyHost:
         self._stop = False
         self.heard = bytearray()
         self.times: list[tuple[float, int]] = []
+        self._pressed = b""
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> PtyHost:
@@ -40,6 +41,10 @@ class PtyHost:
             os.close(self.master)
         with contextlib.suppress(OSError):
             os.close(self._slave)
+
+    def press(self, data: bytes) -> None:
+        """Buttons at the machine: realtime bytes that come from nobody's port."""
+        self._pressed += data
 
     def _run(self) -> None:
         begun = time.monotonic()
@@ -56,6 +61,9 @@ class PtyHost:
                         self.times.append((time.monotonic(), value))
                 self.heard += data
                 self.model.write(self.faults.pass_on("to", data), now)
+            if self._pressed:
+                data, self._pressed = self._pressed, b""
+                self.model.write(data, now)
             self.model.advance(now)
             back = self.faults.pass_on("back", self.model.read(now))
             n = len(self.model.received)

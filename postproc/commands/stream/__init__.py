@@ -48,9 +48,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     job.add_argument(
         "--on-error",
-        choices=("stop", "continue"),
+        choices=("stop", "continue", "ask"),
         default="stop",
-        help="when a line is refused (default: hold and stop)",
+        help="when a line is refused: hold and stop (default), go on without it, or hold and ask on the terminal",
     )
     job.add_argument("--home", action="store_true", help="home the machine first ($H)")
     job.add_argument(
@@ -134,7 +134,14 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
         )
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
-    if options.compact and options.on_error == "continue":
+    if options.on_error == "ask" and not _keys(options):
+        raise UsageError(
+            "--on-error ask asks on a terminal, and standard input is none"
+            if is_file
+            else "--on-error ask needs the program as a file",
+            "--on-error stop, or --on-error continue",
+        )
+    if options.compact and options.on_error != "stop":
         raise UsageError(
             "--compact leaves out words that hold, and after a refused line it is not known what holds",
             "--on-error stop",
@@ -145,6 +152,13 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
         raise UsageError(f"{options.file} can not be read: there is no such file")
     if options.baud <= 0:
         raise UsageError(f"--baud {options.baud} is no speed")
+
+
+def _keys(options: argparse.Namespace) -> bool:
+    """Whether a person can type while the job runs."""
+    from postproc.commands.stream import job as jobs
+
+    return os.name == "posix" and jobs.is_file(options.file) and sys.stdin is not None and sys.stdin.isatty()
 
 
 def _ports() -> str:
@@ -228,8 +242,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
         show = Show(sender, clock, load.lines if load else 0, machine.letters, options.quiet)
         show.letters = tuple(CONTROLLER_AXES[:reported])
         prefetch = Prefetch(job.lines).start()
-        keys = os.name == "posix" and jobs.is_file(options.file) and sys.stdin is not None and sys.stdin.isatty()
-        run = loop.Run(port, sender, prefetch, show, journal, trace, record, keys)
+        run = loop.Run(port, sender, prefetch, show, journal, trace, record, _keys(options))
         try:
             outcome = run.to_the_end()
         finally:

@@ -13,7 +13,9 @@ from pathlib import Path
 
 from postproc.commands.stream.port import Lost, Port
 from postproc.commands.stream.prefetch import Prefetch
+from postproc.commands.stream.show import Show
 from postproc.errors import UsageError
+from postproc.streaming import endings
 from postproc.streaming import journal as journals
 from postproc.streaming.events import Status
 from postproc.streaming.greeting import Greeting
@@ -106,13 +108,14 @@ class Run:
     """One job to its outcome."""
 
     def __init__(
-        self, port: Port, sender: Sender, prefetch: Prefetch, show: Callable[[float], None], journal: Journal | None = None,
+        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, journal: Journal | None = None,
         trace: Trace | None = None, record=None, keys: bool = False,
     ):  # fmt: skip
         self.port, self.sender, self.prefetch, self.show = port, sender, prefetch, show
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
         self.begun = time.monotonic()
         self._pressed = self._resumed = 0
+        self._asked = 0  # refused lines that were shown
         self._term: float | None = None
 
     def to_the_end(self) -> Outcome:
@@ -171,7 +174,8 @@ class Run:
                 self.sender.stop(now)
             else:
                 self.sender.hold(now)
-                self._tell("feed hold; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
+                what = "feed hold" if self.sender.protocol.urgent("hold") else self.sender.protocol.does["hold"]
+                self._tell(f"{what}; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
         if signals.terms and self._term is None:
             self._term = now
             self.sender.hold(now)
@@ -180,18 +184,38 @@ class Run:
             now - self._term > TERM_HOLD or (status and status.state == "hold" and status.detail == "0")
         ):
             self.sender.stop(now, "stopped by SIGTERM")
-        if signals.resumes > self._resumed or self._enter():
+        said = self._said()
+        if self.sender.asks:
+            self._ask(said, now)
+            said = None
+        if signals.resumes > self._resumed or said is not None:
             self._resumed = signals.resumes
             self.sender.resume(now)
+        self._asked = min(self._asked, len(self.sender.asks))
 
-    def _enter(self) -> bool:
-        """Whether Enter was pressed, where there is a keyboard."""
+    def _ask(self, said: str | None, now: float) -> None:
+        """Show a refused line, and obey the answer. A keyboard that is gone stops the job."""
+        for line, words in self.sender.asks[self._asked :]:
+            rest = len(self.sender.waiting)
+            self._tell(
+                f"{endings.fact_of_refusal(line, words)}\n    {endings.behind(rest)}{self.sender.protocol.does['hold']}"
+            )
+        if len(self.sender.asks) > self._asked or (said is not None and said[:1] not in ("c", "s")):
+            self._tell("c and Enter: go on without it; s and Enter: stop here")
+        elif said is not None or not self.keys:
+            self.sender.decide(said is not None and said[:1] == "c", now)
+        self._asked = len(self.sender.asks)
+
+    def _said(self) -> str | None:
+        """A line from the keyboard, where there is one; None: nothing was typed."""
         if not self.keys or not select.select([sys.stdin], [], [], 0)[0]:
-            return False
-        if not sys.stdin.readline():
-            self.keys = False
-            return False
-        return True
+            return None
+        with contextlib.suppress(OSError):  # the terminal was closed
+            data = os.read(sys.stdin.fileno(), 1024)
+            if data:
+                return data.decode("utf-8", "replace").strip().lower()
+        self.keys = False
+        return None
 
     @staticmethod
     def _tell(message: str) -> None:
@@ -210,6 +234,9 @@ class Run:
                     order = self.sender.order
                     place = tuple(what.place[i] for i in order) if order else what.place
                     self.record.write(self.trace.row(place, t - self.begun))
+            if kind in ("hold", "resumed"):
+                self._tell(str(what))
+                self.show.event(kind, str(what))
             if kind == "told" and isinstance(what, str) and "echo" not in what:
                 self._tell(f"the controller says: {what}")
         if self.journal is not None:

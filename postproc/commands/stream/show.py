@@ -81,6 +81,11 @@ class Show:
     def _line(fields: dict[str, Any]) -> None:
         print(json.dumps(fields), flush=True)
 
+    def event(self, kind: str, message: str) -> None:
+        """What happened by itself."""
+        if not self.terminal and not self.quiet:
+            self._line({"event": kind, "message": message})
+
     def end(self, outcome: Outcome) -> None:
         if self._live is not None:
             self._live.stop()

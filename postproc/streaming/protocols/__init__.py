@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Protocol as Interface
@@ -54,11 +55,13 @@ class Controller:
 class Protocol(Interface):
     """One connection. The sender calls these and looks at nothing else.
 
+    does: what urgent("hold") and urgent("stop") really do there, and what follows from it, in words for a person.
     confirms: how the end of a job is known: "idle" (a Status says so), "answers" (the last answer is given when all is
     done), or "nothing" (what was written is all that is known). questions: lines to ask one by one before a job.
     """
 
     controller: Controller
+    does: Mapping[str, str]
     confirms: str
     questions: tuple[bytes, ...]
     opening: tuple[bytes, ...]  # lines to send before the program (M110 N0, %)

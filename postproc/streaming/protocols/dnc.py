@@ -11,6 +11,7 @@ buffer has overflowed), so few bytes leave at once, and input is looked at betwe
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from postproc.streaming.events import Alarm, Event, Told
@@ -26,6 +27,10 @@ UNCLOSED = re.compile(rb"\([^()\n]*$")
 EOB = re.compile(rb";[^\n]*")
 FOREIGN = re.compile(rb"[^\x20-\x7e]|%")
 LONGEST = 255
+DOES = {
+    "hold": "this link has no feed hold: no further line was sent, and the control executes what it has",
+    "stop": "this link has no stop: no further line was sent, and the control executes what it has; stop it at its panel",
+}
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,7 @@ class Dnc:
     title = TITLE
     link = FANUC
     confirms = "nothing"
+    does: Mapping[str, str] = DOES
     questions: tuple[bytes, ...] = ()
 
     def __init__(self, counting: bool = True):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from postproc.streaming.events import (
     Accepted,
@@ -46,6 +46,10 @@ ALONE = re.compile(rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECASE)
 SLOW = 300.0  # s: homing
 URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
+DOES = {
+    "hold": "it was told to hold (!): resume (~) executes what it has, a reset (Ctrl-X) drops it",
+    "stop": "a reset (Ctrl-X) was sent, which drops what was not executed: home it if it moved when it was stopped",
+}
 STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep", "tool"}
 
 
@@ -61,6 +65,7 @@ class Grbl:
 
     title = TITLE
     confirms = "idle"
+    does: Mapping[str, str] = DOES
     questions: tuple[bytes, ...] = (b"$I", b"$$", b"$#", b"$G")
     opening: tuple[bytes, ...] = ()
     closing: tuple[bytes, ...] = ()

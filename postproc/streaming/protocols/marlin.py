@@ -10,6 +10,7 @@ MarlinFirmware issue 20367). There is no feed hold: a hold sends nothing more, a
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from postproc.streaming.events import Alarm, Busy, Event, Told
 from postproc.streaming.protocols import Controller
@@ -26,6 +27,11 @@ DWELL = re.compile(rb"G4(?![0-9.]).*?([PS]) *([0-9]+\.?[0-9]*)")
 QUIET = 30.0  # s that a line may take where it does not say that it is busy
 KEEPALIVE = 8.0  # and where it does: every 2 s (Configuration_adv.h)
 LONG = 600.0  # and what takes its time; until then it is sent again every QUIET, which does no harm
+DOES = {
+    "hold": "it has no feed hold: no further line was sent, and what it has it executes",
+    "stop": "M410 was sent: the steppers stop without slowing down, so that steps may be lost, and a build without EMERGENCY_PARSER "
+    "first executes the lines that it has; home it before the next job",
+}
 
 
 def recognises(banner: str) -> bool:
@@ -38,6 +44,7 @@ def recognises(banner: str) -> bool:
 class Marlin(Numbered):
     """One connection. `counting`: fill its command slots where it reports them."""
 
+    does: Mapping[str, str] = DOES
     questions = (b"M115", b"M113", b"M503 S0", b"M114")
 
     def __init__(self, counting: bool = True):

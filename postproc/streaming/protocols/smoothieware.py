@@ -10,6 +10,7 @@ before the job; an empty line gets an ok, so none is sent; an error halts it ("!
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from postproc.streaming.events import Alarm, Event, Status, Told
 from postproc.streaming.protocols import Controller
@@ -24,6 +25,10 @@ HALT = re.compile(
     r"!!|ALARM|error:|.*(?:Entering Alarm/Halt|HALTED|Emergency Stop|Kill button|Limit switch)", re.IGNORECASE
 )
 URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
+DOES = {
+    "hold": "it was told to hold (!), where feed hold is built in: ~ executes what it has, Ctrl-X halts it",
+    "stop": "Ctrl-X was sent, which halts it and drops what was not executed: M999 clears that; home it first",
+}
 PROBE = b"G4 P0 G4 P0"  # two codes that do nothing: how many oks come?
 
 
@@ -38,6 +43,7 @@ class Smoothieware(Numbered):
     """One connection; `counting` changes nothing: it loses lines that come before it has answered."""
 
     confirms = "idle"
+    does: Mapping[str, str] = DOES
     questions = (PROBE, b"M115", b"M114")
     closing = (b"M400",)
     forbidden = re.compile(rb"M(?:110|112|28|29|1000)(?![0-9])", re.IGNORECASE)

@@ -41,6 +41,10 @@ AXES = "xyzabc"
 WORK = ("g54", "g55", "g56", "g57", "g58", "g59", "g92")
 STAND = b'{"sr":null}'  # asked at the end, answered for us when the machine stands
 PLACE = b'{"mpo":null}'
+DOES = {
+    "hold": "it was told to hold (!): ~ executes what it has, % behind the hold drops it",
+    "stop": "a hold and a flush (!%) were sent: it slows down, drops what was not executed, and keeps its position",
+}
 SLOW = re.compile(rb"G28\.[234]|G30\.[234]|G38")
 
 
@@ -71,6 +75,7 @@ class TinyG:
     lines = 1 << 20  # that may wait for an answer
     fill = FILL
     counts = True  # its footers say how many bytes it took
+    does: ClassVar[dict[str, str]] = DOES
     urgents: ClassVar[dict[str, bytes]] = {"hold": b"!", "resume": b"~", "stop": b"!%"}
 
     def __init__(self, counting: bool = True):
