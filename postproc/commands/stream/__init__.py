@@ -205,6 +205,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     """Send it, and say how it ended."""
     from postproc.commands.stream import job as jobs
     from postproc.commands.stream import loop
+    from postproc.commands.stream.journal_file import JournalFile
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
     from postproc.streaming import journal as journals
@@ -235,7 +236,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
         journal = None
         if path is not None and not options.check:
             sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
-            journal = loop.Journal(
+            journal = JournalFile(
                 path, journals.head(job.name, sha, machine.name, machine.digest, controller.planner, job.begin)
             )
         clock = Clock(load.expected, time.monotonic()) if load else None

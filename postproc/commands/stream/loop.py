@@ -9,8 +9,8 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
+from postproc.commands.stream.journal_file import JournalFile
 from postproc.commands.stream.port import Lost, Port
 from postproc.commands.stream.prefetch import Prefetch
 from postproc.commands.stream.show import Show
@@ -27,7 +27,6 @@ from postproc.streaming.trace import Trace
 
 WAIT = 0.02  # s at most between two looks at signals and clock
 HUNGRY = 0.002  # s while lines are missing
-SYNC = 0.5  # s between two fsync
 QUEUE = 256  # lines that the sender has ready
 TERM_HOLD = 2.0  # s from SIGTERM's hold to its stop
 
@@ -46,34 +45,6 @@ def greet(port: Port, greeting: Greeting) -> None:
         raise UsageError(f"the port {port.url} was closed: {error}", "is the controller still plugged in?") from None
     if greeting.fault:
         raise greeting.fault
-
-
-class Journal:
-    """Appends, and sees to it that it is on the disk. A journal that stood there before is kept as .old."""
-
-    def __init__(self, path: Path, head: bytes):
-        try:
-            if path.exists():
-                os.replace(path, path.with_name(path.name + ".old"))
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL, 0o644)
-        except OSError as error:
-            raise UsageError(
-                f"the journal {path} can not be written: {error.strerror}", "--journal FILE, or --no-journal"
-            ) from None
-        self._synced = 0.0
-        self.write(head, time.monotonic())
-        os.fsync(self._file)
-
-    def write(self, data: bytes, now: float) -> None:
-        if data:
-            os.write(self._file, data)
-        if now - self._synced >= SYNC:
-            os.fsync(self._file)
-            self._synced = now
-
-    def close(self) -> None:
-        os.fsync(self._file)
-        os.close(self._file)
 
 
 class Signals:
@@ -108,7 +79,7 @@ class Run:
     """One job to its outcome."""
 
     def __init__(
-        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, journal: Journal | None = None,
+        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, journal: JournalFile | None = None,
         trace: Trace | None = None, record=None, keys: bool = False,
     ):  # fmt: skip
         self.port, self.sender, self.prefetch, self.show = port, sender, prefetch, show
@@ -143,8 +114,9 @@ class Run:
                 self._write()
             self._log(time.monotonic())
         if self.journal is not None:
-            self.journal.write(journals.end(sender.outcome, time.monotonic() - self.begun), time.monotonic())
+            self.journal.write(journals.end(sender.outcome, time.monotonic() - self.begun))
             self.journal.close()
+            self._journal_fault()
         return sender.outcome
 
     def _feed(self) -> None:
@@ -240,4 +212,13 @@ class Run:
             if kind == "told" and isinstance(what, str) and "echo" not in what:
                 self._tell(f"the controller says: {what}")
         if self.journal is not None:
-            self.journal.write(b"".join(out), now)
+            self.journal.write(b"".join(out))
+            self._journal_fault()
+
+    def _journal_fault(self) -> None:
+        """Told once."""
+        if self.journal is not None and self.journal.fault:
+            self._tell(
+                f"the journal can not be written any more: {self.journal.fault}; the job goes on, --resume-from LINE needs none"
+            )
+            self.journal = None
