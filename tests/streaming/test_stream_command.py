@@ -122,36 +122,6 @@ def test_a_fault_in_a_pipe_ends_the_job_behind_what_was_good(place):
     assert len(sent_rows(host)) > 20 and host.model.state == "Idle"
 
 
-def test_socket_ports(place):
-    import socket
-    import threading
-
-    made = model(baud=0)
-    server = socket.create_server(("127.0.0.1", 0))
-
-    def serve():
-        peer = server.accept()[0]
-        peer.settimeout(0.002)
-        begun = time.monotonic()
-        while True:
-            with contextlib.suppress(TimeoutError):
-                data = peer.recv(4096)
-                if not data:
-                    return
-                made.write(data, (time.monotonic() - begun) * 5)
-            made.advance((time.monotonic() - begun) * 5)
-            back = made.read(made.now)
-            if back:
-                peer.sendall(back)
-
-    threading.Thread(target=serve, daemon=True).start()
-    port = f"socket://127.0.0.1:{server.getsockname()[1]}"
-    status, _, err = stream(place, None, "job.nc", "--port", port)
-    server.close()
-    assert status == 0, err
-    assert made.received[4:] == wire_rows(place)
-
-
 def test_A5_an_error_names_source_and_wire_line(place):
     text = program().split("\n")
     text[20] = "G1 X5 Y5 H7"

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import select
+import time
 from typing import Any
 
 from postproc.errors import UsageError
+
+LOOK = 0.02  # s that a read takes at most, where there is nothing to select on
 
 
 class Lost(Exception):
@@ -27,7 +30,13 @@ class Port:
         self._broken: tuple[type[BaseException], ...] = (serial.SerialException, OSError, TypeError, ValueError)
         try:
             port: Any = serial.serial_for_url(url, do_not_open=True)
-            port.baudrate, port.timeout, port.write_timeout = baud, 0, 0
+            port.baudrate, port.timeout = baud, 0
+            if url.lower().startswith(
+                "rfc2217:"
+            ):  # whose writes can not time out, and which negotiates anew at every change
+                port.timeout = LOOK
+            else:
+                port.write_timeout = 0
             port.bytesize, port.parity, port.stopbits = frame
             with contextlib.suppress(AttributeError, ValueError):
                 port.exclusive = True
@@ -44,6 +53,8 @@ class Port:
         self._fd: int | None = None
         with contextlib.suppress(AttributeError, OSError, ValueError):
             self._fd = int(port.fileno())
+        if self._fd is None:
+            port.timeout = LOOK
 
     def read(self, timeout: float) -> bytes:
         """Whatever has come, after `timeout` s at most."""
@@ -51,8 +62,11 @@ class Port:
             if self._fd is not None:
                 if not select.select([self._fd], [], [], timeout)[0]:
                     return b""
-            elif not self._port.in_waiting:
-                self._port.timeout = timeout
+            else:
+                if timeout < LOOK and not self._port.in_waiting:
+                    time.sleep(timeout)
+                    if not self._port.in_waiting:
+                        return b""
                 first: bytes = self._port.read(1)
                 return first + (self._port.read(self._port.in_waiting) if first else b"")
             data: bytes = self._port.read(4096)
