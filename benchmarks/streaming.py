@@ -1,6 +1,7 @@
 """gcomp, printcore and grbl-streamer against the same models of controllers, with the same seeded faults: what does each lose?
 
     python benchmarks/streaming.py --fetch --jobs 20
+    python benchmarks/streaming.py --memory 10000 1000000       # instead: peak memory of gcomp, and lines a second
 
 The models are those of the tests (tests/streaming): Marlin with its checks and its buffer of 128 bytes, GRBL with a buffer that
 drops. Each job is a process of its own on a pseudo-terminal. A sender that says nothing for --limit seconds is stopped: it hangs.
@@ -28,6 +29,7 @@ from tests.streaming.bench import Faults, zigzag  # noqa: E402
 from tests.streaming.grbl_model import GrblModel  # noqa: E402
 from tests.streaming.models_marlin import MarlinModel  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
+from tests.streaming.yes_host import measure  # noqa: E402
 
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "senders"
 AXIS_WORD = re.compile(r"([XYZ])(-?[0-9.]+)")
@@ -130,6 +132,16 @@ def after(host: PtyHost, lines: int) -> None:
     model.advance = watched  # type: ignore[method-assign]
 
 
+def memory(counts: list[int]) -> None:
+    """Peak memory of a process that corrects and sends, its journal kept, to a receiver that takes everything at once."""
+    print("| lines | peak MB | lines a second, reading the program twice |")
+    print("|---:|---:|---:|")
+    for n in counts:
+        with tempfile.TemporaryDirectory() as place:
+            peak, seconds, lines = measure(n, Path(place))
+        print(f"| {n} | {peak:.1f} | {lines / seconds:.0f} |", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fetch", action="store_true", help="install the peers into the cache first")
@@ -137,7 +149,13 @@ def main() -> None:
         "--jobs", type=int, default=10, help="jobs of each sender on each model with each kind of fault"
     )
     parser.add_argument("--limit", type=float, default=40.0, help="s after which a job hangs")
+    parser.add_argument(
+        "--memory", type=int, nargs="+", metavar="LINES", help="jobs of so many lines, and their memory"
+    )
     options = parser.parse_args()
+    if options.memory:
+        memory(options.memory)
+        return
     if options.fetch:
         fetch()
     senders = {"marlin": ["gcomp", "printcore"], "grbl": ["gcomp", "grbl-streamer"]}
