@@ -30,10 +30,20 @@ def _record(**fields: Any) -> bytes:
     return json.dumps(fields, separators=(",", ":")).encode() + b"\n"
 
 
-def head(program: str, sha256: str, machine: str, digest: str, planner: int, begin: int = 1) -> bytes:
-    """The first line. sha256: of the program's bytes; begin: source line with which the job began."""
+def head(
+    program: str, sha256: str, machine: str, digest: str, planner: int, begin: int = 1, expanded: bool = False
+) -> bytes:
+    """The first line. sha256: of the program's bytes; begin: source line with which the job began; expanded: its lines were
+    written out, so that a source line may have been executed more than once."""
     return _record(
-        format=FORMAT, program=program, sha256=sha256, machine=machine, map=digest, planner=planner, begin=begin
+        format=FORMAT,
+        program=program,
+        sha256=sha256,
+        machine=machine,
+        map=digest,
+        planner=planner,
+        begin=begin,
+        expanded=expanded,
     )
 
 

@@ -19,6 +19,7 @@ class WireLine:
     block itself, 1.. what was put in behind it. end: mm (degrees), machine coordinates commanded, by axis of the machine;
     nan where not known, () where nothing is known. correction: mm by axis. length: mm of path; seconds: at the programmed
     feed, without acceleration. points: places between start and end of an arc, where they were asked for.
+    file: the subprogram's file that the source line is of; "": the program itself.
     """
 
     number: int
@@ -30,6 +31,7 @@ class WireLine:
     length: float = 0.0
     seconds: float = 0.0
     points: tuple[tuple[float, ...], ...] = ()
+    file: str = ""
 
     def where(self) -> str:
         """The line in words, for a person."""
@@ -37,4 +39,5 @@ class WireLine:
         if not self.source:
             return f"wire line {self.number} ({text}), which is gcomp's own"
         part = f", piece {self.piece + 1} of it" if self.piece else ""
-        return f"source line {self.source}{part}, sent as wire line {self.number}: {text}"
+        of = f" of {self.file}" if self.file else ""
+        return f"source line {self.source}{of}{part}, sent as wire line {self.number}: {text}"

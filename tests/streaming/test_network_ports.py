@@ -52,6 +52,13 @@ def test_the_line_behind_an_rfc2217_server_is_set_as_asked_for(place):  # noqa: 
     assert not wire.xonxoff and not wire.rtscts
 
 
+def test_A14_rts_and_cts_are_switched_on(place):  # noqa: F811
+    with NetHost(model(), rfc2217=True, speed=4.0) as host:
+        status, _, err = stream(place, None, "job.nc", "--port", host.path, "--rtscts")
+    assert status == 0, err
+    assert host.wire.rtscts and not host.wire.xonxoff
+
+
 @BOTH
 def test_A8_ctrl_c_over_a_network(place, rfc2217):  # noqa: F811
     (place / "job.nc").write_text(program(400, 600))

@@ -105,6 +105,26 @@ def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
     assert past.outcome == "done" and past.answered == past.sent == len(sent_rows(host))
 
 
+def test_A17_the_journal_replayed_is_the_file(place):
+    """Every wire line is in it, in order, with its source line, the piece it is, and what was corrected."""
+    (place / "job.nc").write_text(program(20).replace("G0 Z20\nM30", "G0 X150 Y120\nG1 X0 Y0 F6000\nG0 Z20\nM30"))
+    with PtyHost(model(), speed=4.0) as host:
+        status, _, err = stream(place, host, "job.nc")
+    assert status == 0, err
+    entries = [json.loads(line) for line in (place / "job.nc.journal").read_text().splitlines()]
+    sent = [entry for entry in entries if "sent" in entry]
+    assert [entry["text"].replace(" ", "") for entry in sent] == wire_rows(place) == sent_rows(host)
+    source = (place / "job.nc").read_text().split("\n")
+    assert sum(entry["piece"] > 0 for entry in sent) > 2  # blocks that were cut
+    for entry in sent:
+        own = source[entry["source"] - 1]
+        if entry["piece"] == 0:
+            assert {word[0] for word in own.split()} <= {word[0] for word in entry["text"].split()}
+    assert any(any(entry["correction_um"]) for entry in sent)
+    answered = [entry["answered"] for entry in entries if "answered" in entry]
+    assert answered == [entry["sent"] for entry in sent] == list(range(1, len(sent) + 1))
+
+
 def test_A18_a_pipe_is_streamed_without_a_terminal(place):
     with PtyHost(model(), speed=4.0) as host, open(place / "job.nc") as source:
         status, out, err = stream(place, host, "-", "--no-journal", "--compact", "--quiet", stdin=source)
@@ -278,7 +298,7 @@ def test_nobody_there_and_other_usage(place):
         (("job.nc",), "--port is missing"),
         (("job.nc", "--port", "/dev/no-such-port"), "can not be opened"),
         (("no.nc", "--port", "x"), "no such file"),
-        (("job.nc", "--port", "x", "--expand"), "write them out first"),
+        (("job.nc", "--port", "x", "--expand", "--resume-from", "3"), "write the program out first"),
         (("job.nc", "--port", os.ttyname(slave), "--protocol", "no"), "there is no protocol 'no'"),
         (("--port", "x", "--resume-from", "3"), "needs the program as a file"),
         (("job.nc", "--port", "x", "--compact", "--on-error", "continue"), "--compact"),

@@ -25,9 +25,10 @@ ANSWERS = {
 
 
 class YesHost:
-    """`path` is the port; lines: how many were taken."""
+    """`path` is the port; lines: how many were taken; received: they themselves, where `keep` says so."""
 
-    def __init__(self) -> None:
+    def __init__(self, keep: bool = False) -> None:
+        self.keep, self.received = keep, list[bytes]()
         self.master, self._slave = os.openpty()
         tty.setraw(self._slave)
         self.path = os.ttyname(self._slave)
@@ -54,6 +55,8 @@ class YesHost:
             if found:
                 self._place = tuple(float(v) + z for v, z in zip(found[-1], ZERO, strict=True))
             self.lines += len(lines)
+            if self.keep:
+                self.received += lines
             back = b"".join(ANSWERS.get(line, b"") + b"ok\r\n" for line in lines)
             if asked:
                 back += b"<Idle|MPos:%.3f,%.3f,%.3f|FS:0,0>\r\n" % self._place
@@ -73,7 +76,14 @@ def measure(n: int, folder: Path, *options: str) -> tuple[float, float, int]:
     """Peak memory of a job of n lines in MB, its seconds, and the lines that were taken. Raises where it did not end well."""
     (folder / "job.nc").write_text(program(n))
     begun = time.monotonic()
-    with YesHost() as host, open(folder / "err", "w+") as err:
+    with YesHost() as host:
+        peak = send(host, folder, *options)
+        return peak, time.monotonic() - begun, host.lines
+
+
+def send(host: YesHost, folder: Path, *options: str) -> float:
+    """Let gcomp send job.nc; its peak memory in MB. Raises where that did not end well."""
+    with open(folder / "err", "w+") as err:
         process = subprocess.Popen(
             [sys.executable, "-m", "postproc", "stream", "--machine", "example-mill", "--dialect", "grbl", "--port", host.path,
              *options, "job.nc"], cwd=folder, stdout=subprocess.DEVNULL, stderr=err, env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -83,4 +93,4 @@ def measure(n: int, folder: Path, *options: str) -> tuple[float, float, int]:
         if process.returncode:
             err.seek(0)
             raise RuntimeError(err.read()[-2000:])
-        return usage.ru_maxrss / 1024.0, time.monotonic() - begun, host.lines
+        return usage.ru_maxrss / 1024.0

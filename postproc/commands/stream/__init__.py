@@ -34,6 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="7E2",
         help="data bits, parity (E, O, N), stop bits; default 8N1; of a DNC link, its control's common frame",
     )
+    link.add_argument("--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may leave")
     link.add_argument("--protocol", default="auto", metavar="NAME", help="default auto: by what the controller says")
     link.add_argument("--simple", action="store_true", help="one line at a time: slower, for links that lose bytes")
     link.add_argument(
@@ -87,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     if options.port is None:
         raise UsageError("--port is missing: where is the controller?", _ports())
     job = None
-    port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame)
+    port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame, rtscts=options.rtscts)
     try:
         greeting = _greeted(port, options)
         assert greeting.protocol is not None
@@ -98,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
         if options.resume_from:
             jobs.restarted(job, line)
         load = None
-        if jobs.is_file(options.file):
+        if jobs.is_file(options.file) or options.expand:
             load = job.precheck(0.0 if "://" in options.port else options.baud / 10)
             if load.warning():
                 print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
@@ -127,10 +128,10 @@ def _line(options: argparse.Namespace) -> tuple[int, str, int]:
 
 def _refuse(options: argparse.Namespace, is_file: bool) -> None:
     """Options that do not go together."""
-    if options.expand:
+    if options.expand and options.resume_from:
         raise UsageError(
-            "gcomp stream sends plain blocks",
-            "write them out first: gcomp --expand -o plain.nc, or a pipe into gcomp stream - with --machine perfect",
+            "--resume-from names a line, and with --expand a line may be executed more than once",
+            "write the program out first: gcomp --expand -o plain.nc; then stream that",
         )
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
@@ -237,7 +238,10 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
         if path is not None and not options.check:
             sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
             journal = JournalFile(
-                path, journals.head(job.name, sha, machine.name, machine.digest, controller.planner, job.begin)
+                path,
+                journals.head(
+                    job.name, sha, machine.name, machine.digest, controller.planner, job.begin, options.expand
+                ),
             )
         clock = Clock(load.expected, time.monotonic()) if load else None
         show = Show(sender, clock, load.lines if load else 0, machine.letters, options.quiet)

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.commands import reading
+from postproc.commands import expansion, reading
+from postproc.commands.stream import expanded
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
@@ -38,7 +39,8 @@ def is_file(path: str | None) -> bool:
 
 @dataclass
 class Job:
-    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it."""
+    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it;
+    whole: the program's text, where it is written out."""
 
     options: argparse.Namespace
     fresh: Callable[[], Filter]
@@ -48,6 +50,7 @@ class Job:
     name: str
     begin: int = 1
     preamble: tuple[bytes, ...] = ()
+    whole: bytes | None = None
     source: Source | None = None
 
     def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
@@ -60,6 +63,9 @@ class Job:
         )
         if self.preamble:
             yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
+        if self.whole is not None:
+            yield from expanded.lines(source, self.whole, self.options)
+            return
         filter_.summary.lines = self.begin - 1
         try:
             for data in self._text():
@@ -128,7 +134,16 @@ def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, l
         lives.stand(filter_, live)
         return filter_
 
-    return Job(options, fresh, protocol, live, [*base.notices, *notices], name)
+    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name)
+    if options.expand:
+        with ports.opened(options.file) as (stream, _, _):
+            job.whole = stream.read(expansion.LARGEST + 1)
+        if len(job.whole) > expansion.LARGEST:
+            raise UsageError(
+                f"a program of more than {expansion.LARGEST:,} bytes is not read whole",
+                "without --expand any length passes",
+            )
+    return job
 
 
 def digest(path: str) -> str:
@@ -154,6 +169,11 @@ def resume_line(options: argparse.Namespace, machine: Machine) -> int:
         raise UsageError(
             f"{text} was written with another map of {machine.name}",
             "the part would get a step; name the line by its number if you are sure",
+        )
+    if past.head.get("expanded"):
+        raise UsageError(
+            f"{text} is the journal of a program that was written out: its lines may have been executed more than once",
+            "write it out first (gcomp --expand -o plain.nc), find the place there, and begin with that line",
         )
     if past.outcome == "done":
         raise UsageError(f"{text} says that the job was done", "there is nothing to resume")

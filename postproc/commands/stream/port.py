@@ -19,10 +19,11 @@ class Lost(Exception):
 class Port:
     """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says how much.
 
-    frame: data bits, parity (E, O, N) and stop bits.
+    frame: data bits, parity (E, O, N) and stop bits. rtscts: whether the RTS and CTS wires say when bytes may leave.
     """
 
-    def __init__(self, url: str, baud: int, reset: bool = True, frame: tuple[int, str, int] = (8, "N", 1)):
+    def __init__(self, url: str, baud: int, reset: bool = True, frame: tuple[int, str, int] = (8, "N", 1),
+                 rtscts: bool = False):  # fmt: skip
         try:
             import serial
         except ImportError:
@@ -38,6 +39,7 @@ class Port:
             else:
                 port.write_timeout = 0
             port.bytesize, port.parity, port.stopbits = frame
+            port.rtscts = rtscts
             with contextlib.suppress(AttributeError, ValueError):
                 port.exclusive = True
             if not reset:  # raising DTR restarts boards of the Arduino kind
