@@ -14,6 +14,9 @@ AUTO = "auto"
 LISTEN = 6.0  # s: a board that restarts when its port is opened greets within this
 POKE_EVERY = 0.7  # s
 QUIET = 0.3  # s without a byte: it has finished speaking
+SETTLED = (
+    0.1  # s, where its greeting is whole: time for what a board does behind it (startup blocks are read from EEPROM)
+)
 ANSWER = 4.0  # s for the answer to a question
 
 
@@ -101,7 +104,9 @@ class Greeting:
     def _listen(self, now: float) -> None:
         assert self._begun is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
-        if (self.banner.strip() and now - self._heard >= QUIET and known) or (known and not self._pokes):
+        whole = [getattr(protocols.load(name), "WHOLE", None) for name in known[:1]]
+        quiet = SETTLED if any(pattern and pattern.search(self.banner) for pattern in whole) else QUIET
+        if (self.banner.strip() and now - self._heard >= quiet and known) or (known and not self._pokes):
             self.found = known
             self._choose(known[0], now)
         elif now - self._begun > self.listen:

@@ -84,6 +84,22 @@ def test_a_banner_in_the_middle_of_the_questions_begins_them_anew():
     assert greeting.done and greeting.protocol.controller.modal[:2] == ["G0", "G54"]
 
 
+@pytest.mark.parametrize(
+    ("heard", "soon"),
+    [("\r\nGrbl 1.1h ['$' for help]\r\n", True), ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n", True),
+     ("\r\nGrbl 1.1h ['$' for help]", False), ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'", False),
+     ("<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", False)],
+)  # fmt: skip
+def test_a_whole_greeting_is_not_waited_behind_for_long(heard, soon):
+    greeting = Greeting("auto")
+    greeting.tick(0.0)
+    greeting.receive(heard.encode(), 0.1)
+    greeting.tick(0.25)
+    assert greeting.bytes_out() == (b"$I\n" if soon else b"")
+    greeting.tick(0.45)
+    assert greeting.bytes_out() == (b"" if soon else b"$I\n")
+
+
 def test_nobody_and_somebody_else():
     greeting = Greeting("auto")
     assert greet(greeting, None) < 7

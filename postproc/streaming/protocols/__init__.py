@@ -6,6 +6,7 @@ A module holds
     POKE                   bytes that move nothing and make a silent controller say who it is (b"": none)
     recognises(banner)     whether text that came from the wire (a greeting, the answer to POKE or to $I) is this
                            controller's; patterns of different modules must exclude each other
+    WHOLE                  where there is one: a pattern for a greeting behind which nothing more is said
     PROTOCOL               a class; PROTOCOL(counting=True) gives one connection's state, an object as Protocol says
 
 Modules that begin with _ are what protocols share. A protocol decides by itself when a line may leave and which line an
