@@ -13,14 +13,14 @@ import pytest
 
 pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
-from tests.streaming.yes_host import ROOT, YesHost, measure, program, send  # noqa: E402
+from tests.streaming.yes_host import ROOT, YesHost, measure, rows, send  # noqa: E402
 
 GROWTH_MB = 6.0  # a list of 40,000 lines as the sender has them is more
 
 
 @pytest.mark.parametrize("options", [(), ("--simple",)], ids=["counting", "simple"])
 def test_A1_ten_thousand_compensated_lines_are_those_of_the_file(tmp_path, options):
-    (tmp_path / "job.nc").write_text(program(10_000))
+    (tmp_path / "job.nc").write_text("".join(rows(10_000)))
     with YesHost(keep=True) as host:
         send(host, tmp_path, *options)
     done = subprocess.run(
@@ -28,16 +28,17 @@ def test_A1_ten_thousand_compensated_lines_are_those_of_the_file(tmp_path, optio
          "X0,Y0,Z-200", "job.nc"], cwd=tmp_path, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
     )  # fmt: skip
     file = [row for row in done.stdout.split(b"\n") if row and not row.startswith(b"(")]
-    assert len(file) > 10_000 and file != program(10_000).encode().split(b"\n")[:-1]
+    assert len(file) > 10_000 and file != [row.encode().strip() for row in rows(10_000)]
     assert [row for row in host.received if row and not row.startswith(b"$")] == file
 
 
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="peak memory as Linux tells it")
 def test_A1_memory_does_not_grow_with_the_program(tmp_path):
     short, _, taken = measure(5_000, tmp_path, "--no-journal")
     assert taken > 5_000
     long, _, taken = measure(40_000, tmp_path, "--no-journal")
     assert taken > 40_000
-    assert long - short < GROWTH_MB
+    assert 10.0 < short and long - short < GROWTH_MB
 
 
 def test_what_a_kept_line_costs():

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 import tty
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -65,16 +66,17 @@ class YesHost:
                     back = back[os.write(self.master, back) :]
 
 
-def program(n: int) -> str:
+def rows(n: int) -> Iterator[str]:
     """n lines of motion on the example mill, every word on every line."""
-    rows = ["G90 G21 G94 G17 G54"]
-    rows += [f"G1 X{i * 7 % 2000 / 10:.3f} Y{i * 3 % 1500 / 10:.3f} Z{i % 90 / 10:.3f} F3000" for i in range(n)]
-    return "\n".join([*rows, ""])
+    yield "G90 G21 G94 G17 G54\n"
+    for i in range(n):
+        yield f"G1 X{i * 7 % 2000 / 10:.3f} Y{i * 3 % 1500 / 10:.3f} Z{i % 90 / 10:.3f} F3000\n"
 
 
 def measure(n: int, folder: Path, *options: str) -> tuple[float, float, int]:
     """Peak memory of a job of n lines in MB, its seconds, and the lines that were taken. Raises where it did not end well."""
-    (folder / "job.nc").write_text(program(n))
+    with open(folder / "job.nc", "w") as file:
+        file.writelines(rows(n))
     begun = time.monotonic()
     with YesHost() as host:
         peak = send(host, folder, *options)
@@ -88,9 +90,20 @@ def send(host: YesHost, folder: Path, *options: str) -> float:
             [sys.executable, "-m", "postproc", "stream", "--machine", "example-mill", "--dialect", "grbl", "--port", host.path,
              *options, "job.nc"], cwd=folder, stdout=subprocess.DEVNULL, stderr=err, env={**os.environ, "PYTHONPATH": str(ROOT)},
         )  # fmt: skip
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
+        peak = 0.0
+        while process.poll() is None:
+            peak = max(peak, peak_of(process.pid))
+            time.sleep(0.02)
         if process.returncode:
             err.seek(0)
             raise RuntimeError(err.read()[-2000:])
-        return usage.ru_maxrss / 1024.0
+        return peak
+
+
+def peak_of(process: int) -> float:
+    """MB that a running process has had at most. (What wait4 says of a child is at least what its parent had when it was begun.)"""
+    try:
+        found = re.search(r"VmHWM:\s*(\d+) kB", Path(f"/proc/{process}/status").read_text())
+    except OSError:
+        return 0.0
+    return int(found[1]) / 1024.0 if found else 0.0
