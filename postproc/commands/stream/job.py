@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.commands import expansion, reading
-from postproc.commands.stream import expanded
+from postproc.commands import reading
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
@@ -64,6 +63,8 @@ class Job:
         if self.preamble:
             yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
         if self.whole is not None:
+            from postproc.commands.stream import expanded
+
             yield from expanded.lines(source, self.whole, self.options)
             return
         filter_.summary.lines = self.begin - 1
@@ -136,6 +137,8 @@ def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, l
 
     job = Job(options, fresh, protocol, live, [*base.notices, *notices], name)
     if options.expand:
+        from postproc.commands import expansion
+
         with ports.opened(options.file) as (stream, _, _):
             job.whole = stream.read(expansion.LARGEST + 1)
         if len(job.whole) > expansion.LARGEST:
