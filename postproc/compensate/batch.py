@@ -140,7 +140,7 @@ class Batch:
         m, motion, n = self.m, self.motion, len(self.motion)
         free = self.free[motion]
         self.exact = self.end_nominal.copy()
-        which = np.flatnonzero(free)
+        which = free.nonzero()[0]
         self.exact[:, which] = command(
             self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
         )
@@ -154,7 +154,7 @@ class Batch:
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
-        inner = np.flatnonzero(~self.last)
+        inner = (~self.last).nonzero()[0]
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
         self.end[self.fixed] = nominal_ticks[self.fixed]
@@ -184,7 +184,7 @@ class Batch:
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
         if self.c.mode != "step":
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode != "off")
-        which = np.flatnonzero(self.turning)
+        which = self.turning.nonzero()[0]
         self.wanted = np.zeros_like(self.end)
         exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
         self.wanted[:, which] = self.grid(which, exact)
@@ -210,7 +210,7 @@ class Batch:
             end = self.end[row]
             if row in self.rows and (held[row] or left[row].any()):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
-                still = np.flatnonzero(rests | left[row])
+                still = (rests | left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end, left[row, still])
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
             known_here = (self.m.start_known[row, self.motion] & ~self.jumped[row, self.motion]) | (self.t0 > 0)
@@ -271,7 +271,7 @@ class Batch:
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""
         if self.c.mode == "off" and self.c.limit:
-            which = np.flatnonzero(self.known_before & self.free[self.motion])
+            which = (self.known_before & self.free[self.motion]).nonzero()[0]
             exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], self.motion[which])
             self.differs = np.zeros_like(self.exact)
             self.differs[:, which] = self.begin[:, which] / TICKS_PER_MM - exact

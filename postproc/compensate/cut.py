@@ -15,7 +15,7 @@ from postproc.units import TICKS_PER_MM
 
 def take_ups(b: Batch):
     """A piece for every stroke that must be begun elsewhere than the last one ended."""
-    which = np.flatnonzero(b.turning & (b.begin != b.before).any(axis=0))
+    which = (b.turning & (b.begin != b.before).any(axis=0)).nonzero()[0]
     if not len(which):
         return None
     return pack(b, which, np.full(len(which), -1), np.full(len(which), FEED), b.before[:, which], b.begin[:, which],
@@ -40,7 +40,7 @@ def straight_pieces(b: Batch):
     """Straight strokes: whole, or cut where the map asks for it."""
     m, motion = b.m, b.motion
     code = m.code[motion]
-    straight = np.flatnonzero(((code != CLOCKWISE) & (code != COUNTER)) | ~b.free[motion])
+    straight = (((code != CLOCKWISE) & (code != COUNTER)) | ~b.free[motion]).nonzero()[0]
     if not len(straight):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
@@ -102,7 +102,7 @@ def _cuts(b: Batch, chosen: np.ndarray):
         )
     exact = _along(b, chosen, owner, t)
     # It is the command that passes the node, not the nominal point: step back by the correction.
-    node = np.flatnonzero(axis >= 0)
+    node = (axis >= 0).nonzero()[0]
     way = (target - start)[axis[node], owner[node]]
     there = start[axis[node], owner[node]] + way * t[node]
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
@@ -154,7 +154,7 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
             way = b.travel[row, chosen] / b.c.limit
             with np.errstate(divide="ignore", invalid="ignore"):
                 t = (np.sign(way) - b.weight_begin[row, chosen]) / way
-            inside = np.flatnonzero((t > 0) & (t < 1))
+            inside = ((t > 0) & (t < 1)).nonzero()[0]
             result.append((inside, t[inside]))
     return result
 
@@ -162,7 +162,7 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
 def arc_pieces(b: Batch):
     """Strokes of arcs: kept, halved, or chords."""
     m, motion, arcs = b.m, b.motion, b.m.arcs
-    which = np.flatnonzero((b.arc_of[motion] >= 0) & b.free[motion])
+    which = ((b.arc_of[motion] >= 0) & b.free[motion]).nonzero()[0]
     if not len(which):
         return None
     for i in which[~b.known_before[which]][:1]:

@@ -15,7 +15,7 @@ EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
 def refuse(b: Batch) -> None:
-    bad = np.flatnonzero(b.m.reason)
+    bad = b.m.reason.nonzero()[0]
     if len(bad):
         raise MotionFault(int(bad[0]), *b.m.reasons[int(b.m.reason[bad[0]])])
 
@@ -27,7 +27,7 @@ def refuse_turning_arcs(b: Batch) -> None:
     if not rows or not len(arcs):
         return
     turns = ((b.m.target - b.m.start)[rows][:, arcs] != 0).any(axis=0) & b.free[arcs]
-    for i in np.flatnonzero(turns)[:1]:
+    for i in turns.nonzero()[0][:1]:
         raise MotionFault(
             int(arcs[i]),
             f"an arc while {' '.join(b.machine.chain.rotary)} turns",
@@ -38,7 +38,7 @@ def refuse_turning_arcs(b: Batch) -> None:
 def check_unknown(b: Batch) -> None:
     """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
     lost = ~b.known & ~b.m.alone
-    for i in np.flatnonzero(lost & (b.m.code != RAPID))[:1]:
+    for i in (lost & (b.m.code != RAPID)).nonzero()[0][:1]:
         axes = " ".join(
             x for k, x in enumerate(b.machine.letters) if k in b.machine.chained and not b.m.target_known[k, i]
         )
@@ -47,9 +47,9 @@ def check_unknown(b: Batch) -> None:
             f"where {axes} stands is not known here, and the correction depends on it",
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
-    for i in np.flatnonzero(lost)[:1]:
+    for i in lost.nonzero()[0][:1]:
         b.notices.append(Notice("rapid", "rapids before every axis has its position are left as they are", int(i)))
-    for i in np.flatnonzero(b.free & ~b.start_known & (b.m.code == FEED))[:1]:
+    for i in (b.free & ~b.start_known & (b.m.code == FEED)).nonzero()[0][:1]:
         b.notices.append(
             Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))
         )
@@ -71,7 +71,7 @@ def check_inside(b: Batch) -> None:
         bad = free & ((value < low) | (value > high))
         extent = _arc_extent(b, row, first)
         bad |= (extent[0] < low) | (extent[1] > high)
-        for i in np.flatnonzero(bad)[:1]:
+        for i in bad.nonzero()[0][:1]:
             worst = value[i] if not low <= value[i] <= high else extent[0, i] if extent[0, i] < low else extent[1, i]
             raise MotionFault(
                 int(b.motion[i]), f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter} ({first:g} to {last:g} {unit_of(letter)})",
@@ -102,7 +102,7 @@ def _check_arcs(b: Batch) -> None:
             continue
         low, high = b.machine.axes[letter].travel
         extent = _arc_extent(b, row, low)
-        for i in np.flatnonzero((extent[0] < low - EDGE) | (extent[1] > high + EDGE))[:1]:
+        for i in ((extent[0] < low - EDGE) | (extent[1] > high + EDGE)).nonzero()[0][:1]:
             worst = extent[0, i] if extent[0, i] < low - EDGE else extent[1, i]
             raise MotionFault(
                 int(b.motion[i]), f"the arc leads to {letter} = {worst:.4f} mm, beyond the travel of {letter} ({low:g} to {high:g} mm)",
@@ -129,14 +129,14 @@ def check_limits(b: Batch) -> float:
     free = b.free[b.motion]
     correction = np.abs(b.exact - b.end_nominal)[b.rows]
     largest = b.machine.limits.max_correction
-    over = np.flatnonzero(free & (correction > largest).any(axis=0))
+    over = (free & (correction > largest).any(axis=0)).nonzero()[0]
     faults = [(int(i), "over") for i in over[:1]]
     for row in b.rows:
         low, high = b.machine.axes[b.machine.letters[row]].travel
         value = b.end[row] / TICKS_PER_MM
         faults += [
             (int(i), b.machine.letters[row])
-            for i in np.flatnonzero(free & ((value < low - EDGE) | (value > high + EDGE)))[:1]
+            for i in (free & ((value < low - EDGE) | (value > high + EDGE))).nonzero()[0][:1]
         ]
     if not faults:
         return float(correction[:, free].max(initial=0.0))
@@ -161,7 +161,7 @@ def check_limits(b: Batch) -> float:
 def bound_cutter(b: Batch) -> None:
     """Inside cutter radius compensation the control shifts the path by the tool's radius, and the map is read at the
     contour: say by how much that can be wrong, and what reversal stays."""
-    inside = np.flatnonzero((b.m.cutter != FREE) & b.free)
+    inside = ((b.m.cutter != FREE) & b.free).nonzero()[0]
     if not len(inside):
         return
     reversal = ""

@@ -33,7 +33,7 @@ class Circle:
 
 def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
     """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only where it is corrected."""
-    arc = np.flatnonzero((circle.code == CLOCKWISE) | (circle.code == COUNTER))
+    arc = ((circle.code == CLOCKWISE) | (circle.code == COUNTER)).nonzero()[0]
     if not len(arc):
         return _empty()
     n, words = len(arc), batch.words
@@ -47,7 +47,7 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     first, second = np.full(n, -1), np.full(n, -1)
     centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
     for plane, (a, b, i, j) in PLANES.items():
-        of = np.flatnonzero(circle.plane[arc] == plane)
+        of = (circle.plane[arc] == plane).nonzero()[0]
         if not len(of):
             continue
         blocks = circle.block[arc[of]]
@@ -94,7 +94,7 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     counter = circle.code[arc] == COUNTER
     value = np.zeros((3, n), np.int64)
     for k in range(3):
-        written = np.flatnonzero(centre_word[k] >= 0)
+        written = (centre_word[k] >= 0).nonzero()[0]
         value[k, written] = batch.ticks(centre_word[k, written], unit[written])
     by_radius = centre_word[2] >= 0
     written = words.letter[np.maximum(centre_word[:2], 0)] if len(words.letter) else np.zeros((2, n), np.uint8)
@@ -144,7 +144,7 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
     height2 = radius**2 - (length / 2) ** 2
     tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
-    for i in np.flatnonzero(short)[:1]:
+    for i in short.nonzero()[0][:1]:
         batch.blame(
             blocks[short],
             f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})",
@@ -179,7 +179,7 @@ def _turns(batch: Batch, circle: Circle, arc, sweep):
     batch.blame(
         circle.block[arc][wrong], "the turns of an arc are not a whole number", f"write {least}, {least + 1}, ..."
     )
-    many = np.flatnonzero(turns > MOST_TURNS)
+    many = (turns > MOST_TURNS).nonzero()[0]
     if len(many):
         raise batch.fault(
             int(of[many[0]]),
@@ -199,7 +199,7 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
     )
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
-    bad = np.flatnonzero(wrong & good & ~zero)
+    bad = (wrong & good & ~zero).nonzero()[0]
     for i in bad:
         batch.blame(
             blocks[i : i + 1],

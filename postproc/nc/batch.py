@@ -44,8 +44,8 @@ class Batch:
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
-        present = np.flatnonzero(np.bincount(words.letter, minlength=256))
-        self.places = {chr(c): np.flatnonzero(words.letter == c) for c in present}  # letter to its words
+        present = np.bincount(words.letter, minlength=256).nonzero()[0]
+        self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}  # letter to its words
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
@@ -94,7 +94,7 @@ class Batch:
         if place is None:
             return np.zeros(0, np.int64)
         block = self.words.block[place]
-        twice = np.flatnonzero(block[1:] == block[:-1])
+        twice = (block[1:] == block[:-1]).nonzero()[0]
         if len(twice):
             raise self.fault(
                 place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one"
@@ -108,7 +108,7 @@ class Batch:
             return some[0] if some else np.zeros(0, np.int64)
         place = np.sort(np.concatenate(some))
         block = self.words.block[place]
-        twice = np.flatnonzero(block[1:] == block[:-1])
+        twice = (block[1:] == block[:-1]).nonzero()[0]
         if len(twice):
             raise self.fault(place[twice[0] + 1], f"two words for {letters[0]} in one block", "keep one")
         return place
@@ -125,7 +125,7 @@ class Batch:
             per = (scale // POWERS[:10])[np.minimum(decimals, 9)]
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
-        far = np.flatnonzero(np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM)
+        far = (np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM).nonzero()[0]
         far = far[np.minimum(decimals[far], 9) == decimals[far]]
         if len(far):
             text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode(
@@ -133,7 +133,7 @@ class Batch:
             )
             raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
         value = mantissa * per
-        for i in np.flatnonzero(decimals > 9):
+        for i in (decimals > 9).nonzero()[0]:
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -150,7 +150,7 @@ class Batch:
         valid = number >= 0
         number = np.where(valid, self.dialect.meant[np.where(valid, number, 0)], number)
         group = np.where(valid, self.dialect.group_of[np.where(valid, number, 0)], UNKNOWN)
-        bad = np.flatnonzero(group == UNKNOWN)
+        bad = (group == UNKNOWN).nonzero()[0]
         if len(bad):
             text = w.text[w.start[place[bad[0]]] : w.stop[place[bad[0]]]].decode("ascii", "replace")
             raise self.fault(
@@ -159,7 +159,7 @@ class Batch:
                 "it could move an axis: use another --dialect, or take it out",
             )
         block = w.block[place]
-        for g in np.flatnonzero(np.bincount(group[group >= 0], minlength=len(self.dialect.groups))):
+        for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
             if name == "motion" and (number[of] == 800).any():
                 others = np.bincount(block[of & (number != 800)], minlength=self.n)
@@ -167,7 +167,7 @@ class Batch:
             column = np.full(self.n, NONE, np.int64)
             column[block[of]] = number[of]
             self.given[name] = column
-            twice = np.flatnonzero(block[of][1:] == block[of][:-1])
+            twice = (block[of][1:] == block[of][:-1]).nonzero()[0]
             if len(twice) and self.dialect.one_code_per_group:
                 raise self.fault(
                     place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one"
@@ -199,7 +199,7 @@ class Batch:
         """The codes in force behind the batch."""
         result = dict(self.state.codes)
         for group, column in self.given.items():
-            named = np.flatnonzero(column != NONE)
+            named = (column != NONE).nonzero()[0]
             if len(named):
                 result[group] = int(column[named[-1]])
         return result

@@ -21,8 +21,8 @@ def centre_words(b: Batch) -> None:
     m, p, w = b.m, b.p, b.w
     if not len(m.arcs):
         return
-    first_piece = np.flatnonzero(b.first)
-    mine = np.flatnonzero((m.code == CLOCKWISE) | (m.code == COUNTER))
+    first_piece = b.first.nonzero()[0]
+    mine = ((m.code == CLOCKWISE) | (m.code == COUNTER)).nonzero()[0]
     mine = mine[p.corrected[first_piece[mine]]]
     arc_of = np.full(len(m), -1)
     arc_of[m.arcs.motion] = np.arange(len(m.arcs))
@@ -46,7 +46,7 @@ def centre_words(b: Batch) -> None:
         number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
         own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
         stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
-        replace = np.flatnonzero(is_arc & (word >= 0) & (number != stands) & ~by_radius)
+        replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
         b.splice.numbers(
             w.number[word[replace]],
             w.stop[word[replace]],
@@ -54,7 +54,7 @@ def centre_words(b: Batch) -> None:
             number[replace],
             decimals[replace],
         )
-        add = np.flatnonzero(is_arc & (word < 0) & np.where(by_radius, changed, number != stands))
+        add = (is_arc & (word < 0) & np.where(by_radius, changed, number != stands)).nonzero()[0]
         _insert_centre(
             b,
             mine[add],
@@ -66,7 +66,7 @@ def centre_words(b: Batch) -> None:
             np.full(len(add), INSERT_WORD + 20 + k),
         )
         b.touched[mine[replace]] = b.touched[mine[add]] = True
-        later = np.flatnonzero(~b.first & (p.arc >= 0))
+        later = (~b.first & (p.arc >= 0)).nonzero()[0]
         decimals = _centre_decimals(b, p.arc[later], k, np.full(len(later), -1))
         # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have it are incremental.
         word = m.arcs.words[k, p.arc[later]]
@@ -122,6 +122,6 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
 def _turns(b: Batch, motion: np.ndarray) -> None:
     """P of an arc that was cut."""
     if b.e.dialect.turns:
-        place = np.flatnonzero((b.w.letter == ord("P")) & np.isin(b.w.block, b.m.block[motion]))
+        place = ((b.w.letter == ord("P")) & np.isin(b.w.block, b.m.block[motion])).nonzero()[0]
         owner = np.searchsorted(b.m.block, b.w.block[place])
         b.delete(place, owner)

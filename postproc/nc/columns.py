@@ -16,9 +16,14 @@ def at(column, index: np.ndarray):
 def changes(column) -> np.ndarray:
     """Indices at which a column takes another value, the first one among them."""
     column = np.asarray(column).ravel()
-    return (
-        np.concatenate([[0], np.flatnonzero(column[1:] != column[:-1]) + 1]) if len(column) else np.zeros(0, np.int64)
-    )
+    return np.concatenate([[0], (column[1:] != column[:-1]).nonzero()[0] + 1]) if len(column) else np.zeros(0, np.int64)
+
+
+def begins(column: np.ndarray) -> np.ndarray:
+    """(n,) bool: where a column takes another value, and at its first place."""
+    result = np.ones(len(column), bool)
+    np.not_equal(column[1:], column[:-1], out=result[1:])
+    return result
 
 
 def hold_index(named: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ import numpy as np
 from postproc.motions import FOREIGN, RAPID, Motions
 from postproc.nc import codes
 from postproc.nc.centres import centre_words
+from postproc.nc.columns import begins
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
@@ -24,6 +25,7 @@ from postproc.nc.stops import exact_stops
 from postproc.pieces import Pieces
 
 INSERT_CODE = 1
+LARGEST = np.iinfo(np.int64).max
 AFTER, AFTER_END = (
     -(10**12),
     10_000,
@@ -67,11 +69,13 @@ class Batch:
         self.e, self.w, self.m, self.p, self.state = emitter, words, motions, pieces, state
         self.splice = Splice(words.text)
         self.axes = emitter.setup.axes
-        self.first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
-        self.final = np.concatenate([self.first[1:], [True]])
+        self.first = begins(pieces.motion)
+        self.final = np.ones(len(pieces), bool)
+        self.final[:-1] = self.first[1:]
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
         self.bottom = state.bottom
+        self.spelled = emitter.dialect.grammar.is_respelled  # whether words may carry letters of other spellings
         self.several = ~(self.first & self.final)
         self.layout()
 
@@ -80,21 +84,22 @@ class Batch:
         self.axis_words()
         centre_words(self)
         hole_words(self)
-        preset_words(self.splice, self.w, self.m, self._shift())
-        added = np.flatnonzero(~self.first)
-        if self.several.any():
+        if len(self.m.presets):
+            preset_words(self.splice, self.w, self.m, self._shift())
+        added = len(self.p) - len(self.m)
+        if added:
             self.inverse_time()
             self.late_codes()
             exact_stops(self)
-            self.frames_of_blocks(added)
+            self.frames_of_blocks((~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
         state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)
-        touched = np.flatnonzero(self.touched)
+        touched = self.touched.nonzero()[0]
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
             self.splice.texts([at], [at], [-1], [self.e.marker.encode() + (self.state.newline or b"\n")])
             state = replace(state, marked=True)
-        return self.splice.result(), state, len(touched), len(added)
+        return self.splice.result(), state, len(touched), added
 
     def _shift(self) -> np.ndarray:
         """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last."""
@@ -105,18 +110,22 @@ class Batch:
         """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,
         and whether its words are spaced."""
         m, w = self.m, self.w
-        every = [m.word[i] for i in range(len(m.word))]
-        centre = np.full((3, len(m)), -1)
-        centre[:, m.arcs.motion] = m.arcs.words
-        self.centre = centre
-        bottom = np.full(len(m), -1)
-        bottom[m.holes.motion] = m.holes.word
-        all_words = np.stack([*every, *centre, bottom])
-        some = all_words.max(axis=0) >= 0
-        first = np.where(all_words >= 0, all_words, np.iinfo(np.int64).max).min(axis=0)
+        every = m.word
+        all_words = every
+        if len(m.arcs):
+            centre = np.full((3, len(m)), -1)
+            centre[:, m.arcs.motion] = m.arcs.words
+            all_words = np.concatenate([every, centre])
+        if len(m.holes):
+            bottom = np.full((1, len(m)), -1)
+            bottom[0, m.holes.motion] = m.holes.word
+            all_words = np.concatenate([all_words, bottom])
+        highest = all_words.max(axis=0)
+        some = highest >= 0
+        first = np.where(all_words >= 0, all_words, LARGEST).min(axis=0)
         first = np.where(some, first, 0)
-        axis_last = np.stack(every).max(axis=0)
-        last = np.where(axis_last >= 0, axis_last, all_words.max(axis=0))
+        axis_last = highest if all_words is every else every.max(axis=0)
+        last = np.where(axis_last >= 0, axis_last, highest)
         n = len(w.start)
         fallback = w.block_stop[m.block]
         if n and not some.all():  # behind the block's last word, before a comment
@@ -132,26 +141,29 @@ class Batch:
     def motion_codes(self) -> None:
         """Name the motion code where the output's differs from the program's."""
         p, m = self.p, self.m
-        first, final = np.flatnonzero(self.first), np.flatnonzero(self.final)
-        last_code = p.code[final].astype(np.int64)
+        first_code, last_code = p.code[self.first], p.code[self.final].astype(np.int64)
         last_code[last_code == FOREIGN] = -1  # what it leaves in force is the program's own affair
-        before = np.concatenate([[self.state.code], last_code[:-1]])
+        before = np.empty_like(last_code)
+        before[0], before[1:] = self.state.code, last_code[:-1]
         before = np.where(m.renamed | (before < 0), m.code, before)  # the program named its code anew since
-        explicit = m.code_word >= 0
-        change = np.flatnonzero(explicit & (p.code[first] != m.code) & (m.code != FOREIGN))
-        word = m.code_word[change]
-        self.splice.texts(
-            self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in p.code[first][change]]
-        )
-        insert = np.flatnonzero(~explicit & (p.code[first] != before) & (m.code != FOREIGN))
-        texts = [
-            b"G%d" % c + (b" " if s else b"") for c, s in zip(p.code[first][insert], self.spaced[insert], strict=True)
-        ]
-        self.splice.texts(self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts)
-        self.touched[change] = self.touched[insert] = True
+        explicit, followed = m.code_word >= 0, m.code != FOREIGN
+        change = (explicit & (first_code != m.code) & followed).nonzero()[0]
+        if len(change):
+            word = m.code_word[change]
+            self.splice.texts(
+                self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in first_code[change]]
+            )
+            self.touched[change] = True
+        insert = (~explicit & (first_code != before) & followed).nonzero()[0]
+        if len(insert):
+            texts = [
+                b"G%d" % c + (b" " if s else b"") for c, s in zip(first_code[insert], self.spaced[insert], strict=True)
+            ]
+            self.splice.texts(self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts)
+            self.touched[insert] = True
         # Pieces behind the first name their code when it differs from the piece before.
         code = p.code.astype(np.int64)
-        self.names_code = np.concatenate([[False], code[1:] != code[:-1]]) & ~self.first
+        self.names_code = begins(code) & ~self.first
         if not self.e.dialect.modal_motion:
             self.names_code = ~self.first
 
@@ -170,9 +182,9 @@ class Batch:
         m, p = self.m, self.p
         motion = p.motion[piece]
         incremental = m.incremental[row, motion]
-        by_letter = self._by_letter(row, motion)
-        if by_letter.any():  # X=IC() holds for its own word; blocks put in follow G90 G91
-            incremental = np.where(by_letter & ~self.first[piece], m.relative[motion], incremental)
+        if self.spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
+            by_letter = self._by_letter(row, motion) & ~self.first[piece]
+            incremental = np.where(by_letter, m.relative[motion], incremental)
         return p.end[row, piece] - np.where(incremental, p.start[row, piece], m.origin[row, motion])
 
     def _by_letter(self, row: int, motion: np.ndarray) -> np.ndarray:
@@ -196,44 +208,60 @@ class Batch:
 
     def axis_words(self) -> None:
         m, p = self.m, self.p
-        first = np.flatnonzero(self.first)
-        arc = p.arc >= 0
+        # Every motion has a first piece: columns of first pieces are columns of motions.
+        first = self.first.nonzero()[0]
+        starts, ends = p.start[:, first], p.end[:, first]
+        suspect = (ends != m.target) | (m.incremental & (starts != m.start))
+        followed = ~m.alone
+        named = m.word >= 0
+        suspect &= named & followed
+        # In blocks of their own, and put into the motion's where it does not name an axis that moves.
+        missing = ~named & (ends != starts) & m.target_known
+        missing &= followed & (m.code != FOREIGN) & p.corrected[first]
+        if len(m.holes):
+            missing[m.holes.axis, m.holes.motion] = False
+        added = (~self.first).nonzero()[0]
+        rewritten, put_in = suspect.any(axis=1).tolist(), missing.any(axis=1).tolist()
         for row, letter in enumerate(self.axes):
-            word = m.word[row, p.motion[first]]
-            suspect = p.end[row, first] != m.target[row, p.motion[first]]
-            suspect |= m.incremental[row, p.motion[first]] & (p.start[row, first] != m.start[row, p.motion[first]])
-            replace = first[suspect & (word >= 0) & ~m.alone[p.motion[first]]]
-            motion = p.motion[replace]
-            word = m.word[row, motion]
-            decimals = self.decimals(row, motion)
-            value = self.value(row, replace, decimals)
-            differs = value != self._stands(word, decimals)
-            self._replace(word, value, decimals, differs)
-            self.touched[motion[differs]] = True
-            moves = p.end[row] != p.start[row]
-            in_plane = np.zeros(len(p), bool)
-            if arc.any():
-                in_plane = arc & (
-                    (m.arcs.first[np.maximum(p.arc, 0)] == row) | (m.arcs.second[np.maximum(p.arc, 0)] == row)
-                )
-            missing = (
-                self.first & (m.word[row, p.motion] < 0) & moves & (m.code[p.motion] != FOREIGN) & ~m.alone[p.motion]
-            )
-            missing &= m.target_known[row, p.motion] & p.corrected
-            if len(m.holes):
-                missing[np.isin(p.motion, m.holes.motion[m.holes.axis == row])] = False
-            write = np.flatnonzero(missing | (~self.first & (moves | in_plane)))
-            motion = p.motion[write]
-            decimals = self._enough(row, write, self.decimals(row, motion))
-            start = np.where(self.first[write], self.at[motion], self.behind()[motion])
-            prefix = np.zeros((len(write), 2), np.uint8)
-            prefix[:, 0] = np.where(
-                self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0
-            )
-            prefix[:, 1] = self._letters(row, letter, motion)
-            rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
-            self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
-            self.touched[motion] = True
+            if rewritten[row]:
+                self._rewrite(row, first[suspect[row]])
+            write = first[missing[row]] if put_in[row] else first[:0]
+            if len(added):
+                moves = p.end[row, added] != p.start[row, added]
+                write = np.sort(np.concatenate([write, added[moves | self._in_plane(row, added)]]))
+            if len(write):
+                self._put_in(row, letter, write)
+
+    def _rewrite(self, row: int, piece: np.ndarray) -> None:
+        """Change the numbers of words that stand in the text."""
+        motion = self.p.motion[piece]
+        word = self.m.word[row, motion]
+        decimals = self.decimals(row, motion)
+        value = self.value(row, piece, decimals)
+        differs = value != self._stands(word, decimals)
+        self._replace(word, value, decimals, differs)
+        self.touched[motion[differs]] = True
+
+    def _put_in(self, row: int, letter: str, write: np.ndarray) -> None:
+        """Write words that stand nowhere yet."""
+        motion = self.p.motion[write]
+        decimals = self._enough(row, write, self.decimals(row, motion))
+        start = np.where(self.first[write], self.at[motion], self.behind()[motion])
+        prefix = np.zeros((len(write), 2), np.uint8)
+        prefix[:, 0] = np.where(self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0)
+        prefix[:, 1] = self._letters(row, letter, motion)
+        rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
+        self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
+        self.touched[motion] = True
+
+    def _in_plane(self, row: int, piece: np.ndarray) -> np.ndarray:
+        """(K,) bool: pieces that are arcs in whose plane the axis lies."""
+        arcs, arc = self.m.arcs, self.p.arc[piece]
+        if not len(arcs):
+            return np.zeros(len(piece), bool)
+        at = np.maximum(arc, 0)
+        plane: np.ndarray = (arc >= 0) & ((arcs.first[at] == row) | (arcs.second[at] == row))
+        return plane
 
     def _stands(self, word: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) the numbers that stand in the text, in 10**-decimals."""
@@ -261,7 +289,7 @@ class Batch:
 
     def rank(self, piece: np.ndarray) -> np.ndarray:
         """(K,) order of pieces behind one block."""
-        begin = np.flatnonzero(self.first)
+        begin = self.first.nonzero()[0]
         count = np.cumsum(self.first) - 1
         base = np.where(self.w.block_stop[self.m.block[self.p.motion[piece]]] < len(self.w.text), AFTER, AFTER_END)
         return base + (piece - begin[count[piece]]) * 1000
@@ -275,20 +303,16 @@ class Batch:
         p = self.p
         leads = self.names_code[piece].copy()
         for other in range(row):
-            moves = p.end[other, piece] != p.start[other, piece]
-            arc = p.arc[piece]
-            plane = np.zeros(len(piece), bool)
-            if len(self.m.arcs):
-                plane = (arc >= 0) & (
-                    (self.m.arcs.first[np.maximum(arc, 0)] == other) | (self.m.arcs.second[np.maximum(arc, 0)] == other)
-                )
-            leads |= moves | plane
+            leads |= (p.end[other, piece] != p.start[other, piece]) | self._in_plane(other, piece)
         return leads
 
     def tail(self, word: np.ndarray) -> np.ndarray:
         """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
-        stop = self.w.stop[word].copy()
-        for k in np.flatnonzero(self.w.letter[word] >= RELATIVE):
+        stop = self.w.stop[word]
+        if not self.spelled:
+            return stop
+        stop = stop.copy()
+        for k in (self.w.letter[word] >= RELATIVE).nonzero()[0]:
             stop[k] = self.w.text.find(b")", int(stop[k])) + 1 or stop[k]
         return stop
 
@@ -306,7 +330,7 @@ class Batch:
     def inverse_time(self) -> None:
         """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
         m, p, w = self.m, self.p, self.w
-        for i in map(int, np.flatnonzero(m.inverse[p.motion] & self.several & (p.code != RAPID))):
+        for i in map(int, (m.inverse[p.motion] & self.several & (p.code != RAPID)).nonzero()[0]):
             motion = p.motion[i]
             share = p.share[i] or self._take_up_share(i)
             text = _plain(m.feed[motion] / share)
@@ -325,7 +349,7 @@ class Batch:
         """Length of a take-up over the length of its motion."""
         p = self.p
         own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
-        same = np.flatnonzero(p.motion == p.motion[i])
+        same = (p.motion == p.motion[i]).nonzero()[0]
         whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])
         return float(own / whole) if whole else 1.0
 
@@ -334,12 +358,12 @@ class Batch:
         m, w = self.m, self.w
         cut = np.zeros(w.blocks, bool)
         cut[m.block[self.p.motion[self.several]]] = True
-        late = np.flatnonzero(
+        late = (
             (w.letter == ord("M")) & cut[w.block] & np.isin(w.mantissa, codes.AFTER_MOTION) & (w.decimals == 0)
-        )
+        ).nonzero()[0]
         for word in late:
             motion = int(np.searchsorted(m.block, w.block[word]))
-            last = int(np.flatnonzero(self.p.motion == motion)[-1])
+            last = int((self.p.motion == motion).nonzero()[0][-1])
             text = w.text[w.start[word] : w.stop[word]]
             start = int(w.start[word])
             start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "

@@ -50,9 +50,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     planes = np.broadcast_to(b.held("plane"), b.n)[mask]
     letter = ACROSS.get(int(planes[0]), "")
     if (planes != planes[0]).any() or letter not in b.rows:
-        b.blame(
-            np.flatnonzero(mask), f"a canned cycle across {letter or 'a plane'}, which can not be followed", WRITE_OUT
-        )
+        b.blame(mask.nonzero()[0], f"a canned cycle across {letter or 'a plane'}, which can not be followed", WRITE_OUT)
         return None
     row = b.rows[letter]
     cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
@@ -70,9 +68,9 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     b.blame(by_increment, "an increment for the bottom of a hole", WRITE_OUT)
     level, has_level = _held(b, level_word, np.where(absolute, offset, cycle.initial), scale, cycle.level)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
-    holes = np.flatnonzero(drills)
+    holes = drills.nonzero()[0]
     _repeats(b, mask, drills)
-    holes = np.flatnonzero(drills)
+    holes = drills.nonzero()[0]
     word = np.full(b.n, -1, np.int64)
     word[b.words.block[depth]] = depth
     back = np.broadcast_to(b.held("return"), b.n) != 990
@@ -86,7 +84,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     # An initial level that is R but for a correction is the same level.
     higher = initial & (cycle.initial - level > SAME_LEVEL)
     b.blame(holes[(higher & before)[holes]], "G98 after G99 in one series of holes", WRITE_OUT)
-    last = int(np.flatnonzero(mask)[-1])
+    last = int(mask.nonzero()[0][-1])
     after = None
     if mask[-1]:
         after = Cycle(
@@ -119,8 +117,8 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:
         place = place[mask[b.words.block[place]]]
         count, block = b.numbers(place), b.words.block[place]
         drills[block[count == 0]] = False
-        following = np.searchsorted(np.flatnonzero(drills), block[count == 0])
-        after = np.flatnonzero(drills)[following[following < drills.sum()]]
+        following = np.searchsorted(drills.nonzero()[0], block[count == 0])
+        after = drills.nonzero()[0][following[following < drills.sum()]]
         b.blame(after, f"{letter}0 before this hole stores words without drilling", WRITE_OUT)
         b.blame(block[(count != 1) & (count != 0)], "a cycle that is repeated", WRITE_OUT)
 

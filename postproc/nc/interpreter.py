@@ -109,7 +109,7 @@ class Interpreter:
 
     def _segments(self, words: Words, state: ModalState) -> list[int]:
         """Blocks at which segments begin, and the number of blocks: a block that shifts the coordinates begins one."""
-        place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
+        place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         if state.ended:
             return [0, words.blocks]
         tools: list[int] = []
@@ -164,7 +164,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         unnamed_motions(b, moving)
     straight = (motion == 0) | (motion == 10)
     stray_words(b, centre_words, moving & straight)
-    block = np.flatnonzero(moving | b.foreign)
+    block = (moving | b.foreign).nonzero()[0]
     places = position(b, block, axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
 

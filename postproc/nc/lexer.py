@@ -167,10 +167,10 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
     kind = np.frombuffer(code.translate(_classes(semicolon, grammar.is_respelled, grammar.block_end)), dtype=np.uint8)
-    at = np.flatnonzero(kind != BLANK)  # offsets of all that is not blank
+    at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
     if len(at) < len(kind):
         kind, byte = kind[at], byte[at]
-    mark = np.flatnonzero(kind != DIGIT)
+    mark = (kind != DIGIT).nonzero()[0]
     mark_kind = kind[mark]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([mark_kind, np.full(3, END, np.uint8)])
@@ -178,7 +178,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
 
     is_letter = mark_kind == LETTER
     is_end = mark_kind == END
-    first = np.flatnonzero(is_letter)
+    first = is_letter.nonzero()[0]
     here = mark[first]
     block_of_mark = np.cumsum(is_end)
     block = block_of_mark[first]
@@ -198,7 +198,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     used[(first + 1)[signed]] = True
     used[(after - 1)[pointed]] = True
     used |= is_end
-    end = np.flatnonzero(is_end[:-3])
+    end = is_end[:-3].nonzero()[0]
     end_at = mark[end]
     block_first = np.concatenate([[0], end_at[:-1] + 1])
     skip = kind[block_first] == SLASH
@@ -260,7 +260,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
     value = _digits(eight, begin, whole) * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
     value += _digits(eight, begin + whole + pointed, decimals)
-    for i in np.flatnonzero((whole > 8) | (decimals > 8)):
+    for i in ((whole > 8) | (decimals > 8)).nonzero()[0]:
         text = byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]].tobytes().replace(b".", b"")
         value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
@@ -281,7 +281,7 @@ def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, fir
     """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1: none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
     tape = -1
-    for i in np.flatnonzero(~used[:-3])[:2000]:
+    for i in (~used[:-3]).nonzero()[0][:2000]:
         offset, number = int(at[mark[i]]), int(block_of_mark[i])
         if mark_kind[i] == PERCENT:
             if tape < 0:
@@ -289,15 +289,15 @@ def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, fir
             continue
         faults.append((offset, number, *what(text, code, offset, mark_kind[i] == SLASH, mark_kind[i] in (SIGN, POINT))))
         break
-    for i in np.flatnonzero(digits < 1)[:1]:
+    for i in (digits < 1).nonzero()[0][:1]:
         offset = int(at[mark[first[i]]])
         faults.append((offset, int(block[i]), *bare(code, offset)))
-    for i in np.flatnonzero(digits > LONGEST_NUMBER)[:1]:
+    for i in (digits > LONGEST_NUMBER).nonzero()[0][:1]:
         offset = int(at[mark[first[i]]])
         faults.append(
             (offset, int(block[i]), f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})", ADVICE_NUMBER)
         )
-    for i in np.flatnonzero(kind[block_first] == DIGIT)[:1]:
+    for i in (kind[block_first] == DIGIT).nonzero()[0][:1]:
         offset = int(at[block_first[i]])
         faults.append((offset, int(i), "a number without a letter", advice_at(code, offset)))
     if not faults:

@@ -171,7 +171,7 @@ def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int
     """(B,) positions and events where blocks `there` send the axis to a place: what follows counts from it."""
     position, named = position.copy(), named.copy()
     for block in there:
-        later = np.flatnonzero(named[block + 1 :])
+        later = named[block + 1 :].nonzero()[0]
         stop = len(position)
         absolute = later[:1]
         if len(absolute):

@@ -44,7 +44,7 @@ def check_letters(b: Batch) -> None:
         )
         b.notices.append(
             Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
-                   "not right (--block-delete on|off)", int(b.words.line[np.flatnonzero(b.words.skip)[0]]))
+                   "not right (--block-delete on|off)", int(b.words.line[b.words.skip.nonzero()[0][0]]))
         )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         b.reason[refused & (motion == number)] = b.because(f"{code.word} ({code.meaning})", code.refuses)
     bare = moving & ~b.foreign & ~refused & ((motion == NONE) | (motion == 800))
     b.blame(
-        np.flatnonzero(bare),
+        bare.nonzero()[0],
         "axis words, but no motion code (G0 G1 G2 G3) is in force",
         "begin the program with the motion code it means",
     )
@@ -136,7 +136,7 @@ def unnamed_motions(b: Batch, moving: np.ndarray) -> None:
     """Controls on which every block names its motion code do not know a block without."""
     bare = moving & (b.code_word < 0) & ~b.foreign
     b.blame(
-        np.flatnonzero(bare),
+        bare.nonzero()[0],
         "axis words without a motion code in the block",
         "this control wants G0 or G1 in every line",
     )
@@ -146,7 +146,7 @@ def single_commands(b: Batch) -> None:
     """Firmware that obeys one command a line would pass over the second one."""
     commands = np.sort(np.concatenate([b.places.get(x, np.zeros(0, np.int64)) for x in "GMT"]))
     block = b.words.block[commands]
-    twice = np.flatnonzero(block[1:] == block[:-1])
+    twice = (block[1:] == block[:-1]).nonzero()[0]
     if len(twice):
         raise b.fault(
             commands[twice[0] + 1], "two commands in one line, and this control obeys only the first",

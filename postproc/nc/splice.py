@@ -34,7 +34,7 @@ class Splice:
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
         for d in range(int(decimals.min()), int(decimals.max()) + 1) if len(decimals) else ():
-            of = np.flatnonzero(decimals == d)
+            of = (decimals == d).nonzero()[0]
             if not len(of):
                 continue
             room = 0 if prefix is None else prefix.shape[1]
@@ -42,7 +42,7 @@ class Splice:
             if prefix is not None:
                 for k in range(room - 1, -1, -1):
                     mark = prefix[of, k]
-                    some = np.flatnonzero(mark)
+                    some = mark.nonzero()[0]
                     begin[some] -= 1
                     cell[some, begin[some]] = mark[some]
             width = cell.shape[1]

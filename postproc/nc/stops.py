@@ -21,8 +21,8 @@ RUN_ON = b"G64"
 def exact_stops(b: Batch) -> None:
     """Write the codes around every motion that stops exactly and has several pieces."""
     m, w = b.m, b.w
-    final = np.flatnonzero(b.final)
-    cut = np.flatnonzero((m.stop > 0) & b.several[np.flatnonzero(b.first)])
+    final = b.final.nonzero()[0]
+    cut = ((m.stop > 0) & b.several[b.first.nonzero()[0]]).nonzero()[0]
     for i in map(int, cut):
         number = int(m.stop[i])
         name = b"G%d" % (number // 10) + (b".%d" % (number % 10) if number % 10 else b"")
