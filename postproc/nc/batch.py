@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
+NO_WORDS = np.zeros(0, np.int64)
+NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
 
 
@@ -35,6 +37,18 @@ def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
     return np.where(w.letter[place] == KEYWORD_LETTER, codes.KEYWORD + mantissa, number)
 
 
+def _scales(units, least: float, linear: bool):
+    """Ticks of one unit and of one least increment (mm) under G20 (200) or another code: (B,) or a number each."""
+    grid = round(least * TICKS_PER_MM)
+    if not linear:
+        return np.int64(TICKS_PER_MM), np.int64(grid)
+    # A control with 0.0001 mm has 0.00001 inch.
+    fine = round(least / 10 * TICKS_PER_INCH)
+    if isinstance(units, int):
+        return (np.int64(TICKS_PER_INCH), np.int64(fine)) if units == 200 else (np.int64(TICKS_PER_MM), np.int64(grid))
+    return np.where(units == 200, TICKS_PER_INCH, TICKS_PER_MM), np.where(units == 200, fine, grid)
+
+
 class Batch:
     """The columns of one batch while they are worked out."""
 
@@ -44,13 +58,14 @@ class Batch:
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
-        present = np.bincount(words.letter, minlength=256).nonzero()[0]
+        present = sorted(set(words.letter.tobytes()))
         self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}  # letter to its words
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
         self.single: dict[int, np.ndarray] = {}  # code without a group to its blocks
-        self.code_word = np.full(self.n, -1, np.int64)  # (B,) word of the motion code
+        self.code_word = np.empty(self.n, np.int64)  # (B,) word of the motion code
+        self.code_word.fill(-1)
         self.reason = np.zeros(self.n, np.int64)  # (B,) index into reasons
         self.has_axis = np.zeros(self.n, bool)  # (B,) names an axis
         self.taken = np.zeros(self.n, bool)  # (B,) its axis words are no motion
@@ -78,6 +93,8 @@ class Batch:
             live &= ~w.skip
         if self.ended:
             live[:] = False
+        elif not self.setup.block_delete and "M" not in self.places:
+            return live
         for place in self.places.get("M", ())[:] if not self.ended else ():
             if w.mantissa[place] in self.dialect.ends and w.decimals[place] == 0 and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
@@ -92,7 +109,9 @@ class Batch:
         """Word indices of a letter that may stand once in a block."""
         place = self.places.get(letter)
         if place is None:
-            return np.zeros(0, np.int64)
+            return NO_WORDS
+        if len(place) < 2:
+            return place
         block = self.words.block[place]
         twice = (block[1:] == block[:-1]).nonzero()[0]
         if len(twice):
@@ -105,7 +124,7 @@ class Batch:
         """Word indices of letters of which one may stand once in a block."""
         some = [self.once(letter) for letter in letters if letter in self.places]
         if len(some) < 2:
-            return some[0] if some else np.zeros(0, np.int64)
+            return some[0] if some else NO_WORDS
         place = np.sort(np.concatenate(some))
         block = self.words.block[place]
         twice = (block[1:] == block[:-1]).nonzero()[0]
@@ -126,14 +145,15 @@ class Batch:
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
         far = (np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM).nonzero()[0]
-        far = far[np.minimum(decimals[far], 9) == decimals[far]]
+        if len(far):
+            far = far[np.minimum(decimals[far], 9) == decimals[far]]
         if len(far):
             text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode(
                 "ascii", "replace"
             )
             raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
         value = mantissa * per
-        for i in (decimals > 9).nonzero()[0]:
+        for i in (decimals > 9).nonzero()[0] if len(decimals) else ():
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -141,10 +161,14 @@ class Batch:
 
     def read_codes(self) -> None:
         """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE where not named."""
-        place = self.places.get("G", np.zeros(0, np.int64))
+        place = self.places.get("G", NO_WORDS)
         keyword = self.places.get(chr(KEYWORD_LETTER))
         if keyword is not None:
             place = np.sort(np.concatenate([place, keyword]))
+        if not len(place):
+            if self.dialect.carried:
+                self._carried_mode()
+            return
         w = self.words
         number = written_codes(w, place)
         valid = number >= 0
@@ -221,22 +245,17 @@ class Batch:
 
     def unit_scale(self, letter: str):
         """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
-        lii = self.setup.least_increment.get(letter, 1e-4)
-        units = self.held("units")
-        scale = np.where(units == 200, TICKS_PER_INCH, TICKS_PER_MM)
-        # A control with 0.0001 mm has 0.00001 inch.
-        grid = np.where(units == 200, round(lii / 10 * TICKS_PER_INCH), round(lii * TICKS_PER_MM))
-        if letter not in LINEAR:
-            scale, grid = np.asarray(TICKS_PER_MM), np.asarray(round(lii * TICKS_PER_MM))
-        return scale, grid
+        return _scales(self.held("units"), self.setup.least_increment.get(letter, 1e-4), letter in LINEAR)
 
     def halves(self, letter: str):
         """(B,) or number: 2 where words of this axis are diameters, else 1."""
         if letter == "X" and "diameter" in self.dialect.groups:
             mode = self.held("diameter")
+            if isinstance(mode, int) and mode in (70, 80):
+                return np.int64(2 if mode == 70 else 1)
             default = 2 if letter in self.setup.diameter else 1
             if DIAM90 in self.dialect.by_number:
                 by_distance = np.where(self.held("distance") == 910, 1, 2)
                 return np.where(mode == DIAM90, by_distance, np.where(mode == 70, 2, np.where(mode == 80, 1, default)))
             return np.where(mode == 70, 2, np.where(mode == 80, 1, default))
-        return np.asarray(2 if letter in self.setup.diameter else 1)
+        return np.int64(2 if letter in self.setup.diameter else 1)

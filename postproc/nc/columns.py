@@ -9,8 +9,18 @@ from postproc.nc.state import NONE
 
 def at(column, index: np.ndarray):
     """A column at some blocks; a single number stays one."""
-    column = np.asarray(column)
+    if not isinstance(column, np.ndarray):
+        return column
     return column.ravel()[0] if column.size == 1 else column[index]
+
+
+def spread(column, n: int) -> np.ndarray:
+    """(n,) a column, or a single number n times."""
+    if isinstance(column, np.ndarray) and column.size == n:
+        return column
+    result = np.empty(n, np.int64)
+    result.fill(column)
+    return result
 
 
 def changes(column) -> np.ndarray:
@@ -28,7 +38,9 @@ def begins(column: np.ndarray) -> np.ndarray:
 
 def hold_index(named: np.ndarray) -> np.ndarray:
     """(B,) index of the last named block up to each block, -1 before the first."""
-    return np.maximum.accumulate(np.where(named, np.arange(len(named)), -1))
+    index = np.arange(len(named))
+    index[~named] = -1
+    return np.maximum.accumulate(index)
 
 
 def hold_last(column: np.ndarray, carry: int) -> np.ndarray:

@@ -38,7 +38,7 @@ EXPAND = "--expand writes the program out in plain coordinates"
 
 def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Let the first block of a segment change the shifts, if it does; sets b.frame and b.offsets."""
-    for number, does in b.dialect.frame_codes.items():
+    for number, does in b.dialect.frame_codes.items() if b.given or b.single else ():
         code = b.dialect.by_number[number]
         named = b.given[code.group][:1] == number if code.group in b.given else np.zeros(0, bool)
         if code.group and not named.any():

@@ -14,7 +14,7 @@ import numpy as np
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_index
-from postproc.nc.state import Cycle
+from postproc.nc.state import NONE, Cycle
 from postproc.units import TICKS_PER_MM
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
@@ -44,6 +44,8 @@ class InCycle:
 
 def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
+    if "motion" not in b.given and not b.dialect.is_hole[max(b.state.codes.get("motion", NONE), 0)]:
+        return None
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
     if not mask.any():
         return None

@@ -20,7 +20,7 @@ from postproc.motions import ENTRY, FOREIGN, FREE, OFFSET, Motions, join
 from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import LINEAR, Batch, written_codes
-from postproc.nc.columns import hold_last_float
+from postproc.nc.columns import hold_last_float, spread
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, Words
@@ -62,6 +62,11 @@ class Interpreter:
             | centres
             | set(dialect.letters)
         )
+
+        letter = {row: u for u, row in self.increment_rows.items()}
+        self.spellings = [
+            (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x))) for x, row in self.rows.items()
+        ]
 
     def initial(self) -> ModalState:
         """The state before the first block."""
@@ -109,8 +114,10 @@ class Interpreter:
 
     def _segments(self, words: Words, state: ModalState) -> list[int]:
         """Blocks at which segments begin, and the number of blocks: a block that shifts the coordinates begins one."""
-        place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         if state.ended:
+            return [0, words.blocks]
+        place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
+        if not len(place) and self.dialect.length_letter == "H":
             return [0, words.blocks]
         tools: list[int] = []
         if self.dialect.length_letter != "H":
@@ -126,26 +133,27 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     b.read_codes()
     if b.integers == "least increments":
         count_increments(b)
-    axis_words = {
-        x: (b.one_of(x, spelled(ABSOLUTE, x)), b.one_of(u, spelled(RELATIVE, x))) for x, u in _axis_letters(b)
-    }
+    axis_words = {x: (b.one_of(*absolute), b.one_of(*relative)) for x, absolute, relative in b.interpreter.spellings}
     for pair in axis_words.values():
         for place in pair:
-            b.has_axis[b.words.block[place]] = True
+            if len(place):
+                b.has_axis[b.words.block[place]] = True
     single_codes(b, axis_words)
-    frames.event(b, axis_words)
+    if b.n:
+        frames.event(b, axis_words)
     refused_groups(b)
     offset_columns(b)
     m_codes(b)
     check_points(b)
-    centre_words = {c: b.one_of(c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": b.once("R")}
+    centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
     centre_words = {c: place for c, place in centre_words.items() if len(place)}
-    motion = np.broadcast_to(b.held("motion"), b.n)
-    arc_code = (motion == 20) | (motion == 30)
+    motion = spread(b.held("motion"), b.n)
     moving = b.has_axis & ~b.taken
-    for place in centre_words.values():
-        block = b.words.block[place]
-        moving[block] |= arc_code[block] & ~b.taken[block]
+    if centre_words:
+        arc_code = (motion == 20) | (motion == 30)
+        for place in centre_words.values():
+            block = b.words.block[place]
+            moving[block] |= arc_code[block] & ~b.taken[block]
     b.cycle = in_cycle(b, motion, axis_words)
     if b.cycle is not None:
         moving[b.cycle.mask] = False
@@ -162,8 +170,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         idle_letters(b, motion, moving)
     if not b.dialect.modal_motion:
         unnamed_motions(b, moving)
-    straight = (motion == 0) | (motion == 10)
-    stray_words(b, centre_words, moving & straight)
+    if centre_words:
+        stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
     block = (moving | b.foreign).nonzero()[0]
     places = position(b, block, axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
@@ -223,51 +231,62 @@ def columns(
     """Gather the columns of the moving blocks, and the arcs among them."""
     n = b.n
     motion = motion[block]
-    code = np.where(b.foreign[block], FOREIGN, b.dialect.kind[np.maximum(motion, 0)]).astype(np.int8)
+    code = b.dialect.kind[np.maximum(motion, 0)]
+    if b.foreign.any():
+        code[b.foreign[block]] = FOREIGN
     feed_place = b.once("F")
     if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
         feed_place = feed_place[~np.isin(b.words.block[feed_place], b.single[40])]
-    feed_mode = np.broadcast_to(b.held("feed mode"), n)[block]
-    feed = np.full(n, np.nan)
-    feed[b.words.block[feed_place]] = b.numbers(feed_place)
-    feed_word = np.full(n, -1, np.int64)
-    feed_word[b.words.block[feed_place]] = feed_place
+    feed, feed_word = np.empty(n), np.empty(n, np.int64)
+    feed_word.fill(-1)
     if len(feed_place):
+        feed.fill(np.nan)
+        feed[b.words.block[feed_place]] = b.numbers(feed_place)
+        feed_word[b.words.block[feed_place]] = feed_place
         feed = hold_last_float(feed, b.state.feed)
         b.feed = float(feed[-1])
     else:
-        feed[:] = b.state.feed
+        feed.fill(b.state.feed)
         b.feed = b.state.feed
-    named = np.cumsum(b.code_word >= 0)
-    until: np.ndarray = named - (b.code_word >= 0)  # codes named before each block
-    since = np.concatenate([[0], named[block[:-1]]]) if len(block) else named[:0]
-    renamed = until[block] > since
+    coded = b.code_word >= 0
+    named = coded.cumsum()
     if len(block):
-        renamed[0] |= b.state.renamed
+        before = (named - coded)[block]  # codes named before each block
+        renamed = np.empty(len(block), bool)
+        renamed[0] = before[0] > 0 or b.state.renamed
+        np.greater(before[1:], named[block[:-1]], out=renamed[1:])
         b.renamed = bool(named[-1] > named[block[-1]])
     else:
+        renamed = np.zeros(0, bool)
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
-    slow = (feed_mode == 930) & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
-    b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
+    mode = b.held("feed mode")
+    inverse = spread(mode, n)[block] == 930
+    if np.any(mode == 930):
+        slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
+        b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
+    alone = b.machine[block]
     circle = Circle(
-        block=block, code=code, plane=np.broadcast_to(b.held("plane"), n)[block],
-        absolute=np.broadcast_to(b.held("arc centre"), n)[block] == 901, alone=b.machine[block],
+        block=block, code=code, plane=spread(b.held("plane"), n)[block],
+        absolute=spread(b.held("arc centre"), n)[block] == 901, alone=alone,
     )  # fmt: skip
     arcs = arcs_of(b, places, circle, centre_words)
     return Motions(
         block=block, code=code, start=places.start, target=places.target, start_known=places.start_known,
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
-        scale=places.scale, origin=places.origin, places=places.least, alone=b.machine[block], inverse=feed_mode == 930, feed=feed[block],
+        scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=np.broadcast_to(b.held("distance"), n)[block] == 910,
-        length=np.broadcast_to(b.frame.length[:, None], places.start.shape),
+        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
+        length=np.repeat(b.frame.length[:, None], len(block), axis=1),
     )  # fmt: skip
 
 
 def cutter_column(b: Batch, block: np.ndarray) -> np.ndarray:
     """(N,) FREE, OFFSET inside cutter radius compensation, ENTRY where it begins and where it has ended."""
     held = b.held("cutter")
-    on = np.isin(np.broadcast_to(held, b.n)[block], b.dialect.beside)
+    if isinstance(held, int) and held not in b.dialect.beside and not b.state.cutting_beside:
+        b.beside = False if len(block) else b.state.cutting_beside
+        return np.zeros(len(block), np.int8)
+    on = np.isin(spread(held, b.n)[block], b.dialect.beside)
     b.beside = bool(on[-1]) if len(on) else b.state.cutting_beside
     if not on.any() and not b.state.cutting_beside:
         return np.zeros(len(block), np.int8)
@@ -282,7 +301,11 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
     for number in b.dialect.exact_stops:
         if number in b.single:
             stop[b.single[number]] = number
-        stop[np.broadcast_to(held, b.n) == number] = number
+        if isinstance(held, int):
+            if held == number:
+                stop.fill(number)
+        else:
+            stop[held == number] = number
     return stop[block]
 
 
@@ -314,6 +337,4 @@ def spelled(how: int, letter: str) -> str:
     return chr(how + AXES.index(letter)) if letter in AXES else ""
 
 
-def _axis_letters(b: Batch):
-    reverse = {row: u for u, row in b.interpreter.increment_rows.items()}
-    return [(x, reverse.get(row, "")) for x, row in b.rows.items()]
+CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}

@@ -24,7 +24,13 @@ from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
+THREE_ENDS = np.full(3, END, np.uint8)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
+# Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their count.
+LOW_NIBBLES, PAIRS, FOURS = map(np.uint64, (0x0F0F0F0F0F0F0F0F, 0x00FF00FF00FF00FF, 0x0000FFFF0000FFFF))
+TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
+EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
+SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
 NUMBER_FOLLOWS = re.compile(rb"[ \t\r]*[0-9.+-]")
 COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
@@ -173,14 +179,14 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     mark = (kind != DIGIT).nonzero()[0]
     mark_kind = kind[mark]
     # Three marks of padding, so that "the mark after the next" exists.
-    mark_kind = np.concatenate([mark_kind, np.full(3, END, np.uint8)])
-    mark = np.concatenate([mark, np.full(3, len(at))])
+    mark_kind = np.concatenate([mark_kind, THREE_ENDS])
+    mark = np.concatenate([mark, (len(at),) * 3])
 
     is_letter = mark_kind == LETTER
     is_end = mark_kind == END
     first = is_letter.nonzero()[0]
     here = mark[first]
-    block_of_mark = np.cumsum(is_end)
+    block_of_mark = is_end.cumsum()
     block = block_of_mark[first]
     signed = (mark_kind[first + 1] == SIGN) & (mark[first + 1] == here + 1)
     after = first + 1 + signed
@@ -200,35 +206,42 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     used |= is_end
     end = is_end[:-3].nonzero()[0]
     end_at = mark[end]
-    block_first = np.concatenate([[0], end_at[:-1] + 1])
-    skip = kind[block_first] == SLASH
+    block_first = np.zeros(len(end_at), np.int64)
+    block_first[1:] = end_at[:-1] + 1
+    first_kind = kind[block_first]
+    skip = first_kind == SLASH
     if skip.any():
         used[np.searchsorted(mark, block_first[skip])] = True
 
     fault = None
-    if not used.all() or (digits < 1).any() or (digits > LONGEST_NUMBER).any() or (kind[block_first] == DIGIT).any():
+    wrong = (digits < 1) | (digits > LONGEST_NUMBER)
+    if not used.all() or wrong.any() or (first_kind == DIGIT).any():
         fault, tape = _first_fault(
             text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
         )
     else:
         tape = -1
 
-    offset = np.concatenate([at, [len(code)]])
+    offset = np.empty(len(at) + 1, np.int64)
+    offset[:-1], offset[-1] = at, len(code)
     end_offset = offset[end_at]
-    newline = byte[end_at] == ord("\n")
+    block_start, line = np.zeros(len(end_at), np.int64), np.zeros(len(end_at), np.int64)
+    block_start[1:] = end_offset[:-1] + 1
+    np.cumsum(byte[end_at[:-1]] == ord("\n"), out=line[1:])
+    behind = byte[np.minimum(here + 1, len(at) - 1)]
     words = Words(
         text=text,
         letter=byte[here] & 0xDF,
-        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[np.minimum(here + 1, len(at) - 1)] == ord("-")),
+        mantissa=_mantissa(byte, begin, whole, decimals, pointed, behind == ord("-")),
         decimals=decimals,
         pointed=pointed,
         block=block,
         start=offset[here],
-        number=offset[np.minimum(here + 1, len(at))],
+        number=offset[here + 1],
         stop=offset[stop - 1] + 1,
-        block_start=np.concatenate([[0], end_offset[:-1] + 1]),
+        block_start=block_start,
         block_stop=np.minimum(end_offset, len(text)),
-        line=np.concatenate([[0], np.cumsum(newline)[:-1]]),
+        line=line,
         skip=skip,
         tape=tape,
     )
@@ -260,7 +273,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
     value = _digits(eight, begin, whole) * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
     value += _digits(eight, begin + whole + pointed, decimals)
-    for i in ((whole > 8) | (decimals > 8)).nonzero()[0]:
+    for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
         text = byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]].tobytes().replace(b".", b"")
         value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
@@ -268,12 +281,10 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
 
 def _digits(eight, begin, count):
     """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights are joined at once."""
-    shift = (8 * (8 - np.minimum(count, 8))).astype(np.uint64)
-    with np.errstate(over="ignore"):
-        value = (eight.take(begin, mode="clip") & np.uint64(0x0F0F0F0F0F0F0F0F)) << (shift & np.uint64(63))
-        value = (value * np.uint64(2561)) >> np.uint64(8)
-        value = ((value & np.uint64(0x00FF00FF00FF00FF)) * np.uint64(6553601)) >> np.uint64(16)
-        value = ((value & np.uint64(0x0000FFFF0000FFFF)) * np.uint64(42949672960001)) >> np.uint64(32)
+    value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT[np.minimum(count, 8)]
+    value = (value * TENS) >> EIGHT
+    value = ((value & PAIRS) * HUNDREDS) >> SIXTEEN
+    value = ((value & FOURS) * MYRIADS) >> THIRTY_TWO
     return np.where(count > 0, value.astype(np.int64), 0)
 
 

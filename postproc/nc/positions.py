@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,48 +48,55 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     )  # fmt: skip
     taken, machine = b.taken, b.machine
     forget = b.loses | b.foreign
+    any_taken, any_machine, forgets = taken.any(), machine.any(), forget.any()
+    distance_held, carried_held, inch = b.held("distance"), b.held("carried"), b.held("units") == 200
+    spelled = b.dialect.grammar.is_respelled
+    sends = 280 in b.single or 300 in b.single
     for letter, row in b.rows.items():
-        distance = b.held("carried") if letter in b.dialect.carried else b.held("distance")
+        distance = carried_held if letter in b.dialect.carried else distance_held
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
-        least = -round(np.log10(b.setup.least_increment.get(letter, 1e-4)))
-        least = least + ((b.held("units") == 200) if letter in LINEAR else 0)
+        least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (inch if letter in LINEAR else 0)
         scale, grid = scale // half, grid // half
         offset = b.offset[row]
-        offset = offset if len(offset) == 1 else np.where(machine, 0, offset)
-        if len(offset) == 1 and machine.any():
+        if any_machine:
             offset = np.where(machine, 0, offset)
-        position, known = np.full(n, b.state.position[row]), np.full(n, b.state.known[row])
+        stood, was_known = b.state.position[row], b.state.known[row]
+        position = np.empty(n, np.int64)
+        position.fill(stood)
         absolute, increment = axis_words[letter]
-        both = np.intersect1d(w.block[absolute], w.block[increment]) if len(increment) else increment
-        if len(both):
-            raise b.fault(
-                increment[w.block[increment] == both[0]][0],
-                f"{letter} and its increment in one block",
-                "keep one of them",
-            )
-        place = absolute if not len(increment) else np.sort(np.concatenate([absolute, increment]))
-        if taken.any():
+        place = absolute
+        if len(increment):
+            both = np.intersect1d(w.block[absolute], w.block[increment])
+            if len(both):
+                raise b.fault(
+                    increment[w.block[increment] == both[0]][0],
+                    f"{letter} and its increment in one block",
+                    "keep one of them",
+                )
+            place = np.sort(np.concatenate([absolute, increment]))
+        if any_taken:
             place = place[~taken[w.block[place]]]
         cycle = b.cycle if b.cycle is not None and b.cycle.letter == letter else None
         if cycle:
             place = place[~cycle.mask[w.block[place]]]
         by = w.block[place]
-        is_inc = at(distance == 910, by) & ~machine[by]
-        own = w.letter[place] == ord(letter)
-        if not own.all():
-            is_inc = np.where(own, is_inc, w.letter[place] < ABSOLUTE)
-        value = b.ticks(place, at(scale, by))
-        if b.frame.due[row] and len(by):
-            value = _due(b, row, letter, by, value, is_inc)
+        relative = distance == 910
+        is_inc = at(relative, by) & ~machine[by]
+        if spelled or len(increment):
+            is_inc = np.where(w.letter[place] == ord(letter), is_inc, w.letter[place] < ABSOLUTE)
+        added = is_inc.any()
         named = np.zeros(n, bool)
         if len(by) or cycle:
+            value = b.ticks(place, at(scale, by))
+            if b.frame.due[row] and len(by):
+                value = _due(b, row, letter, by, value, is_inc)
             run: np.ndarray | int = 0
             here, set_to = by, value
-            if is_inc.any():
+            if added:
                 moved = np.zeros(n, np.int64)
                 moved[by[is_inc]] = value[is_inc]
-                run = np.cumsum(moved)
+                run = moved.cumsum()
                 here, set_to = by[~is_inc], value[~is_inc]
             base = np.zeros(n, np.int64)
             base[here] = set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
@@ -99,38 +107,35 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
                 named[holes] = True
             last = hold_index(named)
             position = base[last]
-            position[: np.searchsorted(last, 0)] = b.state.position[row]
+            position[: last.searchsorted(0)] = stood
             position += run
-        drop = forget.copy()
-        away = np.zeros(n, bool)
-        for number in (280, 300):
-            if number in b.single:
-                gone = drop.copy()
-                _reference(b, number, letter, gone)
-                away[b.single[number]] = gone[b.single[number]]
-                reference = stated(b, f"G{number // 10}")
-                if reference is None or letter not in reference:
-                    drop = gone
-                    continue
-                block_of = b.single[number]
-                drop[block_of] = False
-                there = block_of[gone[block_of]]
-                position, named = _sent(position, named, there, round(reference[letter] * TICKS_PER_MM))
-        if named.any() or drop.any():
+        drop = forget
+        if sends:
+            position, named, drop, away = _away(b, letter, position, named, forget)
+            _since(p, row, away, block, b.state.sent is not None and bool(b.state.sent[row]))
+        elif b.state.sent is not None and b.state.sent[row]:
+            _since(p, row, np.zeros(n, bool), block, True)
+        known: np.ndarray | None = None
+        if not was_known or forgets or sends or (cycle and not cycle.known):
             event = np.where(drop, 0, np.where(named, 1, -1))
             if cycle and not cycle.known:
                 event[cycle.blocks[cycle.initial]] = 0
-            known = hold_last(event, int(b.state.known[row])).astype(bool)
-        _since(p, row, away, block, b.state.sent is not None and bool(b.state.sent[row]))
-        before = np.concatenate([[b.state.position[row]], position[:-1]])
-        before_known = np.concatenate([[b.state.known[row]], known[:-1]])
-        p.start[row], p.target[row] = before[block], position[block]
-        p.start_known[row], p.target_known[row] = before_known[block], known[block]
-        word = np.full(n, -1, np.int64)
-        word[by] = place
-        p.word[row] = word[block]
-        if is_inc.any() or np.any(distance == 910):
-            inc = np.broadcast_to(distance == 910, n).copy()
+            known = hold_last(event, int(was_known)).astype(bool)
+        earlier = block - 1
+        p.target[row] = position[block]
+        p.start[row] = np.where(earlier >= 0, position[earlier], stood)
+        if known is None:
+            p.start_known[row] = p.target_known[row] = True
+        else:
+            p.target_known[row] = known[block]
+            p.start_known[row] = np.where(earlier >= 0, known[earlier], was_known)
+        if len(by):
+            word = np.empty(n, np.int64)
+            word.fill(-1)
+            word[by] = place
+            p.word[row] = word[block]
+        if added or np.any(relative):
+            inc = np.broadcast_to(relative, n).copy()
             inc[by] = is_inc
             p.incremental[row] = inc[block]
         p.grid[row] = at(grid, block)
@@ -138,8 +143,34 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         p.scale[row] = at(scale, block)
         p.origin[row] = at(offset, block)
         if n:
-            p.end_position[row], p.end_known[row] = position[-1], known[-1]
+            p.end_position[row], p.end_known[row] = position[-1], True if known is None else known[-1]
     return p
+
+
+@lru_cache
+def places_of(increment: float) -> int:
+    """Decimals of a least increment."""
+    return -round(np.log10(increment))
+
+
+def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget: np.ndarray):
+    """(B,) positions, events and lost places where G28 and G30 send an axis away, and (B,) bool where they do."""
+    drop = forget.copy()
+    away = np.zeros(b.n, bool)
+    for number in (280, 300):
+        if number in b.single:
+            gone = drop.copy()
+            _reference(b, number, letter, gone)
+            away[b.single[number]] = gone[b.single[number]]
+            reference = stated(b, f"G{number // 10}")
+            if reference is None or letter not in reference:
+                drop = gone
+                continue
+            block_of = b.single[number]
+            drop[block_of] = False
+            there = block_of[gone[block_of]]
+            position, named = _sent(position, named, there, round(reference[letter] * TICKS_PER_MM))
+    return position, named, drop, away
 
 
 def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:

@@ -52,7 +52,9 @@ def check_points(b: Batch) -> None:
     """Say once that coordinates without a decimal point mean different things to different controls."""
     if b.dialect.integer_notice:
         for letter in b.rows:
-            place = b.places.get(letter, np.zeros(0, np.int64))
+            place = b.places.get(letter)
+            if place is None or b.words.pointed[place].all():
+                continue
             bare = place[~b.words.pointed[place] & (b.words.mantissa[place] != 0) & ~b.taken[b.words.block[place]]]
             if len(bare):
                 b.notices.append(Notice("integer", b.dialect.integer_notice, int(b.words.line[b.words.block[bare[0]]])))
@@ -61,9 +63,7 @@ def check_points(b: Batch) -> None:
 
 def refused_groups(b: Batch) -> None:
     """Fill `reason` wherever a modal code that can not be followed is in force."""
-    for group in b.dialect.groups:
-        if group == "motion":
-            continue
+    for group in b.dialect.refusing_groups:
         before = b.state.codes.get(group, NONE)
         if group in b.given:
             column = b.given[group]
@@ -116,6 +116,10 @@ def _called(b: Batch, number: int) -> str:
 
 def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Motions whose code can not be followed, or that have none. motion (B,): the code in force."""
+    if "motion" not in b.given:
+        number = b.state.codes.get("motion", NONE)
+        if number not in (NONE, 800) and not b.dialect.is_refused[number]:
+            return
     refused = b.dialect.is_refused[np.maximum(motion, 0)] & (motion >= 0) & moving
     if "motion" in b.given:
         given = b.given["motion"]
@@ -156,10 +160,13 @@ def single_commands(b: Batch) -> None:
 
 def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without one."""
+    letters = [letter for letter in b.dialect.letters if letter in b.places]
+    if not letters:
+        return
     plain = moving & (motion >= 0) & (motion <= 30)
     plain[b.words.block[b.places.get("M", np.zeros(0, np.int64))]] = False
-    for letter in b.dialect.letters:
-        place = b.places.get(letter, np.zeros(0, np.int64))
+    for letter in letters:
+        place = b.places[letter]
         place = place[plain[b.words.block[place]]]
         if len(place):
             raise b.fault(

@@ -33,10 +33,8 @@ class Splice:
         self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
-        for d in range(int(decimals.min()), int(decimals.max()) + 1) if len(decimals) else ():
+        for d in sorted(set(decimals.tolist())):
             of = (decimals == d).nonzero()[0]
-            if not len(of):
-                continue
             room = 0 if prefix is None else prefix.shape[1]
             cell, begin = decimal_cells(value[of], int(d), room)
             if prefix is not None:
@@ -66,7 +64,10 @@ class Splice:
         """The text with all edits made."""
         if not self._edits:
             return self.text
-        start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
+        if len(self._edits) == 1:
+            start, stop, rank, at, size = self._edits[0]
+        else:
+            start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
         # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort does.
         order = np.argsort(rank, kind="stable")
         # What is put in at a place stands before what is taken out from there on.
@@ -78,8 +79,9 @@ class Splice:
         n = len(start)
         begin = np.empty(2 * n + 1, np.int64)
         length = np.empty(2 * n + 1, np.int64)
-        begin[0::2] = np.concatenate([[0], stop])
-        length[0::2] = np.concatenate([start, [len(self.text)]]) - begin[0::2]
+        begin[0], begin[2::2] = 0, stop
+        length[0:-1:2], length[-1] = start, len(self.text)
+        length[0::2] -= begin[0::2]
         begin[1::2], length[1::2] = at + len(self.text), size
         some = length > 0
         begin, length = begin[some], length[some]

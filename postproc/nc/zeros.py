@@ -21,13 +21,16 @@ EXTERNAL = "EXT"
 
 def offset_columns(b: Batch) -> None:
     """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become reasons."""
-    before = b.reason.copy()
+    before = int(b.reason[-1]) if b.n else 0
     b.offset = work_columns(b) + b.frame.shift[:, None]
-    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before[-1])
+    b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
     for reason in b.frame.unknown.values():
         b.reason[:] = b.because(*reason)
-    rotary = [row for x, row in b.rows.items() if x in "ABC"]
-    if b.machine.any() and b.dialect.local_is_preset and b.frame.length[rotary].any():
+    if (
+        b.dialect.local_is_preset
+        and b.machine.any()
+        and b.frame.length[[row for x, row in b.rows.items() if x in "ABC"]].any()
+    ):
         b.blame(
             np.flatnonzero(b.machine), "G53 while the tool has a length along a rotary axis",
             "this control takes the rotary axis along by the offset, as measured: name it in the block, or take the offset out",
@@ -40,7 +43,7 @@ def work_columns(b: Batch) -> np.ndarray:
     if EXTERNAL in b.setup.offsets or EXTERNAL in b.offsets:
         total = total + offset_of(b, EXTERNAL, True)
     work = b.held("work offset")
-    for number in sorted(set(np.asarray(work).ravel()[changes(work)].tolist())):
+    for number in [work] if isinstance(work, int) else sorted(set(work[changes(work)].tolist())):
         name = "" if number == NONE else b.dialect.by_number[int(number)].word
         if (
             b.frame.extended
@@ -94,7 +97,8 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
 
 def offset_of(b: Batch, name: str, where) -> np.ndarray:
     """(A, B) or (A, 1) ticks of one offset where it holds."""
-    if not name or not np.any(where):
+    everywhere = isinstance(where, bool)
+    if not name or not (where if everywhere else where.any()):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
     if place is None and name == "G500":
@@ -103,8 +107,8 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
-    shift = ticks_of(b, place)
-    return shift[:, None] * np.atleast_1d(np.asarray(where, np.int64))
+    shift = ticks_of(b, place)[:, None]
+    return shift if everywhere else shift * where
 
 
 def ticks_of(b: Batch, place: dict[str, float]) -> np.ndarray:

@@ -126,6 +126,12 @@ class Dialect:
         return table
 
     @cached_property
+    def refusing_groups(self) -> tuple[str, ...]:
+        """Modal groups, but for that of motions, in which a code can not be followed or takes the axis words."""
+        of = {code.group for code in self.codes if (code.refuses and not code.does) or code.takes}
+        return tuple(group for group in self.groups if group in of and group != "motion")
+
+    @cached_property
     def meant(self) -> np.ndarray:
         """(LARGEST_G,) the number that each written code counts as: another one where it is but another spelling, and
         NOTHING where the control has no such code, though it may have one that is like it (G20 of Siemens)."""
