@@ -36,13 +36,14 @@ def follow(travel: np.ndarray, forget: np.ndarray, carry: np.ndarray, limit: int
         still = np.zeros_like(travel)
         return still, still
     after = np.empty_like(travel)
-    for axis in range(len(travel)):
-        if limit == 1:
-            sign = np.where(forget[axis], 0, np.sign(travel[axis]))
-            given = (travel[axis] != 0) | forget[axis]
-            last = np.maximum.accumulate(np.where(given, np.arange(len(given)), -1))
-            after[axis] = np.where(last >= 0, sign[np.maximum(last, 0)], carry[axis])
-        else:
+    if limit == 1:
+        sign, given = np.sign(travel), travel != 0
+        if forget.any():
+            sign[forget], given = 0, given | forget
+        last = np.maximum.accumulate(np.where(given, np.arange(travel.shape[1]), -1), axis=1)
+        after = np.where(last >= 0, np.take_along_axis(sign, np.maximum(last, 0), axis=1), carry[:, None])
+    else:
+        for axis in range(len(travel)):
             steps = zip(travel[axis].tolist(), forget[axis].tolist(), strict=True)
             states = accumulate(
                 steps, lambda s, d: 0 if d[1] else max(-limit, min(limit, s + d[0])), initial=int(carry[axis])

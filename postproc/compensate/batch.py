@@ -13,7 +13,7 @@ from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, HOLE, Motions
+from postproc.motions import COUNTER, FEED, FREE, HOLE, Motions
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -42,8 +42,9 @@ class Batch:
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
-        self.known: np.ndarray = np.all(motions.target_known[list(self.machine.chained)], axis=0)
-        self.start_known: np.ndarray = np.all(motions.start_known[list(self.machine.chained)], axis=0)
+        chained = list(self.machine.chained)
+        self.known: np.ndarray = motions.target_known[chained].all(axis=0)
+        self.start_known: np.ndarray = motions.start_known[chained].all(axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
@@ -139,21 +140,24 @@ class Batch:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still; `exact` (A, S) mm."""
         m, motion, n = self.m, self.motion, len(self.motion)
         free = self.free[motion]
-        self.exact = self.end_nominal.copy()
-        which = free.nonzero()[0]
-        self.exact[:, which] = command(
-            self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
-        )
+        if free.all():
+            self.exact = command(self.machine, self.end_nominal, self.weight_end, motion)
+        else:
+            self.exact = self.end_nominal.copy()
+            which = free.nonzero()[0]
+            self.exact[:, which] = command(
+                self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
+            )
         step = m.grid[:, motion]
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS_PER_MM / step).astype(np.int64) * step
-        nominal_ticks = np.where(
-            self.last, m.target[:, motion], np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64)
-        )
+        nominal_ticks = m.target[:, motion]
+        if not self.last.all():
+            inside = np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64)
+            nominal_ticks = np.where(self.last, nominal_ticks, inside)
         self.nominal_end = nominal_ticks
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
-        self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
         inner = (~self.last).nonzero()[0]
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
@@ -176,7 +180,8 @@ class Batch:
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
         m, motion = self.m, self.motion
-        cutting = np.isin(m.code[motion], (FEED, CLOCKWISE, COUNTER)) & (m.cutter[motion] == FREE)
+        code = m.code[motion]
+        cutting = (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
         weight_before = np.concatenate(
             [(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1
         )
@@ -184,10 +189,11 @@ class Batch:
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
         if self.c.mode != "step":
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode != "off")
-        which = self.turning.nonzero()[0]
         self.wanted = np.zeros_like(self.end)
-        exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
-        self.wanted[:, which] = self.grid(which, exact)
+        which = self.turning.nonzero()[0]
+        if len(which):
+            exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
+            self.wanted[:, which] = self.grid(which, exact)
         self.wanted[self.fixed] = self.before[self.fixed]
 
     def settle_ends(self) -> None:

@@ -15,6 +15,8 @@ from postproc.units import TICKS_PER_MM
 
 def take_ups(b: Batch):
     """A piece for every stroke that must be begun elsewhere than the last one ended."""
+    if not b.turning.any():
+        return None
     which = (b.turning & (b.begin != b.before).any(axis=0)).nonzero()[0]
     if not len(which):
         return None
@@ -49,6 +51,10 @@ def straight_pieces(b: Batch):
     if b.c.mode != "ramp":
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
     owner, t, exact = _cuts(b, chosen)
+    if not len(owner) and len(straight) == len(motion):
+        return pack(
+            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, np.ones(len(straight)), b.nominal_end
+        )
     if not len(owner):
         return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
                          np.ones(len(straight)), b.nominal_end[:, straight])  # fmt: skip
@@ -162,6 +168,8 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
 def arc_pieces(b: Batch):
     """Strokes of arcs: kept, halved, or chords."""
     m, motion, arcs = b.m, b.motion, b.m.arcs
+    if not len(arcs):
+        return None
     which = ((b.arc_of[motion] >= 0) & b.free[motion]).nonzero()[0]
     if not len(which):
         return None

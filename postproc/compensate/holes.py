@@ -18,7 +18,9 @@ from postproc.units import TICKS_PER_MM, UM
 def settle(b: Batch) -> None:
     """Set end, exact and bottom of every stroke that is a hole. Raises MotionFault for a hole that bends too much."""
     holes = b.m.holes
-    free = b.free[holes.motion] if len(holes) else np.zeros(0, bool)
+    if not len(holes):
+        return
+    free = b.free[holes.motion]
     for k in map(int, np.flatnonzero(free)):
         i, row = int(b.hole[k]), int(holes.axis[k])
         target, weight = _depth(b, k, i, row)
@@ -53,9 +55,8 @@ def settle(b: Batch) -> None:
         b.end[row, i] = b.nominal_end[row, i]
         b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
     b.bottom[holes.motion[~free]] = holes.bottom[~free]
-    if len(holes):
-        before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
-        b.before = np.where(b._jumps(), b.m.start[:, b.motion], before)
+    before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
+    b.before = np.where(b._jumps(), b.m.start[:, b.motion], before)
 
 
 def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:

@@ -18,12 +18,14 @@ def command(machine: Machine, target: np.ndarray, approach: np.ndarray, motion: 
     so that the batch does not matter. The deviation changes by `machine.bounds.steepest` per mm (0.003 on a real grinder): two
     rounds do. Raises MotionFault (with `motion` (N,) naming it) where it does not settle: such a map is a data fault.
     """
+    if not target.shape[1]:
+        return target
     result = target - machine.deviation(target, approach)
-    if not result.shape[1]:
-        return result
     after = target - machine.deviation(result, approach)
     step = np.abs(after - result).max(axis=0)
     result = after
+    if step.max() * machine.bounds.steepest <= CLOSE:
+        return result
     for _ in range(ROUNDS):
         open_ = np.flatnonzero(step * machine.bounds.steepest > CLOSE)
         if not len(open_):

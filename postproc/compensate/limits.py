@@ -37,6 +37,8 @@ def refuse_turning_arcs(b: Batch) -> None:
 
 def check_unknown(b: Batch) -> None:
     """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
+    if b.known.all() and b.start_known.all():
+        return
     lost = ~b.known & ~b.m.alone
     for i in (lost & (b.m.code != RAPID)).nonzero()[0][:1]:
         axes = " ".join(
@@ -62,32 +64,28 @@ def check_inside(b: Batch) -> None:
         return
     free = b.free[b.motion]
     for row, letter in enumerate(b.machine.letters):
-        ranges = _ranges(b, letter)
+        ranges = b.machine.ranges.get(letter)
         if ranges is None:
             continue
         first, last = ranges
         low, high = first - EDGE, last + EDGE
         value = b.end_nominal[row]
-        bad = free & ((value < low) | (value > high))
-        extent = _arc_extent(b, row, first)
-        bad |= (extent[0] < low) | (extent[1] > high)
+        bad = (value < low) | (value > high)
+        if len(b.m.arcs):
+            extent = _arc_extent(b, row, first)
+            bad = (bad & free) | (extent[0] < low) | (extent[1] > high)
+        elif bad.any():
+            bad &= free
+        else:
+            continue
         for i in bad.nonzero()[0][:1]:
-            worst = value[i] if not low <= value[i] <= high else extent[0, i] if extent[0, i] < low else extent[1, i]
+            worst = value[i]
+            if low <= worst <= high:
+                worst = extent[0, i] if extent[0, i] < low else extent[1, i]
             raise MotionFault(
                 int(b.motion[i]), f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter} ({first:g} to {last:g} {unit_of(letter)})",
                 "stay inside it, measure further out, or hold the end value with --outside clamp",
             )  # fmt: skip
-
-
-def _ranges(b: Batch, letter: str) -> tuple[float, float] | None:
-    """The range that every table of an axis covers, None where there is no table."""
-    table = b.machine.tables.get(letter)
-    covered = [table.nodes] if table is not None else []
-    for grid in b.machine.grids:
-        covered += [n for x, n in ((grid.letter, grid.nodes), (grid.other, grid.others)) if x == letter]
-    if not covered:
-        return None
-    return float(max(n[0] for n in covered)), float(min(n[-1] for n in covered))
 
 
 def unit_of(letter: str) -> str:
@@ -134,12 +132,11 @@ def check_limits(b: Batch) -> float:
     for row in b.rows:
         low, high = b.machine.axes[b.machine.letters[row]].travel
         value = b.end[row] / TICKS_PER_MM
-        faults += [
-            (int(i), b.machine.letters[row])
-            for i in (free & ((value < low - EDGE) | (value > high + EDGE))).nonzero()[0][:1]
-        ]
+        beyond = (value < low - EDGE) | (value > high + EDGE)
+        if beyond.any():
+            faults += [(int(i), b.machine.letters[row]) for i in (free & beyond).nonzero()[0][:1]]
     if not faults:
-        return float(correction[:, free].max(initial=0.0))
+        return float((correction if free.all() else correction[:, free]).max(initial=0.0))
     i, what = min(faults)
     if what == "over":
         row = int(np.argmax(correction[:, i]))
@@ -161,6 +158,8 @@ def check_limits(b: Batch) -> float:
 def bound_cutter(b: Batch) -> None:
     """Inside cutter radius compensation the control shifts the path by the tool's radius, and the map is read at the
     contour: say by how much that can be wrong, and what reversal stays."""
+    if not b.m.cutter.any():
+        return
     inside = ((b.m.cutter != FREE) & b.free).nonzero()[0]
     if not len(inside):
         return

@@ -45,7 +45,8 @@ def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: flo
     result = machine.bounds.bend(target - start) > slack
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
-        result |= table.place(start[row])[0] != table.place(target[row])[0]
+        before, after = table.place(np.stack((start[row], target[row])))[0]
+        result |= before != after
     for grid in machine.grids:
         for letter, nodes in ((grid.letter, grid.nodes), (grid.other, grid.others)):
             row = machine.letters.index(letter)

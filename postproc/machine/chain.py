@@ -18,6 +18,7 @@ import numpy as np
 
 XYZ, ROTARY = "XYZ", "ABC"
 OPTICS = ("tool", "workpiece")
+Arms = dict[str, list[tuple[float, str]]]  # axis to mm that stay and the slide that adds, per direction
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
 
 
@@ -64,45 +65,55 @@ def parse(text: str) -> Chain:
     return Chain(tuple(axes), parts.index("b") - 1)
 
 
+def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]) -> Arms:
+    """Per axis the part of the arm that stays, and per direction whether the slide of that direction adds to it.
+
+    tool (3,) mm; measured: axis to (3,) mm, where the others stood; optic: axis to what the measured point was fixed to.
+    """
+    return {
+        x: [
+            (float(tool[i] - measured[x][i]), XYZ[i] if XYZ[i] in chain.arm(x, optic.get(x, "")) else "")
+            for i in range(3)
+        ]
+        for x in chain.axes
+    }
+
+
+def leans(letter: str, lean: np.ndarray) -> list[tuple[int, float]]:
+    """How much an axis with squareness (3,) rad drifts in each direction per mm of its own way: c x (q u)."""
+    own = XYZ.index(letter)
+    found = []
+    for k, across in ((1, 2), (2, 1)):  # the component across rotates into the other
+        i, j = (own + k) % 3, (own + across) % 3
+        if lean[j]:
+            found.append((i, float(lean[j]) if k == 1 else -float(lean[j])))
+    return found
+
+
 def tip_deviation(
-    chain: Chain,
-    parts: dict[str, Parts],
-    square: dict[str, np.ndarray],
-    tool: np.ndarray,
-    measured: dict[str, np.ndarray],
-    optic: dict[str, str],
-    position: dict[str, np.ndarray],
+    arms: Arms, parts: dict[str, Parts], leans: dict[str, list[tuple[int, float]]], position: dict[str, np.ndarray]
 ) -> list[np.ndarray]:
     """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes.
 
-    parts: axis to its six deviations at its position; square: axis to (3,) rad; tool (3,) mm; measured: axis to (3,) mm,
-    where the others stood; optic: axis to what the measured point was fixed to; position: axis to (N,) mm.
+    arms, leans: of the functions above; parts: axis to its six deviations at its position; position: axis to (N,) mm.
     """
     n = len(next(iter(position.values())))
-    total: list[np.ndarray] = [np.zeros(n) for _ in XYZ]
-    for letter in chain.axes:
-        own = XYZ.index(letter)
-        q = position[letter]
-        lean = square.get(letter)
-        if lean is not None:
-            for k, across in ((1, 2), (2, 1)):  # c x (q u): the component across rotates into the other
-                i, j = (own + k) % 3, (own + across) % 3
-                sign = 1.0 if k == 1 else -1.0
-                if lean[j]:
-                    total[i] += sign * lean[j] * q
+    total: list[np.ndarray] = [np.zeros(n), np.zeros(n), np.zeros(n)]
+    for letter, stays in arms.items():
+        for i, rate in leans.get(letter, ()):
+            total[i] += rate * position[letter]
         part = parts.get(letter)
         if part is None:
             continue
-        for i in range(3):
-            if part[i] is not None:
-                total[i] += part[i]
-        if part[3] is None and part[4] is None and part[5] is None:
+        ex, ey, ez, ea, eb, ec = part
+        for i, shift in ((0, ex), (1, ey), (2, ez)):
+            if shift is not None:
+                total[i] += shift
+        if ea is None and eb is None and ec is None:
             continue
-        arm: list[np.ndarray | float] = list(tool - measured[letter])
-        for other in chain.arm(letter, optic.get(letter, "")):
-            arm[XYZ.index(other)] = arm[XYZ.index(other)] + position[other]
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-            turn, back = part[3 + j], part[3 + k]
+        arm = [constant + position[slide] if slide else constant for constant, slide in stays]
+        for i, turn, k, back, j in ((0, eb, 2, ec, 1), (1, ec, 0, ea, 2), (2, ea, 1, eb, 0)):
+            # (eps x arm)_i = eps_j arm_k - eps_k arm_j
             if turn is not None:
                 total[i] += turn * arm[k]
             if back is not None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from postproc.machine import rotary
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, Chain, Parts, tip_deviation
+from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, arms, leans, tip_deviation
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 
@@ -147,6 +147,15 @@ class Machine:
         return found
 
     @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Axis to the range, mm or degrees, that every table of it covers; none for an axis without tables."""
+        covered = {x: [table.nodes] for x, table in self.tables.items()}
+        for grid in self.grids:
+            covered.setdefault(grid.letter, []).append(grid.nodes)
+            covered.setdefault(grid.other, []).append(grid.others)
+        return {x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c))) for x, c in covered.items()}
+
+    @cached_property
     def expansions(self) -> dict[str, Expansion]:
         return {x: a.expansion for x, a in self.axes.items() if a.expansion is not None and a.expansion.rate}
 
@@ -209,13 +218,20 @@ class Machine:
         if self.chain.rotary:
             parts = rotary.tip_deviation(self.geometry, each, q)
         else:
-            measured = {x: axis.measured_at for x, axis in self.axes.items()}
-            optic = {x: axis.optic for x, axis in self.axes.items()}
-            parts = tip_deviation(self.chain, each, self.square, self.tool, measured, optic, q)
-        result = np.zeros_like(position)
+            parts = tip_deviation(self._arms, each, self._leans, q)
+        result = np.zeros(position.shape)
         for row in self.corrected:
             result[row] = parts[XYZ.index(self.letters[row])]
         return result
+
+    @cached_property
+    def _arms(self) -> Arms:
+        measured = {x: axis.measured_at for x, axis in self.axes.items()}
+        return arms(self.chain, self.tool, measured, {x: axis.optic for x, axis in self.axes.items()})
+
+    @cached_property
+    def _leans(self) -> dict[str, list[tuple[int, float]]]:
+        return {x: leans(x, lean) for x, lean in self.square.items()}
 
     @cached_property
     def geometry(self) -> rotary.Geometry:

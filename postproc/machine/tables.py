@@ -87,9 +87,17 @@ class AxisTable:
             place = np.minimum(np.maximum(place, 0.0, out=place), last + 1.0, out=place)
             interval = np.minimum(place.astype(np.int64), last)
             return interval, np.subtract(place, interval, out=place)
-        inside = np.clip(position, self.nodes[0], self.nodes[-1])
-        interval = np.clip(np.searchsorted(self.nodes, inside, side="right") - 1, 0, last)
-        return interval, (inside - self.nodes[interval]) / (self.nodes[interval + 1] - self.nodes[interval])
+        low, high, inner, width = self._uneven
+        inside = np.minimum(np.maximum(position, low), high)
+        # Nodes but for the first and the last: what lies before all of them is in the first interval.
+        interval = inner.searchsorted(inside, side="right")
+        return interval, (inside - self.nodes[interval]) / width[interval]
+
+    @cached_property
+    def _uneven(self) -> tuple[float, float, np.ndarray, np.ndarray]:
+        """Both ends, the nodes between, and the intervals' widths, mm."""
+        n = self.nodes
+        return float(n[0]), float(n[-1]), n[1:-1].copy(), np.diff(n)
 
     def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
         """Six (N,) columns, None for a component that is zero everywhere.
