@@ -53,7 +53,8 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     spelled = b.dialect.grammar.is_respelled
     sends = 280 in b.single or 300 in b.single
     for letter, row in b.rows.items():
-        distance = carried_held if letter in b.dialect.carried else distance_held
+        carried = letter in b.dialect.carried  # homing takes the slides away, not the filament
+        distance = carried_held if carried else distance_held
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
         least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (inch if letter in LINEAR else 0)
@@ -109,14 +110,14 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             position = base[last]
             position[: last.searchsorted(0)] = stood
             position += run
-        drop = forget
-        if sends:
+        drop = b.foreign if carried else forget
+        if sends and not carried:
             position, named, drop, away = _away(b, letter, position, named, forget)
             _since(p, row, away, block, b.state.sent is not None and bool(b.state.sent[row]))
         elif b.state.sent is not None and b.state.sent[row]:
             _since(p, row, np.zeros(n, bool), block, True)
         known: np.ndarray | None = None
-        if not was_known or forgets or sends or (cycle and not cycle.known):
+        if not was_known or forgets or (cycle and not cycle.known):
             event = np.where(drop, 0, np.where(named, 1, -1))
             if cycle and not cycle.known:
                 event[cycle.blocks[cycle.initial]] = 0

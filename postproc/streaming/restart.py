@@ -1,23 +1,22 @@
 """The way back into a program that was interrupted: what is in force before a line, and the blocks that bring it about.
 
 The lines before are read again by the filter itself (nothing of them is sent), so what is in force is what the control would
-hold. Then: safe Z in machine coordinates first, over the place, spindle and coolant on and up to speed, down at a feed, the
-program's own modal state, and on with the line. What can not be brought back so is refused.
+hold. Then: out to a safe place first (mills and printers along Z, lathes along X), tool, over the place, spindle and coolant
+on and up to speed, down at a feed, the program's own modal state, and on with the line. What can not be brought back so is
+refused.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from postproc.errors import Place, ProgramError, UsageError
 from postproc.filter import Filter
-from postproc.motions import RAPID, Motions
-from postproc.nc.lexer import Words
 from postproc.nc.state import NONE
+from postproc.streaming.before import ALONG, IN, OUT, Before
 from postproc.units import MM_PER_INCH, TICKS_PER_MM
 
 PLUNGE = 200.0  # mm/min at most, down to where the cut begins
@@ -26,57 +25,36 @@ FIRST_CYCLE = 730
 MOTION_CODE = re.compile(rb"G0*[0-3](?![0-9.])", re.IGNORECASE)
 MOVES = re.compile(rb"[XYZABCUVWIJKR] *[-+.0-9]", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
+MILL, LATHE, PRINTER = "mill", "lathe", "printer"
 
 
-@dataclass
-class Before:
-    """What holds before the line: spindle, coolant, tool as words; feed: mm/min of the last F, which stays what it was when the
-    units change; inch: whether words are inches; highest: mm, the highest Z of a rapid so far."""
+def kind_of(filter_: Filter) -> str:
+    """MILL, LATHE or PRINTER. Raises UsageError where the machine is none of them."""
+    setup = filter_.setup
+    axes = set(setup.axes)
+    if {"X", "Y", "Z"} <= axes and not setup.diameter:
+        return PRINTER if filter_.dialect.one_command else MILL
+    if {"X", "Z"} <= axes and "Y" not in axes and not filter_.dialect.one_command:
+        return LATHE
+    raise UsageError(
+        f"{filter_.machine.name} has the axes {' '.join(setup.axes)}: gcomp does not know which way is safe there",
+        "bring the tool to a safe place by hand, and send the rest as a program of its own",
+    )
 
-    spindle: str = "M5"
-    speed: str = ""
-    coolant: list[str] = field(default_factory=list)
-    tool: str = ""
-    feed: float = 0.0
-    inch: bool = False
-    highest: float | None = None
 
-    def watch(self, words: Words, motions: Motions, axis: int) -> None:
-        """Take a batch's M, S and T words, and where its rapids end along the axis that lifts the tool."""
-        values = [int(m) / 10 ** int(d) for m, d in zip(words.mantissa, words.decimals, strict=True)]
-        named = list(zip(words.block.tolist(), map(chr, words.letter), values, strict=True))
-        units = {block: value == 20 for block, name, value in named if name == "G" and value in (20, 21)}
-        for block, name, value in named:
-            self.inch = units.get(block, self.inch)
-            if name == "F":
-                self.feed = value * (MM_PER_INCH if self.inch else 1.0)
-            elif name == "S":
-                self.speed = f"S{value:g}"
-            elif name == "T":
-                self.tool = f"T{value:g}"
-            elif name == "M" and value in (3, 4, 5):
-                self.spindle = f"M{value:g}"
-            elif name == "M" and value in (7, 8):
-                self.coolant = sorted({*self.coolant, f"M{value:g}"})
-            elif name == "M" and value == 9:
-                self.coolant = []
-        rapid = (motions.code == RAPID) & motions.target_known[axis]
-        if rapid.any():
-            top = float(motions.target[axis][rapid].max()) / TICKS_PER_MM
-            self.highest = top if self.highest is None else max(self.highest, top)
+def lifts(filter_: Filter) -> str:
+    """The axis that takes the tool out of the part: Z, on a lathe X."""
+    return "X" if kind_of(filter_) == LATHE else "Z"
 
 
 def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Before, bytes]:
     """Let a fresh filter read the lines before `line`; gives what holds there, and the line itself with what follows up to
     the next motion. Raises UsageError, ProgramError."""
-    if "Z" not in filter_.setup.axes or "Y" not in filter_.setup.axes:
-        raise UsageError(
-            f"{filter_.machine.name} is no mill with X, Y and Z: gcomp does not know which way is safe there",
-            "bring the tool to a safe place by hand, and send the rest as a program of its own",
-        )
-    axis = filter_.setup.axes.index("Z")
+    axis = filter_.setup.axes.index(lifts(filter_))
     before = Before(inch=filter_.modal.codes.get("units") == 200)
     filter_.watchers.append(lambda words, motions, *_: before.watch(words, motions, axis))
+    if filter_.dialect.m_takes:
+        filter_.watchers.append(lambda words, *_: before.printed(words.text))
     rest: list[bytes] = []
     batch: list[bytes] = []
     number = 0
@@ -112,6 +90,8 @@ def refuse(filter_: Filter, rest: bytes, line: int) -> None:
         raise no("cutter radius compensation (G41, G42) is on", earlier)
     if modal.cycle is not None or (modal.codes.get("motion", NONE) >= FIRST_CYCLE and modal.codes["motion"] != 800):
         raise no("a canned cycle is in force", earlier)
+    if modal.codes.get("distance") == 910 and kind_of(filter_) == PRINTER:
+        raise no("G91 is in force, and this firmware counts E by it too", "name a line behind a G90")
     moving = [i for i, x in enumerate(filter_.setup.axes) if x in "XYZ"]
     unknown = [filter_.setup.axes[i] for i in moving if not modal.known[i]]
     if unknown:
@@ -122,7 +102,10 @@ def refuse(filter_: Filter, rest: bytes, line: int) -> None:
         )
     if not modal.zero_known:
         raise no("where the program's zero lies is not known", "state it: --offset, --start")
-    if frame is not None and ((frame.preset_on and frame.preset.any()) or frame.local.any() or frame.trans.any()):
+    slides = [i for i, x in enumerate(filter_.setup.axes) if x not in filter_.dialect.carried]
+    if frame is not None and (
+        (frame.preset_on and frame.preset[slides].any()) or frame.local.any() or frame.trans.any()
+    ):
         raise no("the program has shifted its zero (G92, G52) by where the machine stood", earlier)
     if modal.offsets:
         raise no(
@@ -135,52 +118,175 @@ def refuse(filter_: Filter, rest: bytes, line: int) -> None:
         raise no("it goes on with an arc whose G2 or G3 stands in a line before", "name the line that has the G code")
 
 
+def digits(value: float) -> str:
+    """A place with as many decimals as it has, four at least: a program in inches or increments counts on from it."""
+    whole, _, part = f"{value:.7f}".partition(".")
+    return f"{whole}.{part.rstrip('0').ljust(4, '0')}"
+
+
+class Preamble:
+    """The blocks of one restart, in the program's language."""
+
+    def __init__(self, filter_: Filter, before: Before, safe: float | None):
+        self.filter, self.before = filter_, before
+        self.modal, self.dialect, self.setup = filter_.modal, filter_.dialect, filter_.setup
+        self.kind, self.lift = kind_of(filter_), lifts(filter_)
+        self.row = self.setup.axes.index(self.lift)
+        modal = self.modal
+        origin = modal.origin if modal.origin is not None else np.zeros_like(modal.position)
+        self.origin = origin
+        self.half = {x: 2 if x in self.setup.diameter else 1 for x in self.setup.axes}
+        if "diameter" in self.dialect.groups and modal.codes.get("diameter") in (70, 80):
+            self.half["X"] = 2 if modal.codes["diameter"] == 70 else 1
+        self.place = {
+            x: (modal.position[i] - origin[i]) / TICKS_PER_MM * self.half[x] for i, x in enumerate(self.setup.axes)
+        }
+        self.top = self._top(safe)
+
+    def _top(self, safe: float | None) -> float:
+        """mm, machine coordinates: where the tool is taken first along the axis that lifts it."""
+        top = self.before.highest if safe is None or self.kind == LATHE else safe
+        if self.kind == LATHE:
+            if safe is not None:
+                raise UsageError(
+                    "a lathe goes out along X first, and --safe-z says nothing of it", "leave --safe-z out"
+                )
+            if self.before.left != OUT:
+                how = {IN: "towards the axis: it cuts a bore", ALONG: "along Z alone", "": "not at all yet"}
+                raise UsageError(
+                    f"which way of X leads out of the part can not be told: with this tool the program left its last cut {how[self.before.left]}",
+                    "name a line behind a rapid to a larger X, or bring the tool out by hand and send the rest as a program of its own",
+                )
+        if top is None:
+            raise UsageError(
+                "no rapid before this line says which Z is safe", "say it: --safe-z 0, mm, machine coordinates"
+            )
+        stands = self.modal.position[self.row] / TICKS_PER_MM
+        if stands > top + 1e-9:
+            raise UsageError(
+                f"safe {self.lift} {top:g} is below where the program stands, {self.lift} {stands:.3f} (mm, machine coordinates)",
+                "--safe-z higher" if self.kind != LATHE else "name a line where the tool is farther in",
+            )
+        return top
+
+    def word(self, group: str, default: str = "") -> str:
+        """The code in force of a group, as it is written; "" where the control has no such code."""
+        number = self.modal.codes.get(group, NONE)
+        if number in self.dialect.by_number and group in self.dialect.groups:
+            return self.dialect.by_number[number].word
+        return default if any(code.word == default for code in self.dialect.codes) else ""
+
+    def known(self, *words: str) -> list[str]:
+        """Those of the codes that the control has."""
+        written = {code.word for code in self.dialect.codes}
+        return [word for word in words if word in written]
+
+    def joined(self, words: list[str]) -> list[str]:
+        """Codes in one block, or one in each where a line is one command."""
+        return words if self.dialect.one_command else [" ".join(words)] if words else []
+
+    def lines(self) -> list[str]:
+        """All blocks."""
+        before = self.before
+        still = {self.lift, *self.dialect.carried}
+        across = [x for x, known in zip(self.setup.axes, self.modal.known, strict=True) if known and x not in still]
+        plane = [] if self.kind == PRINTER else self.known("G18" if self.kind == LATHE else "G17")
+        lines = self.joined(self.known("G21", "G90") + plane + self.known("G94"))
+        lines += self._heat()
+        if self.modal.codes.get("diameter") in (70, 80):
+            lines.append(self.word("diameter"))
+        if self.word("work offset") and (self.kind != PRINTER or self.word("work offset") != "G54"):
+            lines.append(self.word("work offset"))
+        lines.append(self._out())
+        lines += self._tool()
+        if across:
+            lines.append("G0 " + " ".join(f"{x}{digits(self.place[x])}" for x in across))
+        lines += self._spindle()
+        per_minute = self.modal.codes.get("feed mode", 940) == 940
+        if before.feed:
+            down = min(PLUNGE, before.feed) if per_minute else PLUNGE
+            lines.append(f"G1 {self.lift}{digits(self.place[self.lift])} F{down:g}")
+        else:  # the program has come here by rapids alone
+            lines.append(f"G0 {self.lift}{digits(self.place[self.lift])}")
+        if self.dialect.one_command and before.feed:
+            lines.append(f"G1 F{before.feed:g}")
+        if before.path:
+            lines.append(before.path)
+        modes = [self.word("plane", "G17") if self.kind != PRINTER or self.modal.codes.get("plane") != 170 else ""]
+        modes += [self.word("units", "G21"), self.word("distance", "G90"), self.word("feed mode", "G94")]
+        if not before.path:
+            modes.append(self.word("path"))
+        modes.append("" if self.modal.codes.get("arc centre", 911) == 911 else self.word("arc centre"))
+        lines += self.joined([m for m in modes if m])
+        lines += self._carried()  # behind G90, which counts for E too
+        if before.feed and self.modal.codes.get("feed mode") != 930 and not self.dialect.one_command:
+            # Behind G94 and G95: LinuxCNC sets F to zero there.
+            lines.append(f"F{before.feed / (MM_PER_INCH if before.inch else 1.0):.7g}")
+        if self.modal.codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
+            lines.append(self.word("motion"))
+        return lines
+
+    def _out(self) -> str:
+        """Out of the part: in machine coordinates where the control has G53, else in the program's."""
+        if 530 in self.dialect.by_number and self.kind != PRINTER:
+            return f"G53 G0 {self.lift}{self.top * self.half[self.lift]:.4f}"
+        return f"G0 {self.lift}{(self.top - self.origin[self.row] / TICKS_PER_MM) * self.half[self.lift]:.4f}"
+
+    def _tool(self) -> list[str]:
+        """The tool, and its length."""
+        before, lines = self.before, []
+        if before.loaded:
+            lines.append(f"{before.loaded} M6")
+        if before.tool and before.tool != before.loaded:
+            lines.append(before.tool)
+        length = self.modal.frame.length if self.modal.frame is not None else np.zeros(0, np.int64)
+        if length.any():
+            others = [x for i, x in enumerate(self.setup.axes) if length[i] and x != "Z"]
+            if others or 431 not in self.dialect.by_number:
+                raise UsageError(
+                    "a tool length is in force that gcomp can not restore", "name a line before it is called"
+                )
+            lines.append(f"G43.1 Z{digits(length[self.setup.axes.index('Z')] / TICKS_PER_MM)}")
+        return lines
+
+    def _spindle(self) -> list[str]:
+        """Speed, direction and coolant; a wait for the spindle in the control's own unit of time."""
+        before = self.before
+        if before.spindle == "M5":
+            return ([before.speed] if before.speed and not self.dialect.one_command else []) + before.coolant
+        if before.surface:
+            raise UsageError(
+                "constant surface speed (G96) is in force, and the limit of the spindle's speed is not followed",
+                "name an earlier line, before G96",
+            )
+        return [f"{before.spindle} {before.speed}".strip(), self.wait(), *before.coolant]
+
+    def wait(self) -> str:
+        """G4 for the spindle. P is milliseconds on Fanuc and Marlin, seconds on GRBL and LinuxCNC; Haas takes a P with a point for
+        seconds (operator's manuals, as in the dialects' own pages)."""
+        by = self.dialect.dwell
+        letter = next(x for x in "XFSP" if x in by)
+        if letter == "X" and self.kind == MILL and "P" in by:
+            return f"G4 P{SPIN_UP * 1000:.0f}"  # X in a G4 would be an axis to whoever reads over it
+        return f"G4 {letter}{SPIN_UP:g}" + (
+            "." if letter in "XP" and self.dialect.name.startswith(("haas", "fanuc")) else ""
+        )
+
+    def _heat(self) -> list[str]:
+        """A printer's heaters, each waited for, before anything moves: a cold nozzle sticks to the part."""
+        codes = {"bed": "M190", "chamber": "M191", "nozzle": "M109"}
+        warm = [f"{code} S{self.before.heat[x]:g}" for x, code in codes.items() if self.before.heat.get(x)]
+        return warm + ([self.before.fan] if self.before.fan else [])
+
+    def _carried(self) -> list[str]:
+        """Where the filament stands: the firmware is told so, nothing is pushed."""
+        if "E" not in self.dialect.carried or "E" not in self.setup.axes:
+            return []
+        absolute = self.modal.codes.get("carried", 900) == 900
+        return ["M82" if absolute else "M83", f"G92 E{self.place['E']:.5f}"]
+
+
 def preamble(filter_: Filter, before: Before, safe_z: float | None = None) -> list[bytes]:
     """The blocks that bring it about, in the program's language. safe_z: mm, machine coordinates; None: the highest place
     that a rapid of the program has reached. Raises UsageError."""
-    modal, dialect, setup = filter_.modal, filter_.dialect, filter_.setup
-    top = before.highest if safe_z is None else safe_z
-    if top is None:
-        raise UsageError(
-            "no rapid before this line says which Z is safe", "say it: --safe-z 0, mm, machine coordinates"
-        )
-    origin = modal.origin if modal.origin is not None else np.zeros_like(modal.position)
-    place = {x: (modal.position[i] - origin[i]) / TICKS_PER_MM for i, x in enumerate(setup.axes)}
-    stands = modal.position[setup.axes.index("Z")] / TICKS_PER_MM
-    if stands > top + 1e-9:
-        raise UsageError(
-            f"safe Z {top:g} is below where the program stands, Z {stands:.3f} (mm, machine coordinates)",
-            "--safe-z higher",
-        )
-
-    def word(group: str, default: str = "") -> str:
-        number = modal.codes.get(group, NONE)
-        return dialect.by_number[number].word if number in dialect.by_number else default
-
-    lines = ["G21 G90 G17 G94"]
-    if word("work offset"):
-        lines.append(word("work offset"))
-    length = modal.frame.length if modal.frame is not None else np.zeros(0, np.int64)
-    if length.any():
-        others = [x for i, x in enumerate(setup.axes) if length[i] and x != "Z"]
-        if others or 431 not in dialect.by_number:
-            raise UsageError("a tool length is in force that gcomp can not restore", "name a line before it is called")
-        lines.append(f"G43.1 Z{length[setup.axes.index('Z')] / TICKS_PER_MM:.4f}")
-    lines.append(f"G53 G0 Z{top:.4f}")
-    across = [x for x in setup.axes if x != "Z"]
-    lines.append("G0 " + " ".join(f"{x}{place[x]:.4f}" for x in across))
-    if before.tool:
-        lines.append(before.tool)
-    if before.spindle != "M5":
-        lines += [f"{before.spindle} {before.speed}".strip(), f"G4 P{SPIN_UP:g}"]
-    lines += before.coolant
-    feed = before.feed
-    per_minute = modal.codes.get("feed mode", 940) == 940
-    down = min(PLUNGE, feed) if feed and per_minute else PLUNGE
-    lines.append(f"G1 Z{place['Z']:.4f} F{down:g}")
-    if feed and per_minute and feed != down:
-        lines.append(f"F{feed:g}")
-    lines.append(f"{word('plane', 'G17')} {word('units', 'G21')} {word('distance', 'G90')} {word('feed mode', 'G94')}")
-    if modal.codes.get("motion", NONE) in (0, 10):
-        lines.append(word("motion"))
-    return [line.encode() for line in lines]
+    return [line.encode() for line in Preamble(filter_, before, safe_z).lines()]

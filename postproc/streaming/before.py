@@ -1,0 +1,120 @@
+"""What a program has said before a line, beyond what the filter keeps: spindle, coolant, tool, feed, heaters, and how the tool
+went in and out.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID, Motions
+from postproc.nc.lexer import Words
+from postproc.units import MM_PER_INCH, TICKS_PER_MM
+
+HEATERS = {104: "nozzle", 109: "nozzle", 140: "bed", 190: "bed", 141: "chamber", 191: "chamber"}
+# Firmware whose M words take what stands behind them: those parameters are no words of a block.
+COMMAND = re.compile(
+    rb"^[ \t]*(?:N[0-9]+[ \t]*)?M0*(3|4|5|104|109|140|190|141|191|106|107)(?![0-9])([^\n;*]*)",
+    re.MULTILINE | re.IGNORECASE,
+)
+PARAMETER = re.compile(rb"[SR][ \t]*([0-9.]+)", re.IGNORECASE)
+OUT, IN, ALONG = "out", "in", "along"
+
+
+@dataclass
+class Before:
+    """What holds before the line: spindle, coolant, tool as words; loaded: the tool that M6 has put in; feed: mm/min or mm a turn of
+    the last F, which stays what it was when the units change; inch: whether words are inches; path: G64 with its P, mm;
+    heat: temperature by heater; fan: its word; highest: mm, the highest place of a rapid so far along the axis that lifts
+    the tool; left: how the present tool last left a cut by a rapid along that axis: OUT (to +), IN, ALONG, "": it has not."""
+
+    spindle: str = "M5"
+    speed: str = ""
+    coolant: list[str] = field(default_factory=list)
+    tool: str = ""
+    loaded: str = ""
+    feed: float = 0.0
+    inch: bool = False
+    path: str = ""
+    heat: dict[str, float] = field(default_factory=dict)
+    fan: str = ""
+    highest: float | None = None
+    left: str = ""
+    cuts: bool = False
+    surface: bool = False
+
+    def watch(self, words: Words, motions: Motions, axis: int) -> None:
+        """Take a batch's words, and what its motions do along the axis that lifts the tool."""
+        values = [int(m) / 10 ** int(d) for m, d in zip(words.mantissa, words.decimals, strict=True)]
+        blocks: dict[int, list[tuple[str, float]]] = {}
+        for block, name, value in zip(words.block.tolist(), map(chr, words.letter), values, strict=True):
+            blocks.setdefault(block, []).append((name, value))
+        spelt = {
+            block: words.text[first:stop].decode("ascii", "replace").replace(" ", "").upper()
+            for block, name, first, stop in zip(
+                words.block.tolist(), words.letter.tolist(), words.start.tolist(), words.stop.tolist(), strict=True
+            )
+            if name == ord("T")
+        }
+        for block, named in blocks.items():
+            self.tool = spelt.get(block, self.tool)
+            self._block(named)
+        self._ways(motions, axis, sorted(spelt))
+
+    def _block(self, named: list[tuple[str, float]]) -> None:
+        word = dict(named)
+        codes = [value for name, value in named if name == "G"]
+        commands = [value for name, value in named if name == "M"]
+        if 20 in codes or 21 in codes:
+            self.inch = 20 in codes
+        scale = MM_PER_INCH if self.inch else 1.0
+        if "F" in word and 4 not in codes:
+            self.feed = word["F"] * scale
+        if 64 in codes:
+            self.path = f"G64 P{word['P'] * scale:g}" if "P" in word else "G64"
+        self.surface = (self.surface or 96 in codes) and 97 not in codes
+        if "S" in word and not any(m > 5 for m in commands) and not {4, 10, 50, 92} & set(codes):
+            self.speed = f"S{word['S']:g}"
+        for value in commands:
+            if value in (3, 4, 5):
+                self.spindle = f"M{value:g}"
+            elif value == 6:
+                self.loaded = self.tool
+            elif value in (7, 8):
+                self.coolant = sorted({*self.coolant, f"M{value:g}"})
+            elif value == 9:
+                self.coolant = []
+
+    def printed(self, text: bytes) -> None:
+        """Take the heaters, fan and spindle of a printer's lines."""
+        for command in COMMAND.finditer(text):
+            number, found = int(command[1]), PARAMETER.search(command[2])
+            value = float(found[1]) if found else None
+            if number in HEATERS:
+                self.heat[HEATERS[number]] = value or 0.0
+            elif number in (106, 107):
+                self.fan = f"M106 S{255 if value is None else value:g}" if number == 106 else ""
+            elif value is not None and number != 5:
+                self.speed = f"S{value:g}"
+
+    def _ways(self, motions: Motions, axis: int, called: list[int]) -> None:
+        rapid = (motions.code == RAPID) & motions.target_known[axis]
+        if rapid.any():
+            top = float(motions.target[axis][rapid].max()) / TICKS_PER_MM
+            self.highest = top if self.highest is None else max(self.highest, top)
+        way = np.where(
+            motions.start_known[axis] & motions.target_known[axis], motions.target[axis] - motions.start[axis], 0
+        )
+        calls = iter([*called, 1 << 62])
+        call = next(calls)
+        for block, code, step in zip(motions.block.tolist(), motions.code.tolist(), way.tolist(), strict=True):
+            while block >= call:  # another tool: what the one before did says nothing
+                self.left, self.cuts, call = "", False, next(calls)
+            if code in (FEED, CLOCKWISE, COUNTER):
+                self.cuts = True
+            elif code == RAPID and self.cuts:
+                self.left, self.cuts = OUT if step > 0 else IN if step < 0 else ALONG, False
+        if call < 1 << 62:
+            self.left, self.cuts = "", False
