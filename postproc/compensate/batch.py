@@ -43,8 +43,8 @@ class Batch:
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
         chained = list(self.machine.chained)
-        self.known: np.ndarray = motions.target_known[chained].all(axis=0)
-        self.start_known: np.ndarray = motions.start_known[chained].all(axis=0)
+        self.known: np.ndarray = np.all(motions.target_known[chained], axis=0)
+        self.start_known: np.ndarray = np.all(motions.start_known[chained], axis=0)
         self.free = self.known & ~motions.alone  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
