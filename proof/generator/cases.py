@@ -54,8 +54,25 @@ class Hidden:
     rows: oracle.Rows
 
 
+@dataclass
+class Drawn:
+    """A case before its readings are taken: what the loop needs to run a program on the true machine (scene, hidden)."""
+
+    scene: Scene
+    hidden: list[Hidden]
+    spot: blind.Spot | None
+    faults: Faults
+    adverse: list[str]
+    group: str | None
+
+
 def make(seed: object, kind: str, number: int) -> Case:
     """The case of this seed, kind and number: always the same."""
+    return _told((seed, kind, number), draw(seed, kind, number))
+
+
+def draw(seed: object, kind: str, number: int) -> Drawn:
+    """The true machine, the experiment and what is hidden, of the case of this seed, kind and number."""
     if kind not in KINDS:
         raise ValueError(f"kind {kind!r} is none of {', '.join(KINDS)}")
     words = (seed, kind, number)
@@ -73,7 +90,7 @@ def make(seed: object, kind: str, number: int) -> Case:
     design = replace(design, machine=machine)
     scene = Scene(design, World(design, stream(*words, "room")))
     hidden = _hide(stream(*words, "effects"), scene, kind, spot, group)
-    return _told(words, scene, hidden, spot, faults, adverse, group)
+    return Drawn(scene, hidden, spot, faults, adverse, group)
 
 
 def _hide(rng: np.random.Generator, scene: Scene, kind: str, spot, group) -> list[Hidden]:
@@ -144,8 +161,10 @@ def _find(
     return best[1] if best else None
 
 
-def _told(words, scene: Scene, hidden: list[Hidden], spot, faults: Faults, adverse, group) -> Case:
+def _told(words, drawn: Drawn) -> Case:
     seed, kind, number = words
+    scene, hidden, spot, faults = drawn.scene, drawn.hidden, drawn.spot, drawn.faults
+    adverse, group = drawn.adverse, drawn.group
     design = scene.design
     name = "c" + digest(seed, kind, number, "name").hex()[:8]
     later = spot.later if spot else 0

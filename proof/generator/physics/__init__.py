@@ -40,7 +40,8 @@ class Shift:
 
 @dataclass
 class Effect:
-    """on: track to Shift for a size of one; parameters: size to the parameters that have a meaning for others too."""
+    """on: track to Shift for a size of one; parameters: size to the parameters that have a meaning for others too; gap: of lost
+    motion, its dead travel for a size of one at positions (N,) mm of the axis, for who must follow the slide through it."""
 
     name: str
     axis: str | None
@@ -48,6 +49,7 @@ class Effect:
     parameters: Callable[[float], dict[str, float]] = lambda size: {}
     signed: bool = True  # whether a negative size makes sense
     largest: float = np.inf  # size beyond which it is no longer this effect
+    gap: Callable[[np.ndarray], np.ndarray] | None = None
 
 
 @dataclass

@@ -17,7 +17,7 @@ def backlash(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         way, rows = history(track, axis)
         return play(way, 0.006)[rows] / 0.006
 
-    return Effect("backlash", axis, own(axis, value), lambda size: {"size_um": size})
+    return Effect("backlash", axis, own(axis, value), lambda size: {"size_um": size}, gap=np.ones_like)
 
 
 def backlash_position(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
@@ -39,7 +39,11 @@ def backlash_position(scene: Scene, axis: str, rng: np.random.Generator) -> Effe
         way, rows = history(track, axis)
         return play(way, 0.006)[rows] / 0.006 * gap(share(scene, track, axis))
 
-    return Effect("backlash_position", axis, own(axis, value))
+    def at(x: np.ndarray) -> np.ndarray:
+        span = scene.machine.axes[axis]
+        return gap((x - span.low) / span.length)
+
+    return Effect("backlash_position", axis, own(axis, value), gap=at)
 
 
 def windup(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
