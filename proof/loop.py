@@ -1,0 +1,196 @@
+"""The loop closed: a program is corrected by the user's map alone and by the diagnosed machine, and both run through the true one.
+
+The true machine is the generator's: its geometry, and the effects that were hidden. The corrected programs are read by the
+independent interpreter of tests/reference. Nothing of the tool takes part but its command line.
+
+Sliders and dead travel are followed through what is commanded, take-ups of the correction included, as the slide would; from
+which side the map's own columns are read follows from the nominal motion, as the machine contract says.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from proof.generator import cases
+from proof.generator.machines import XYZ, Machine
+from proof.generator.tracks import Sweep, Track
+from proof.trial_run import gcomp
+
+PLACED = {  # effects that a place, and the way to it, decide: what a program can be corrected for beforehand
+    "scale", "pitch_shape", "backlash", "backlash_position", "windup", "cyclic", "squareness", "bow", "abbe", "sag",
+}  # fmt: skip
+STEP = 1.0  # mm between samples
+POINTS, DIAGONAL = 31, 13
+SETTLING = 3  # motions before every axis has turned
+
+
+@dataclass
+class Looped:
+    """Largest path error in um: of the program as it is, corrected by the map alone, by the diagnosed machine. note: why the
+    last is that of the map alone."""
+
+    case: str
+    truth: list[str]
+    uncompensated: float
+    geometry: float
+    diagnosed: float
+    note: str = ""
+
+    @property
+    def ratio(self) -> float:
+        return self.diagnosed / self.geometry
+
+
+def program(machine: Machine) -> tuple[str, np.ndarray]:
+    """A test piece in G1: every axis there and back in unequal steps, every pair on a diagonal there and back. The text and the
+    (K, 3) ends of its motions, slide positions in mm."""
+    rest = np.array([machine.axes[x].share(0.47) if x in machine.axes else 0.0 for x in XYZ])
+    indices = [XYZ.index(x) for x in machine.axes]
+    ends = [rest.copy(), rest.copy(), rest.copy()]
+    for i in indices:  # every axis turns once before anything counts
+        ends[1][i] += 8.0
+    for group in [(i,) for i in indices] + [(i, j) for i in indices for j in indices if i < j]:
+        u = np.linspace(0.1, 0.9, POINTS if len(group) == 1 else DIAGONAL)
+        u[1:-1] += 0.007 * np.sin(2.4 * np.arange(1, len(u) - 1) ** 2)
+        line = np.tile(rest, (len(u), 1))
+        for i in group:
+            line[:, i] = [machine.axes[XYZ[i]].share(float(v)) for v in u]
+        ends += [*line, *line[-2::-1]]
+    points = np.array(ends)
+    lines = ["G21 G90 G94 G17 G54" if machine.form == "mill" else "G21 G90 G94 G18 G54", "F600"]
+    if machine.form != "mill":
+        lines.insert(1, "G8")
+    for k, point in enumerate(points):
+        lines.append(f"N{k + 1} G1 " + " ".join(f"{x}{point[XYZ.index(x)]:.4f}" for x in machine.axes))
+    return "\n".join([*lines, "M30"]) + "\n", points
+
+
+def corrected(text: str, folder: Path) -> tuple[str | None, str]:
+    """The program as gcomp corrects it for the machine in `folder`; None and what it said where it refuses."""
+    with tempfile.TemporaryDirectory() as place:
+        source, target = Path(place) / "p.ngc", Path(place) / "c.ngc"
+        source.write_text(text)
+        status, said = gcomp(
+            "compensate", "--machine", str(folder), "--dialect", "linuxcnc", str(source), "-o", str(target)
+        )
+        if status or not target.is_file():
+            return None, said.strip()[-300:]
+        return target.read_text(), ""
+
+
+def commanded(text: str, machine: Machine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(N, 3) commanded points along a program, (N,) the number of the nominal motion (its N word), (N,) whether the point is
+    the end of an output block."""
+    from tests.reference import interpreter
+
+    letters = list(machine.axes)
+    zero = {"G54": dict.fromkeys(letters, 0.0)}
+    diameter = () if machine.form == "mill" else ("X",)
+    number, of_line = 0, {}
+    for k, line in enumerate(text.splitlines(), start=1):
+        word = re.match(r"\s*N(\d+)", line)
+        number = int(word[1]) if word else number
+        of_line[k] = number
+    points, motion, last = [], [], []
+    for block in interpreter.run(text, "linuxcnc", axes=letters, diameter=diameter, offsets=zero):
+        if block.kind not in ("feed", "rapid"):
+            continue
+        end = _vector(block.end)
+        start = _vector(block.start) if block.known else end
+        n = max(1, int(np.ceil(np.linalg.norm(end - start) / STEP)))
+        for k in range(1, n + 1):
+            points.append(start + (end - start) * k / n)
+            motion.append(of_line[block.line])
+            last.append(k == n)
+    return np.array(points), np.array(motion), np.array(last)
+
+
+def _vector(place: dict) -> np.ndarray:
+    return np.array([float(place.get(x) or 0.0) for x in XYZ])
+
+
+def path_error(drawn: cases.Drawn, text: str, nominal: np.ndarray) -> float:
+    """um: the largest distance of the true machine's path from the nominal one: at ends of motions from the end, between
+    from the line. The mean deviation of all ends is taken off first: a part is clamped and its zero touched on that machine,
+    and no instrument sees a deviation that is the same everywhere."""
+    machine = drawn.scene.machine
+    points, motion, last = commanded(text, machine)
+    went = np.vstack([np.zeros(3), np.sign(np.diff(nominal, axis=0))])
+    held = np.maximum.accumulate(np.where(went != 0, np.arange(len(went))[:, None], 0), axis=0)
+    direction = np.where(np.take_along_axis(went, held, axis=0) == 0, 1.0, np.take_along_axis(went, held, axis=0))
+    actual = points + 1e-3 * deviation(drawn, points, direction[motion - 1])
+    end = nominal[motion - 1]
+    start = nominal[np.maximum(motion - 2, 0)]
+    along = end - start
+    length = np.maximum(np.linalg.norm(along, axis=1), 1e-12)[:, None]
+    counts = motion > SETTLING
+    closes = last & (np.r_[motion[1:], -1] != motion)
+    off = actual - end
+    off -= off[closes & counts].mean(axis=0)
+    across = off - (off * along).sum(axis=1)[:, None] / length**2 * along
+    errors = np.where(closes, np.linalg.norm(off, axis=1), np.linalg.norm(across, axis=1))
+    return float(errors[counts].max() * 1e3)
+
+
+def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """(N, 3) um of the true machine along a commanded path."""
+    machine = drawn.scene.machine
+    time = np.arange(len(points)) * 0.1
+    sweep = Sweep(time, points, np.arange(len(points)), slice(0, len(points)))
+    track = Track(
+        "trace", {"sees": "tool"}, "".join(machine.axes), np.ones(len(points), int), time, points, direction, sweeps=[sweep],
+        force=np.zeros_like(points),
+    )  # fmt: skip
+    total = machine.deviation(points, direction)
+    for hidden in drawn.hidden:
+        effect = hidden.effect
+        if effect.gap is not None:
+            i = XYZ.index(effect.axis)
+            total[:, i] += lost_motion(points[:, i], hidden.size * effect.gap(points[:, i]))
+            continue
+        shift = effect.on(track)
+        if shift is not None and shift.tool is not None:
+            total += hidden.size * shift.tool
+    return total
+
+
+def lost_motion(way: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """(N,) um by which a slide stays behind a drive at `way` (mm) with a dead travel `gap` (N,) um that may vary with the
+    place: it rests in the gap until the drive has crossed it. A negative gap leads instead."""
+    found = np.empty(len(way))
+    place, before = -1.0, way[0]
+    for k, (x, g) in enumerate(zip(way.tolist(), gap.tolist(), strict=True)):
+        reach = max(abs(g) * 1e-3 / 2, 1e-9)
+        place = min(1.0, max(-1.0, place - (x - before) / reach))
+        found[k] = place * g / 2
+        before = x
+    return found
+
+
+def close(case: str, details: dict, folder: Path, diagnosed: Path) -> Looped:
+    """The loop of one case. folder: the case; diagnosed: the machine that the tool wrote."""
+    drawn = cases.draw(details["seed"], details["kind"], details["number"])
+    text, nominal = program(drawn.scene.machine)
+    plain = path_error(drawn, text, nominal)
+    first, said = corrected(text, folder / "machine")
+    if first is None:
+        return Looped(case, _names(drawn), plain, plain, plain, f"the map alone is refused: {said}")
+    geometry = path_error(drawn, first, nominal)
+    second, said = corrected(text, diagnosed) if diagnosed.is_dir() else (None, "no machine was written")
+    if second is None:
+        return Looped(case, _names(drawn), plain, geometry, geometry, said)
+    return Looped(case, _names(drawn), plain, geometry, path_error(drawn, second, nominal))
+
+
+def _names(drawn: cases.Drawn) -> list[str]:
+    return [f"{h.effect.name}:{h.effect.axis or ''}" for h in drawn.hidden]
+
+
+def wanted(truth: list[dict]) -> bool:
+    """Whether the loop can be closed on a case: something visible is hidden, and places decide all of it."""
+    return bool(truth) and all(t["effect"] in PLACED for t in truth) and any(t["visible"] for t in truth)
