@@ -24,7 +24,7 @@ def judged(places, jobs: int, say: Callable = print) -> dict[str, Any]:
     for case in sorted(truth):
         tier, answer = details[case]["kind"], trial_run.read(places.first, case)
         outcome = score.judge(case, tier, truth[case], answer, cost[case]["seconds"])
-        outcome.failed = outcome.failed and cost[case].get("said", "").strip()[-160:] or cost[case].get("said", "")
+        outcome.failed = (outcome.failed and cost[case].get("said", "").strip()[-160:]) or cost[case].get("said", "")
         outcomes.append(outcome)
         if tier == "blind":
             blind.append(_spotted(places, case, details[case]["blind"], answer))
