@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,14 +31,15 @@ SETTLING = 3  # motions before every axis has turned
 
 @dataclass
 class Looped:
-    """Largest path error in um: of the program as it is, corrected by the map alone, by the diagnosed machine. note: why the
-    last is that of the map alone."""
+    """Largest path error in um: of the program as it is, corrected by the map alone, by the diagnosed machine; limit: what the
+    map alone leaves where nothing is hidden (its own error, and the tolerance). note: why diagnosed is that of the map alone."""
 
     case: str
     truth: list[str]
     uncompensated: float
     geometry: float
     diagnosed: float
+    limit: float = 0.0
     note: str = ""
 
     @property
@@ -151,7 +152,8 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
         effect = hidden.effect
         if effect.gap is not None:
             i = XYZ.index(effect.axis)
-            total[:, i] += lost_motion(points[:, i], hidden.size * effect.gap(points[:, i]))
+            gap = hidden.size * effect.gap(points[:, i])
+            total[:, i] += lost_motion(points[:, i], gap, direction[:, i])
             continue
         shift = effect.on(track)
         if shift is not None and shift.tool is not None:
@@ -159,15 +161,16 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
     return total
 
 
-def lost_motion(way: np.ndarray, gap: np.ndarray) -> np.ndarray:
+def lost_motion(way: np.ndarray, gap: np.ndarray, going: np.ndarray) -> np.ndarray:
     """(N,) um by which a slide stays behind a drive at `way` (mm) with a dead travel `gap` (N,) um that may vary with the
-    place: it rests in the gap until the drive has crossed it. A negative gap leads instead."""
+    place: it rests in the gap until the drive has crossed it. A negative one is no gap but a control that makes up for more
+    than there is: it does so where the program turns (going (N,): its direction)."""
     found = np.empty(len(way))
     place, before = -1.0, way[0]
-    for k, (x, g) in enumerate(zip(way.tolist(), gap.tolist(), strict=True)):
+    for k, (x, g, side) in enumerate(zip(way.tolist(), gap.tolist(), going.tolist(), strict=True)):
         reach = max(abs(g) * 1e-3 / 2, 1e-9)
         place = min(1.0, max(-1.0, place - (x - before) / reach))
-        found[k] = place * g / 2
+        found[k] = place * g / 2 if g > 0 else -side * g / 2
         before = x
     return found
 
@@ -179,12 +182,13 @@ def close(case: str, details: dict, folder: Path, diagnosed: Path) -> Looped:
     plain = path_error(drawn, text, nominal)
     first, said = corrected(text, folder / "machine")
     if first is None:
-        return Looped(case, _names(drawn), plain, plain, plain, f"the map alone is refused: {said}")
+        return Looped(case, _names(drawn), plain, plain, plain, note=f"the map alone is refused: {said}")
     geometry = path_error(drawn, first, nominal)
+    limit = path_error(replace(drawn, hidden=[]), first, nominal)
     second, said = corrected(text, diagnosed) if diagnosed.is_dir() else (None, "no machine was written")
     if second is None:
-        return Looped(case, _names(drawn), plain, geometry, geometry, said)
-    return Looped(case, _names(drawn), plain, geometry, path_error(drawn, second, nominal))
+        return Looped(case, _names(drawn), plain, geometry, geometry, limit, said)
+    return Looped(case, _names(drawn), plain, geometry, path_error(drawn, second, nominal), limit)
 
 
 def _names(drawn: cases.Drawn) -> list[str]:

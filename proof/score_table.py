@@ -10,7 +10,6 @@ from proof.score import Outcome, Spotted
 
 Z = 1.959964
 LIBRARY = ("single", "pair", "triple", "masked", "withheld")  # tiers whose truths have names
-CONFUSABLE_AT_LEAST = 2
 
 
 @dataclass
@@ -104,7 +103,7 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
         share(
             "adversarial nulls with any name", [(bool(o.names), _told(o)) for o in of.get("adversarial", [])], most=0.02
         ),
-        share("nulls called unknown", [(o.unknown, _told(o)) for o in none], most=0.05),
+        share("nulls called unknown", [(o.unknown, _told(o)) for o in none]),
     ]
     for low, high, least in ((8.0, 16.01, 0.93), (4.0, 8.0, 0.85), (2.0, 4.0, 0.55)):
         found.append(

@@ -24,7 +24,7 @@ def block(found: dict[str, Any]) -> str:
         _rows(("method", "nulls named", "first name right", "held out over noise: median", "90th percentile"), [_method(m) for m in found["baselines"]]),
         "Largest path error of a test program on the true machine, um (medians):",
         "",
-        _rows(("hidden", "cases", "as it is", "map alone", "diagnosed", "diagnosed / map alone"), _loops(found["loop"])),
+        _rows(("hidden", "cases", "as it is", "map alone", "diagnosed", "nothing hidden", "diagnosed / map alone"), _loops(found["loop"])),
     ]  # fmt: skip
     for failed in found["loop_failed"]:
         parts.append(f"Not followed: {failed}\n")
@@ -58,7 +58,7 @@ def _medians(loops: list[dict[str, Any]]) -> list[str]:
 
     return [
         str(len(loops)),
-        *(f"{middle(k):.1f}" for k in ("uncompensated", "geometry", "diagnosed")),
+        *(f"{middle(k):.1f}" for k in ("uncompensated", "geometry", "diagnosed", "limit")),
         f"{middle('ratio'):.2f}",
     ]
 
