@@ -1,9 +1,9 @@
-"""How well `gcomp diagnose` names what was concealed: cases of proof.generator, scored by the truth beside them.
+"""How well `gcomp diagnose` names what was concealed: cases of proof.generator, judged as a sealed trial judges (proof.score).
 
     python -m benchmarks.diagnosis --seed 7 --kind single --count 100 [--jobs 2] [--list]
 
-Every case is a folder as a stranger would hand it over: a machine and recordings. The table says, by size of the effect: named right
-(effect and axis), truth within the answer or its equivalent names, missed, wrong names; and for nulls the share with any name.
+For tuning: any seed, as often as wanted. What counts is `python -m proof.trial`. The table says, by size of the effect: named
+right (effect and axis, among the accepted names), truth within the answer or its equivalent names, missed, wrong names.
 """
 
 from __future__ import annotations
@@ -17,13 +17,19 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+from proof.generator import make
+from proof.generator.__main__ import write
+from proof.score import Outcome
+from proof.score import judge as judged
+from proof.score_table import lines, table
+
 BANDS = ((8, 1e9), (4, 8), (2, 4), (0, 2))
-SAME = {"servo_lag": {"servo_mismatch"}}
 
 
-def judge(folder: Path) -> dict:
-    """What the tool answers to one case."""
+def answer(folder: Path) -> tuple[str, dict | None, list[tuple[str, int]], float, str]:
+    """Name of the case, what the tool answers, names with their scores, seconds, and the traceback if it failed."""
     from postproc import recordings
+    from postproc.diagnose import report
     from postproc.diagnose.analysis import diagnose
     from postproc.machine.file import read_machine
 
@@ -31,86 +37,66 @@ def judge(folder: Path) -> dict:
     try:
         files = sorted(folder.glob("r*.csv"))
         options = recordings.ReadingOptions(strict=False)
-        read = [recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files]
+        data = [f.read_bytes() for f in files]
+        read = [
+            recordings.read(recordings.Source(str(f), d), options=options) for f, d in zip(files, data, strict=True)
+        ]
         d = diagnose(read, read_machine(folder / "machine"))
+        scores = [(f.block.key, int(min(f.score, 1e9))) for f in d.findings if f.status == "accepted"]
+        return folder.name, report.as_json(d, data), scores, time.process_time() - began, ""
     except Exception:
-        return {
-            "case": folder.name,
-            "error": traceback.format_exc(),
-            "names": [],
-            "sets": [],
-            "verdict": "error",
-            "seconds": 0.0,
-            "scores": [],
-            "unknown": False,
-        }
-    held = d.held if d.held.any() else ~d.held
-    return {
-        "case": folder.name, "error": "", "verdict": d.verdict, "seconds": time.process_time() - began,
-        "names": [f.block.key for f in d.findings if f.status == "accepted"],
-        "sets": [[f.block.key, *f.equivalent] for f in d.findings if f.status == "accepted"],
-        "scores": [int(min(f.score, 1e9)) for f in d.findings], "unknown": d.unknown is not None, "blind": [f"{n}:{a}" for n, a, _ in d.blind],
-        "before": float((d.before[held] ** 2).mean() ** 0.5 * 1e3), "after": float((d.after[held] ** 2).mean() ** 0.5 * 1e3),
-        "coverage": float((abs(d.after[held]) <= 1.96 * d.sigma[held]).mean()),
-    }  # fmt: skip
+        return folder.name, None, [], time.process_time() - began, traceback.format_exc()
 
 
-def key_of(effect: dict) -> str:
-    return f"{effect['effect']}:{effect['axis'] or ''}"
-
-
-def hit(truth: str, names: list[str]) -> bool:
-    name, _, axis = truth.partition(":")
-    return any(n == truth or (n.split(":")[0] == name and sorted(n.partition(":")[2]) == sorted(axis)) for n in names)
-
-
-def table(truth: dict, answers: list[dict], listed: bool) -> None:
+def show(outcomes: list[Outcome], scores: dict[str, list], listed: bool) -> None:
+    """The short table, by size and by effect."""
     by_band: dict[tuple, Counter] = {b: Counter() for b in BANDS}
     effects: dict[str, Counter] = {}
-    false_names = accepted = 0
-    for a in answers:
-        effects_in = [e for e in truth[a["case"]] if e.get("visible", True)]
-        wanted = [key_of(e) for e in truth[a["case"]]]
-        accepted += len(a["names"])
-        wrong = [n for n in a["names"] if not any(hit(w, [n]) for w in wanted)]
-        false_names += len(wrong)
-        for e in effects_in:
-            band = next(b for b in BANDS if b[0] <= e["peak_um"] < b[1])
-            key = key_of(e)
-            outcome = (
-                "right"
-                if hit(key, a["names"])
-                else "in set"
-                if any(hit(key, s) for s in a["sets"])
-                else "missed"
-                if not a["names"]
-                else "wrong"
-            )
-            by_band[band][outcome] += 1
-            by_band[band]["n"] += 1
-            effects.setdefault(e["effect"], Counter())[outcome] += 1
+    for o in outcomes:
+        said = f"said {scores[o.case]}{' unknown' if o.unknown else ''}"
+        for key, size, named, in_set in zip(o.truths, o.peaks, o.named, o.in_set, strict=True):
+            band = next(b for b in BANDS if b[0] <= size < b[1])
+            outcome = "right" if named else "in set" if in_set else "missed" if not o.names else "wrong"
+            by_band[band].update((outcome, "n"))
+            effects.setdefault(key.partition(":")[0], Counter())[outcome] += 1
             if listed and outcome != "right":
-                print(
-                    f"  {a['case']} {key} {e['peak_um']:.1f} um: {outcome}; said {list(zip(a['names'], a['scores'], strict=False))}{' unknown' if a['unknown'] else ''}"
-                )
-        if listed and not effects_in and (a["names"] or a["unknown"]):
-            print(
-                f"  {a['case']} null: said {list(zip(a['names'], a['scores'], strict=False))}{' unknown' if a['unknown'] else ''}"
-            )
-        if a["error"]:
-            print(f"  {a['case']} ERROR {a['error'].splitlines()[-1]}")
+                print(f"  {o.case} {key} {size:.1f} um: {outcome}; {said}")
+        if listed and not o.truths and (o.names or o.unknown):
+            print(f"  {o.case} null: {said}")
+        if o.failed:
+            print(f"  {o.case} ERROR {o.failed.splitlines()[-1]}")
             if listed:
-                print(a["error"])
+                print(o.failed)
     for (low, high), c in by_band.items():
         if c["n"]:
-            print(
-                f"{low:>3} to {min(high, 99):g} um: n {c['n']:>3}  right {c['right'] / c['n']:.2f}  in set {(c['right'] + c['in set']) / c['n']:.2f}  missed {c['missed'] / c['n']:.2f}  wrong {c['wrong'] / c['n']:.2f}"
-            )
-    n = len(answers)
-    print(f"cases {n}, with any name {sum(bool(a['names']) for a in answers) / n:.3f}, unknown {sum(a['unknown'] for a in answers) / n:.3f}, "
-          f"accepted names {accepted}, of these false {false_names}, seconds a case {sum(a['seconds'] for a in answers) / n:.1f}")  # fmt: skip
+            parts = {
+                "right": c["right"], "in set": c["right"] + c["in set"], "missed": c["missed"], "wrong": c["wrong"],
+            }  # fmt: skip
+            told = "  ".join(f"{name} {v / c['n']:.2f}" for name, v in parts.items())
+            print(f"{low:>3} to {min(high, 99):g} um: n {c['n']:>3}  {told}")
+    n = len(outcomes)
+    print(f"cases {n}, with any name {sum(bool(o.names) for o in outcomes) / n:.3f}, unknown {sum(o.unknown for o in outcomes) / n:.3f}, "
+          f"accepted names {sum(len(o.names) for o in outcomes)}, of these false {sum(len(o.wrong) for o in outcomes)}, "
+          f"seconds a case {sum(o.seconds for o in outcomes) / n:.1f}")  # fmt: skip
     for name, c in sorted(effects.items()):
         print(f"  {name:<22}" + "  ".join(f"{k} {v}" for k, v in sorted(c.items())))
+
+
+def _made(work: tuple) -> None:
+    seed, kind, number, folder = work
+    case = make(seed, kind, number)
+    write(case, folder, folder.parent / f"truth-{number}")
+
+
+def cases_of(options: argparse.Namespace, folder: Path) -> dict[str, list]:
+    """Cases written into `folder`; what is hidden in each."""
+    work = [(options.seed, options.kind, k, folder) for k in range(options.count)]
+    with ProcessPoolExecutor(options.jobs) as pool:
+        list(pool.map(_made, work))
+    truth: dict[str, list] = {}
+    for path in sorted(folder.parent.glob("truth-*/truth.json")):
+        truth |= json.loads(path.read_text())
+    return truth
 
 
 def main() -> None:
@@ -120,38 +106,30 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--list", action="store_true")
+    parser.add_argument("--table", action="store_true", help="the table of a trial as well")
     parser.add_argument(
         "--cases", metavar="FOLDER", help="cases that exist already, with ../truth/truth.json beside them"
     )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(options.cases) if options.cases else Path(scratch) / "cases"
-        if not options.cases:
-            import subprocess
-            import sys
-
-            subprocess.run(
-                [
-                    sys.executable,
-                    "-m",
-                    "proof.generator",
-                    "--seed",
-                    options.seed,
-                    "--kind",
-                    options.kind,
-                    "--count",
-                    str(options.count),
-                    "-o",
-                    str(folder),
-                ],
-                check=True,
-            )
-        truth = json.loads((folder.parent / "truth" / "truth.json").read_text())
+        if options.cases:
+            folder = Path(options.cases)
+            truth = json.loads((folder.parent / "truth" / "truth.json").read_text())
+        else:
+            folder = Path(scratch) / "cases"
+            truth = cases_of(options, folder)
         cases = sorted(p for p in folder.iterdir() if p.is_dir())
         with ProcessPoolExecutor(options.jobs) as pool:
-            answers = list(pool.map(judge, cases))
-        print(f"kind {options.kind}, seed {options.seed}")
-        table(truth, answers, options.list)
+            answers = list(pool.map(answer, cases))
+    outcomes, scores = [], {}
+    for name, said, marks, seconds, failed in answers:
+        outcomes.append(judged(name, options.kind, truth[name], said, seconds))
+        outcomes[-1].failed = failed
+        scores[name] = marks
+    print(f"kind {options.kind}, seed {options.seed}")
+    show(outcomes, scores, options.list)
+    if options.table:
+        print(table([r for r in lines(outcomes, []) if r.count]))
 
 
 if __name__ == "__main__":

@@ -3,8 +3,10 @@
 The true machine is the generator's: its geometry, and the effects that were hidden. The corrected programs are read by the
 independent interpreter of tests/reference. Nothing of the tool takes part but its command line.
 
-Sliders and dead travel are followed through what is commanded, take-ups of the correction included, as the slide would; from
-which side the map's own columns are read follows from the nominal motion, as the machine contract says.
+From which side an axis came is told by the nominal motion, for the map's own columns and for dead travel alike, as the machine
+contract has it: a take-up of the correction counts as made. So one thing is left out: an axis that rests, and is corrected
+back by less than its own dead travel, follows here and would not on a real slide (gcomp gives a notice of it). Sliders that
+give way (windup) are followed through every commanded point.
 """
 
 from __future__ import annotations
@@ -152,27 +154,12 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
         effect = hidden.effect
         if effect.gap is not None:
             i = XYZ.index(effect.axis)
-            gap = hidden.size * effect.gap(points[:, i])
-            total[:, i] += lost_motion(points[:, i], gap, direction[:, i])
+            total[:, i] -= direction[:, i] / 2 * hidden.size * effect.gap(points[:, i])
             continue
         shift = effect.on(track)
         if shift is not None and shift.tool is not None:
             total += hidden.size * shift.tool
     return total
-
-
-def lost_motion(way: np.ndarray, gap: np.ndarray, going: np.ndarray) -> np.ndarray:
-    """(N,) um by which a slide stays behind a drive at `way` (mm) with a dead travel `gap` (N,) um that may vary with the
-    place: it rests in the gap until the drive has crossed it. A negative one is no gap but a control that makes up for more
-    than there is: it does so where the program turns (going (N,): its direction)."""
-    found = np.empty(len(way))
-    place, before = -1.0, way[0]
-    for k, (x, g, side) in enumerate(zip(way.tolist(), gap.tolist(), going.tolist(), strict=True)):
-        reach = max(abs(g) * 1e-3 / 2, 1e-9)
-        place = min(1.0, max(-1.0, place - (x - before) / reach))
-        found[k] = place * g / 2 if g > 0 else -side * g / 2
-        before = x
-    return found
 
 
 def close(case: str, details: dict, folder: Path, diagnosed: Path) -> Looped:
