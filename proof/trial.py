@@ -120,18 +120,30 @@ def run(places: Places, jobs: int, say: Callable = print) -> None:
     """The tool's one shot: all cases; the hash of its answers; then the follow-ups."""
     commitment = Commitment.read(places.commitment)
     trial_seal.check(commitment, places.cases, None, places.listed)
+    laid_down = places.kept / "answers.json"
+    before = json.loads(laid_down.read_text()) if laid_down.exists() else {}
     log = trial_run.run(places.cases, places.first, jobs)
     laid = {"first_sha256": trial_run.digest(places.first)}
-    (places.kept / "answers.json").write_text(json.dumps(laid, indent=1) + "\n")
-    say(
-        f"{len(log)} cases answered, {sum(bool(d['status']) for d in log.values())} of them with an error; {laid['first_sha256'][:16]}"
-    )
+    laid_down.write_text(json.dumps(laid, indent=1) + "\n")
+    wrong = sum(bool(d["status"]) for d in log.values())
+    say(f"{len(log)} cases answered, {wrong} of them with an error; {_compared(before, laid, 'first_sha256')}")
     released = places.sealed / "follow_up"
     names = sorted(p.name for p in released.iterdir()) if released.is_dir() else []
     trial_run.run(places.cases, places.later, jobs, released, names)
     laid["later_sha256"] = trial_run.digest(places.later)
-    (places.kept / "answers.json").write_text(json.dumps(laid, indent=1) + "\n")
-    say(f"{len(names)} follow-ups answered")
+    laid_down.write_text(json.dumps(laid, indent=1) + "\n")
+    say(f"{len(names)} follow-ups answered; {_compared(before, laid, 'later_sha256')}")
+
+
+def _compared(before: dict, now: dict, name: str) -> str:
+    if name not in before:
+        return f"SHA-256 {now[name][:16]}"
+    same = (
+        "the same answers as were laid down before"
+        if before[name] == now[name]
+        else "OTHER answers than were laid down before"
+    )
+    return f"SHA-256 {now[name][:16]}, {same}"
 
 
 def score(places: Places, jobs: int, page: Path | None = None, say: Callable = print) -> dict:

@@ -8,6 +8,8 @@ import hashlib
 import io
 import json
 import os
+import shutil
+import tempfile
 import time
 import traceback
 from collections.abc import Iterable
@@ -37,22 +39,30 @@ def gcomp(*words: str) -> tuple[int, str]:
 
 
 def answer(case: Path, more: Iterable[Path], out: Path) -> dict[str, Any]:
-    """Diagnose one case: answer and machine written under out/<case>; returns what the run cost and whether it failed."""
-    recordings = [*sorted(case.glob("r*.csv")), *sorted(more)]
-    place = out / case.name
+    """Diagnose one case: answer and machine written under out/<case>; returns what the run cost and whether it failed.
+
+    The tool runs in a folder of its own that holds nothing but the recordings and the machine, so that its answer is the
+    same wherever the trial lies."""
+    place = out.resolve() / case.name
     place.mkdir(parents=True, exist_ok=True)
     fits = place / "residuals.csv"
-    begun, wall = time.process_time(), time.perf_counter()
-    status, said = gcomp(
-        "diagnose", *map(str, recordings), "--machine", str(case / "machine"), "--json", str(place / "answer.json"),
-        "--residuals", str(fits), "--write-machine", str(place / "machine"), "--quiet", "--force",
-    )  # fmt: skip
-    done = {
-        "case": case.name,
-        "status": status,
-        "seconds": time.process_time() - begun,
-        "wall": time.perf_counter() - wall,
-    }
+    here = Path.cwd()
+    with tempfile.TemporaryDirectory() as alone:
+        recordings = [*sorted(case.glob("r*.csv")), *sorted(more)]
+        for path in recordings:
+            shutil.copy(path, alone)
+        shutil.copytree(case / "machine", Path(alone) / "machine")
+        os.chdir(alone)
+        try:
+            begun, wall = time.process_time(), time.perf_counter()
+            status, said = gcomp(
+                "diagnose", *(p.name for p in recordings), "--machine", "./machine", "--json", str(place / "answer.json"),
+                "--residuals", str(fits), "--write-machine", str(place / "machine"), "--quiet", "--force",
+            )  # fmt: skip
+            done = {"seconds": time.process_time() - begun, "wall": time.perf_counter() - wall}
+        finally:
+            os.chdir(here)
+    done |= {"case": case.name, "status": status}
     if status:
         return done | {"said": said[-2000:]}
     told = believed(json.loads((place / "answer.json").read_text()), fits)

@@ -89,6 +89,18 @@ def test_a_tool_has_one_shot(places):
         trial.run(places, 1, say=lambda text: None)
 
 
+def test_the_tool_sees_recordings_and_machine_alone_and_answers_the_same_anywhere(places, tmp_path):
+    case = sorted(p for p in places.cases.iterdir() if not (places.sealed / "follow_up" / p.name).exists())[0]
+    moved = tmp_path / "elsewhere" / case.name
+    shutil.copytree(case, moved)
+    for folder, out in ((case, tmp_path / "a"), (moved, tmp_path / "b")):
+        done = trial_run.answer(folder, [], out)
+        assert done["status"] == 0 and "said" not in done
+    assert trial_run.digest(tmp_path / "a") == trial_run.digest(tmp_path / "b")
+    answer = json.loads((tmp_path / "a" / case.name / "answer.json").read_text())
+    assert {r["file"] for r in answer["recordings"]} == {p.name for p in case.glob("r*.csv")}
+
+
 def test_the_same_freeze_gives_the_same_cases_and_another_commitment_is_refused(places, tmp_path):
     shutil.rmtree(places.work)
     again = trial.make(FREEZE, TIERS, places, 1, salt="ab" * 32, say=lambda text: None)
