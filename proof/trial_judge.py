@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -47,7 +48,7 @@ def judged(places, jobs: int, say: Callable = print) -> dict[str, Any]:
         tier: [places.cases / c for c in sorted(truth) if details[c]["kind"] == tier] for tier in ("null", "single")
     }
     return {
-        "lines": [asdict(r) | {"cells": r.cells()} for r in rows], "failures": score_table.failures(rows),
+        "lines": [asdict(r) | {"value": None if math.isnan(r.value) else r.value, "cells": r.cells()} for r in rows], "failures": score_table.failures(rows),
         "outcomes": [asdict(o) for o in outcomes], "blind": [asdict(s) for s in blind],
         "loop": [asdict(x) | {"ratio": x.ratio} for x in good], "loop_failed": [x for x in loops if isinstance(x, str)],
         "baselines": _compared(named, guesses), "leak": asdict(trial_leaks.leak(tiers["null"], tiers["single"])),
