@@ -76,7 +76,7 @@ def judge(
         outcome.failed = "no answer"
         answer = {}
     effects = accepted(answer)
-    outcome.names = [key_of(e) for e in effects]
+    outcome.names = list(dict.fromkeys(key_of(e) for e in effects))  # twice the same is a shape refined, one name
     outcome.unknown = unknown(answer)
     wanted = [key_of(t) for t in truth]
     sets = [n for e in effects for n in [key_of(e), *(e.get("equivalent") or [])]]
@@ -90,10 +90,10 @@ def judge(
         outcome.named.append(hit(key, outcome.names))
         outcome.in_set.append(hit(key, sets))
     outcome.wrong = [n for n in outcome.names if not any(same(w, n) for w in wanted)]
-    for e in effects:
-        for t in truth:
-            if same(key_of(t), key_of(e)):
-                _parameters(outcome, t, e)
+    for t in truth:
+        first = next((e for e in effects if same(key_of(t), key_of(e))), None)
+        if first is not None:
+            _parameters(outcome, t, first)
     fit = answer.get("fit") or {}
     outcome.before, outcome.after = fit.get("rms_before_um"), fit.get("rms_after_um")
     outcome.floor, outcome.coverage = fit.get("noise_floor_um"), fit.get("coverage95")

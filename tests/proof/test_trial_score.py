@@ -66,6 +66,13 @@ def test_parameters_are_held_against_the_truth_and_their_intervals():
     assert o.inside == [False]  # an interval of no width is none
 
 
+def test_the_same_name_twice_is_one_name_and_the_larger_part_tells_its_size():
+    parts = [{"amplitude_um": {"value": v, "ci95": [v - 0.1, v + 0.1]}} for v in (6.0, 1.5)]
+    both = [effect("cyclic", rms=r, parameters=p) for r, p in zip((4.0, 1.0), parts, strict=True)]
+    o = judge("c", "single", [truth("cyclic", parameters={"amplitude_um": 6.05})], said(*reversed(both)))
+    assert o.names == ["cyclic:X"] and o.errors == [("cyclic", pytest.approx(0.05 / 6.05))] and o.inside == [True]
+
+
 def test_wilson_as_published():
     """Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3: 81 of 263, and 0 of 20."""
     assert wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
