@@ -46,7 +46,9 @@ def run(options: argparse.Namespace) -> int:
     sources = []
     for path in options.recordings:
         file = Path(path)
-        if not file.is_file():
+        if file.is_dir():
+            raise UsageError(f"{path} is a folder", f"name the recordings in it: {path}/*.csv")
+        if not file.exists():
             raise UsageError(f"there is no recording {path}")
         sources.append(formats.Source(path, file.read_bytes()))
     lenient = formats.ReadingOptions(strict=False)

@@ -13,19 +13,21 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import fit, library, locate, noise, restless, structure, unrecorded
+from postproc.diagnose import fit, library, likeness, locate, noise, restless, sound, structure, stuck, unrecorded
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.select import MATERIAL, Model, Selector
 from postproc.errors import UsageError
 from postproc.machine.model import Machine
-from postproc.recordings import Recording
+from postproc.recordings import Recording, RecordingError
 
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 ALIKE = 0.97  # of the best score: explains as well
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
 CONCERNS = 0.3  # of what is left in a signal
 SEED = 20131
+STEP = 0.5  # of an instrument's step: its rounding is the same in every run
+FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
 
 
 @dataclass(frozen=True)
@@ -75,19 +77,23 @@ class Diagnosis:
     least: float
     alike: np.ndarray
     unknown: dict | None = None
+    notices: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
 
     @property
     def verdict(self) -> str:
         if any(f.status == "accepted" for f in self.findings):
             return "left-out-physics"
-        return "unknown" if self.unknown else "nothing-left-out"
+        return "unknown" if self.unknown or self.doubts else "nothing-left-out"
 
 
 def diagnose(recordings: list[Recording], machine: Machine, options: Options | None = None) -> Diagnosis:
     """Raises RecordingError or UsageError for what can not be compared."""
     options = options or Options()
     options.told("reading")
-    rows = of(recordings, machine)
+    usable = sound.checked(recordings, machine)
+    rows = of(usable.recordings, machine)
+    doubts = likeness.doubts(usable.recordings, rows, machine)
     rows, sigma, alike, faults = _cleaned(rows)
     held, held_name = _held(rows, options.held_out)
     u, prior = fit.nuisances(rows)
@@ -99,6 +105,11 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     blocks = [replace(b, columns=b.columns[train]) for b in every]
     live = [k for k, b in enumerate(blocks) if (np.abs(b.columns).max(axis=0) > 1e-9).all()]
     every, blocks = [every[k] for k in live], [blocks[k] for k in live]
+    if not blocks:
+        raise RecordingError(
+            f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
+            "record at several places, from both sides; gcomp simulate --test writes such a program",
+        )
     selector, model, places = _chosen(part, sigma[train], u[train], prior, blocks, options)
     creep = restless.creeping(part, _left(part, selector, model), sigma[train], alike[train])
     if creep and any(
@@ -122,9 +133,10 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         findings.append(_restless(creep, len(rows)))
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, findings, places, _limits(selector, chosen),
-        _blind(rows, every), faults, selector.least, alike,
+        _blind(rows, every), usable.faults + faults, selector.least, alike, notices=usable.notices, doubts=doubts,
     )  # fmt: skip
     _unknown(diagnosis)
+    _doubted(diagnosis)
     return diagnosis
 
 
@@ -148,6 +160,7 @@ def _left(rows: Rows, selector: Selector, model: Model) -> np.ndarray:
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
     """Rows without lone outliers, their noise and by how much it was inflated, and what was left out."""
     sigma, alike = noise.of(rows, rows.residual)
+    sigma = np.maximum(sigma, stuck.step(rows.y, rows.signal) * STEP)
     lone = noise.isolated(rows, rows.residual, sigma)
     faults = [
         (int(rows.file[k]), int(rows.line[k]), "outlier", float(lone[k] * sigma[k]))
@@ -316,3 +329,19 @@ def _unknown(d: Diagnosis) -> None:
         signals = [float(np.std(worst.contribution[d.rows.signal == s])) for s in range(len(d.rows.signals))]
         signal = int(np.argmax(signals))
         d.unknown = {"signal": signal, "rms": signals[signal], "share": 1.0}
+
+
+def _doubted(d: Diagnosis) -> None:
+    """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear the names out."""
+    accepted = [f for f in d.findings if f.status == "accepted"]
+    if accepted and d.held.any():
+        before, after = (float(np.sqrt(np.mean(v[d.held] ** 2))) for v in (d.before, d.after))
+        ground = float(np.sqrt(np.mean((d.sigma / d.alike)[d.held] ** 2)))
+        if after > FAR_OFF * ground and after > NO_BETTER * before:
+            d.doubts.append(
+                f"the runs that took no part are {after * 1e3:.2f} um off with these effects and {before * 1e3:.2f} um without, where their noise is "
+                f"{ground * 1e3:.2f} um: the recordings contradict each other, or something changed between them"
+            )
+    if d.doubts:
+        for f in accepted:
+            f.status = "tentative"

@@ -16,6 +16,7 @@ from postproc.diagnose.experiments import separating, showing
 
 FORMAT = "gcomp-diagnosis/1"
 UM = 1e3
+SHOWN = 5  # rows of a kind in the answer for a person
 
 
 def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
@@ -41,6 +42,8 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
             for file, line, what, size in d.faults
         ],
         "fit": fit_of(d),
+        "doubts": d.doubts,
+        "notices": d.notices,
     }  # fmt: skip
 
 
@@ -150,6 +153,7 @@ def residual_rows(d: Diagnosis) -> Iterator[str]:
 def as_text(d: Diagnosis) -> str:
     """What a person wants to know: what, where, how large, how sure, what to do next."""
     lines = [_headline(d), ""]
+    lines += [f"DOUBT: {text}." for text in d.doubts]
     for f in d.findings:
         axis = f" of {f.block.axis}" if f.block.axis else ""
         values = ", ".join(_value(name, v, f.ci95[name], f.block.module) for name, v in f.value.items())
@@ -172,8 +176,8 @@ def as_text(d: Diagnosis) -> str:
             f"UNKNOWN: {d.unknown['rms'] * UM:.1f} um rms in {d.rows.signals[d.unknown['signal']]} repeat from run to run, and nothing "
             "in the library explains them."
         )
-    for file, line, what, size in d.faults:
-        lines.append(f"DATA: {d.recordings[file].file}:{line}: {what}, {size * UM:.1f} um off; left out")
+    lines += _faults(d)
+    lines += [f"NOTE: {text}." for text in d.notices]
     fit = fit_of(d)
     if fit["held_out"]:
         lines.append(
@@ -189,11 +193,29 @@ def as_text(d: Diagnosis) -> str:
     return "\n".join(lines)
 
 
+def _faults(d: Diagnosis) -> list[str]:
+    """A line for every row that was left out; of many alike in a file the first few and their number."""
+    alike: dict[tuple[int, str], list[tuple[int, float]]] = {}
+    for file, line, what, size in d.faults:
+        alike.setdefault((file, what), []).append((line, size))
+    result = []
+    for (file, what), rows in alike.items():
+        for line, size in rows[:SHOWN]:
+            off = f", {size * UM:.3g} um off" if size else ""
+            left = "" if what.endswith("not recorded") else "; left out"
+            result.append(f"DATA: {d.recordings[file].file}:{line}: {what}{off}{left}")
+        if len(rows) > SHOWN:
+            result.append(f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json lists them")
+    return result
+
+
 def _headline(d: Diagnosis) -> str:
     accepted = [f for f in d.findings if f.status == "accepted"]
     if d.verdict == "left-out-physics":
         names = ", ".join(f"{f.block.name}{' of ' + f.block.axis if f.block.axis else ''}" for f in accepted)
         return f"The model of {d.machine.name} leaves out: {names}."
+    if d.doubts:
+        return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
     if d.verdict == "unknown":
         return f"The model of {d.machine.name} leaves something out that the library can not name."
     return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
