@@ -160,7 +160,7 @@ def _left(rows: Rows, selector: Selector, model: Model) -> np.ndarray:
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
     """Rows without lone outliers, their noise and by how much it was inflated, and what was left out."""
     sigma, alike = noise.of(rows, rows.residual)
-    sigma = np.maximum(sigma, stuck.step(rows.y, rows.signal) * STEP)
+    sigma = np.maximum(sigma, np.maximum(rows.grain, stuck.step(rows.y, rows.signal) * STEP))
     lone = noise.isolated(rows, rows.residual, sigma)
     faults = [
         (int(rows.file[k]), int(rows.line[k]), "outlier", float(lone[k] * sigma[k]))

@@ -16,6 +16,7 @@ from postproc.recordings import Recording
 XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
+LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
@@ -183,29 +184,59 @@ def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
 
 
 def _averaged(columns: dict, run: np.ndarray) -> dict:
-    """Neighbouring samples of a run averaged until at most MOST_ROWS are left."""
+    """Neighbouring samples of a run averaged until few enough are left. After a turn the first rows are short and grow with the time
+    since: what a turn sets off fades, and an average over it would hide it."""
     n = len(columns["y"])
-    width = int(np.ceil(n / MOST_ROWS))
+    width = int(np.ceil(n / (MOST_ROWS if n <= LONG else MOST_OF_LONG)))
     if width == 1:
         return columns
     cut = np.diff(run) != 0
+    turned = np.zeros(n - 1, bool)
     for name, value in columns.items():
         if name.endswith("approach"):
-            cut = cut | (np.diff(value) != 0)
-    start = np.concatenate([[0], np.flatnonzero(cut) + 1, [n]])
-    edges = np.concatenate([np.arange(a, b, width) for a, b in pairwise(start)])
+            turned |= np.diff(value) != 0
+    start = np.concatenate([[0], np.flatnonzero(cut | turned) + 1, [n]])
+    fresh = np.concatenate([[False], turned[start[1:-1] - 1]])
+    steps = _growing(width)
+    edges = np.concatenate(
+        [
+            np.concatenate([a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)]) if new and n > LONG else np.arange(a, b, width)
+            for (a, b), new in zip(pairwise(start), fresh, strict=True)
+        ]
+    )  # fmt: skip
     size = np.diff(np.append(edges, n))
     step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
-    result: dict = {"width": size * float(step)}
+    result: dict = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
     for name, value in columns.items():
         if not isinstance(value, np.ndarray):
             result[name] = value
         elif name in ("run", "line") or name.endswith("approach"):
             result[name] = value[np.minimum(edges + size // 2, n - 1)]
+        elif (
+            name.startswith("channel ")
+            and value.ndim == 1
+            and len(value)
+            and value[0] == value[-1]
+            and np.all(value == value[0])
+        ):
+            result[name] = np.full(len(edges), value[0])
         else:
             mean = np.add.reduceat(value, edges, axis=0)
             result[name] = mean / (size if value.ndim == 1 else size[:, None])
     return result
+
+
+def _growing(width: int) -> np.ndarray:
+    """Offsets from a turn at which rows begin: each a quarter longer than the time before it, until they are of the usual width."""
+    steps = [0]
+    while len(steps) < 2 or steps[-1] - steps[-2] < width:
+        steps.append(steps[-1] + max(1, steps[-1] // 4))
+    return np.array(steps)
+
+
+def _grain(y: np.ndarray) -> float:
+    """mm: noise of a single sample, from third differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(y, 3)))) / np.sqrt(20.0) if len(y) > 8 else 0.0
 
 
 def _features(recording: Recording, machine: Machine):
