@@ -125,11 +125,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
     """Rows without lone outliers, their noise and by how much it was inflated, and what was left out."""
     sigma, alike = noise.of(rows, rows.residual)
-    lone = noise.isolated(rows, rows.residual, sigma)
-    faults = [
-        (int(rows.file[k]), int(rows.line[k]), "outlier", float(lone[k] * sigma[k]))
-        for k in np.flatnonzero(lone >= DROPPED)
-    ]
+    lone, off = noise.isolated(rows, rows.residual, sigma)
+    faults = [(int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k])) for k in np.flatnonzero(lone >= DROPPED)]
     sigma = sigma * np.where(lone > ALONE, np.maximum(1.0, lone / 2), 1.0)
     keep = lone < DROPPED
     return rows.pick(keep), sigma[keep], alike[keep], faults
