@@ -88,7 +88,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("reading")
     rows = of(recordings, machine)
     rows, sigma, alike, faults = _cleaned(rows)
-    held, held_name = _held(rows, options.held_out)
+    held, held_name = _held(rows, options.held_out, recordings)
     u, prior = fit.nuisances(rows)
     options.told("locating")
     train = np.flatnonzero(~held)
@@ -100,7 +100,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     every, blocks = [every[k] for k in live], [blocks[k] for k in live]
     selector = Selector(part, part.residual, sigma[train], u[train], prior, blocks)
     options.told("calibrating")
-    if options.draws:
+    if options.draws and blocks:
         selector.calibrate(np.random.default_rng(SEED), options.draws)
     places = locate.regions(part, sigma[train], u[train], prior)
     options.told("choosing")
@@ -132,7 +132,7 @@ def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, 
     return rows.pick(keep), sigma[keep], alike[keep], faults
 
 
-def _held(rows: Rows, wanted: str) -> tuple[np.ndarray, str]:
+def _held(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray, str]:
     """(N,) which rows take no part, and what they are called."""
     held = np.zeros(len(rows), bool)
     if wanted:
@@ -145,12 +145,37 @@ def _held(rows: Rows, wanted: str) -> tuple[np.ndarray, str]:
                 f"--holdout {wanted}: there is {'nothing' if not held.any() else 'no other run than'} {wanted}"
             )
         return held, f"run {int(value)}"
+    said = []
     for file in range(len(rows.files)):
         which = rows.file == file
         runs = np.unique(rows.run[which])
-        if len(runs) >= 3 and rows.kinds[file] != "features":
+        if rows.kinds[file] == "features":
+            again = _last_readings(rows, file, recordings[file])
+            if again.any():
+                held |= again
+                said.append("the last reading of every feature")
+        elif len(runs) >= 3:
             held |= which & (rows.run == runs[-1])
-    return held, "the last run of every recording that has three at least" if held.any() else ""
+            said.append("the last run of every recording that has three at least")
+    return held, ", ".join(dict.fromkeys(said))
+
+
+def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
+    """(N,) bool: the last reading of features that were all read three times on each part; none else."""
+    reading = recording.columns.get("reading")
+    own = np.flatnonzero(rows.file == file)
+    result = np.zeros(len(rows), bool)
+    if reading is None or len(recording.lines) != len(recording) or not len(own):
+        return result
+    number = dict(zip(recording.lines.tolist(), reading.tolist(), strict=True))
+    read = np.array([number.get(int(k), np.nan) for k in rows.line[own]])
+    each = {
+        (s, r): set(read[(rows.signal[own] == s) & (rows.run[own] == r)])
+        for s, r in zip(rows.signal[own], rows.run[own], strict=True)
+    }
+    if min(len(values) for values in each.values()) >= 3 and np.isfinite(read).all():
+        result[own[read == read.max()]] = True
+    return result
 
 
 def _residuals(rows, sigma, u, prior, held, every, chosen, model):
@@ -260,18 +285,32 @@ def _even(rows: Rows, axis: str) -> float:
     return round(min(steps), 3) if steps else 0.0
 
 
+def _left_of_feature(d: Diagnosis, which: np.ndarray) -> float:
+    """mm: what several readings of one feature have in common, over the parts; 0 where it was read once a part."""
+    products = []
+    for part in np.unique(d.rows.run[which]):
+        y = d.after[which & (d.rows.run == part)]
+        if len(y) > 1:
+            products.append((y.sum() ** 2 - (y**2).sum()) / (len(y) * (len(y) - 1)))
+    return float(np.sqrt(max(np.mean(products), 0.0))) if products else 0.0
+
+
 def _unknown(d: Diagnosis) -> None:
     """Structure that is left: runs that agree with each other about what nothing explains."""
     worst: tuple[float, int, float] = (0.0, -1, 0.0)
     for signal in range(len(d.rows.signals)):
         which = d.rows.signal == signal
-        if not which.any() or d.rows.sees[which][0] == "part":  # a feature has one place: nothing to agree about
+        if not which.any():
             continue
-        left = locate.shared(d.rows, d.after, d.sigma, which)
+        of_part = d.rows.sees[which][0] == "part"
+        left = _left_of_feature(d, which) if of_part else locate.shared(d.rows, d.after, d.sigma, which)
         explained = sum((f.contribution for f in d.findings), np.zeros(len(d.rows)))[which]
         ground = np.hypot(
-            max(1e-3 if d.rows.kinds[d.rows.file[which][0]] == "targets" else 5e-4, 0.0), 0.3 * float(np.std(explained))
+            1e-3 if of_part or d.rows.kinds[d.rows.file[which][0]] == "targets" else 5e-4,
+            0.3 * float(np.sqrt(np.mean(explained**2)) if of_part else np.std(explained)),
         )
+        if of_part:  # a part is measured by something that is not exact either
+            ground = np.hypot(ground, d.recordings[int(d.rows.file[which][0])].u or 0.0)
         if left / ground > worst[0]:
             worst = (left / ground, signal, left)
     if worst[0] > UNEXPLAINED:

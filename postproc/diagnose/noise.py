@@ -29,7 +29,11 @@ def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if len(which):
             kind = str(rows.sees[which[0]])
             dense = rows.kinds[rows.file[which[0]]] in ("ballbar", "trace")
-            size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
+            repeated = None if dense else _repeated(rows, residual, rows.file[which[0]])
+            if repeated is not None:
+                size, rho = repeated, 0.0
+            else:
+                size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
             alike[which] = np.sqrt((1 + rho) / (1 - rho))
             sigma[which] = max(size, FLOOR[kind]) * alike[which]
     return sigma, alike
@@ -69,6 +73,22 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float,
     order = np.lexsort((rows.state.time[which], run))
     second = np.diff(y[order], 2) / np.sqrt(6.0)
     return spread(second) if len(second) > 3 else float(np.std(y)), 0.0
+
+
+def _repeated(rows: Rows, residual: np.ndarray, file: int) -> float | None:
+    """Features that were measured several times on each part: what the readings of one scatter by, over all of a file; None
+    where fewer than four readings say so."""
+    if rows.kinds[file] != "features":
+        return None
+    own = np.flatnonzero(rows.file == file)
+    _, group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)
+    group = group.ravel()
+    count = np.bincount(group)
+    free = len(own) - len(count)
+    if free < 4:
+        return None
+    mean = np.bincount(group, residual[own]) / count
+    return float(np.sqrt(np.sum((residual[own] - mean[group]) ** 2) / free))
 
 
 def _dense(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float, float]:

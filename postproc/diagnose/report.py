@@ -103,10 +103,12 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
 
 
 def _middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
-    """(N,) each signal's mean: a set-up zero that explains nothing."""
+    """(N,) each signal's mean: a set-up zero that explains nothing. A feature of a part has none."""
     result = np.zeros(len(values))
     for signal in np.unique(d.rows.signal):
-        which = d.rows.signal == signal
+        which = (d.rows.signal == signal) & (d.rows.sees != "part")
+        if not which.any():
+            continue
         result[which] = values[which].mean()
     return result
 
