@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import fit, library, locate, noise
+from postproc.diagnose import fit, library, locate, noise, shared_jump
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.select import MATERIAL, Model, Selector
@@ -49,6 +50,8 @@ class Finding:
     delta_chi2: float
     equivalent: list[str]
     status: str = "accepted"
+    text: str = ""  # where the effect's own sentence would say too little
+    next_test: str = ""
 
 
 @dataclass
@@ -93,6 +96,12 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("locating")
     train = np.flatnonzero(~held)
     part = rows.pick(train)
+    # Where several readings leave their lines together, each target has a value of its own: no smooth shape is asked to bend so.
+    jumps = shared_jump.find(part, part.residual, sigma[train])
+    smooth = u.shape[1]
+    for jump in jumps:
+        own = shared_jump.columns(jump, rows)
+        u, prior = np.concatenate([u, own], axis=1), np.concatenate([prior, np.full(own.shape[1], fit.FREE)])
     options.told("building the dictionary")
     every = library.blocks(rows)
     blocks = [replace(b, columns=b.columns[train]) for b in every]
@@ -112,8 +121,15 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         columns = library.read(rows, b.module, b.axis, dict(b.shape))
         every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
     options.told("showing")
-    before, after = _residuals(rows, sigma, u, prior, held, every, chosen, model)
+    before, after, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]
+    for jump in jumps:
+        columns = shared_jump.columns(jump, rows)
+        value = coefficient[smooth : smooth + columns.shape[1]]
+        smooth += columns.shape[1]
+        before = before + columns @ value
+        findings.insert(0, _jump(jump, rows, columns, value, sigma, held, machine))
+        places = [*_of_jump(jump, rows, columns @ value), *places]
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, findings, places, _limits(selector, chosen),
         _blind(rows, every), faults, selector.least, alike,
@@ -190,7 +206,43 @@ def _residuals(rows, sigma, u, prior, held, every, chosen, model):
     train = ~held
     p = fit.Projector.of(model.sigma if chosen else sigma[train], u[train], prior)
     coefficient = p.inner @ (p.u.T @ (p.w * (y - explained)[train]))
-    return y - u @ coefficient, y - explained - u @ coefficient
+    return y - u @ coefficient, y - explained - u @ coefficient, coefficient
+
+
+def _jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, held, machine: Machine) -> Finding:
+    """A jump that several readings share, as a finding: certain itself, its cause one of a set."""
+    named = jump.parameters()
+    error = 1.96 * jump.ratio_error
+    ci = {name: (v - error, v + error) if name == "ratio" else (v, v) for name, v in named.items()}
+    contribution = columns @ value
+    fall = float(np.sum((contribution[~held] / sigma[~held]) ** 2))
+    score = fall - columns.shape[1] * float(np.log((~held).sum()))
+    first, second = (Path(rows.files[rows.file[rows.signal == p.signal][0]]).name for p in (jump.first, jump.second))
+    return Finding(
+        Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, shared_jump.causes(jump),
+        text=shared_jump.words(jump, (first, second)), next_test=shared_jump.next_test(jump, machine.name),
+    )  # fmt: skip
+
+
+def _of_jump(jump, rows: Rows, contribution: np.ndarray) -> list[locate.Place]:
+    """Where it is, in each of the signals."""
+    result = []
+    for profile in (jump.first, jump.second):
+        place = rows.state.position[jump.axis]
+        inside = np.flatnonzero(
+            (rows.signal == profile.signal) & (place >= jump.low - 1e-6) & (place <= jump.high + 1e-6)
+        )
+        off = contribution[inside]
+        result.append(
+            locate.Place(
+                int(rows.file[inside[0]]), profile.signal, jump.axis, jump.low, jump.high, "both",
+                tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
+                (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
+                (int(rows.line[inside].min()), int(rows.line[inside].max())),
+                float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()), locate.SIGNIFICANT / 2,
+            )
+        )  # fmt: skip
+    return result
 
 
 def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:

@@ -97,9 +97,14 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
         "evidence": {"delta_chi2": _round(f.delta_chi2), "score": _round(f.score), "threshold": _round(d.least)},
         "equivalent": f.equivalent,
-        "next_test": separating(f.block.key, f.equivalent, d.machine) if f.equivalent else None,
-        "text": module.TEXT,
+        "next_test": _next_test(d, f),
+        "text": f.text or module.TEXT,
     }  # fmt: skip
+
+
+def _next_test(d: Diagnosis, f: Finding) -> str | None:
+    """What tells a finding from what explains as well; None where nothing does."""
+    return (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None
 
 
 def _middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
@@ -158,10 +163,10 @@ def as_text(d: Diagnosis) -> str:
         explained = rms(f.contribution - _middle(d, f.contribution)) * UM
         lines.append(f"{f.status.upper()}: {f.block.name}{axis} ({f.block.module.KIND}; use: {f.block.module.USE})")
         lines.append(f"  {values}; explains {explained:.2f} um rms of all readings")
-        lines.append(f"  {f.block.module.TEXT}")
+        lines.append(f"  {f.text or f.block.module.TEXT}")
         if f.equivalent:
             lines.append(f"  These readings are explained as well by: {', '.join(f.equivalent)}.")
-            lines.append(f"  To tell them apart: {separating(f.block.key, f.equivalent, d.machine)}")
+            lines.append(f"  To tell them apart: {_next_test(d, f)}")
     for place in d.places[:3]:
         way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[place.approach]
         lines.append(
@@ -213,7 +218,7 @@ def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
     machine. Instruments' and data's effects are none of it."""
     sections = []
     for f in d.findings:
-        if f.status != "accepted" or f.block.module.KIND != "machine":
+        if f.status != "accepted" or f.block.module.KIND != "machine" or not hasattr(f.block.module, "coefficients"):
             continue
         lines = ["", "[[effect]]", f'name = "{f.block.name}"', f'axis = "{f.block.axis}"']
         lines += [f"{key} = {value!r}" for key, value in f.value.items()]
