@@ -50,6 +50,7 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
             which = (rows.file == file) & (rows.run == run)
             if which.sum() >= 4:
                 t = rows.state.time[which]
+                t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)  # times not recorded: in the order of rows
                 late = np.zeros(len(rows))
                 late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
                 add(which.astype(float), WALK)

@@ -31,7 +31,7 @@ def signals_of(recording: Recording, machine: Machine):
 def _common(recording: Recording) -> dict[str, np.ndarray]:
     n = len(recording)
     columns: dict[str, np.ndarray] = {
-        "time": recording.columns.get("t_s", np.arange(n, dtype=float)),
+        "time": recording.columns.get("t_s", np.zeros(n)),  # not recorded: nothing can be told by it
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
     }
