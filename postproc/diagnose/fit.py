@@ -18,6 +18,7 @@ MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wr
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 PART = 5e-4  # mm
+ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
 FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 SQUARE = 1.5e-6  # rad
@@ -55,6 +56,13 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
                 late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
                 add(which.astype(float), WALK)
                 add(late, WALK)
+    for file, kind in enumerate(rows.kinds):
+        if kind != "targets":
+            continue
+        straight = (rows.file == file) & (rows.sees == "tool")
+        for x, p in rows.state.position.items():  # a straightness reading knows its line up to the optics' alignment
+            if straight.any() and np.ptp(p[straight]) > 1e-3:
+                add(np.where(straight, p - p[straight].mean(), 0.0), ALIGNED)
     part = rows.sees == "part"
     for file, kind in enumerate(rows.kinds):
         if kind == "features":
