@@ -106,7 +106,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         time=column("time"), run=column("run"), channels={c: _filled(column(f"channel {c}", np.nan)) for c in channels},
         angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"),
     )  # fmt: skip
-    angles = {x: _angles(machine, x, state) for x in letters}
+    angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
@@ -153,6 +153,25 @@ def _angles(machine: Machine, letter: str, state: State) -> np.ndarray | None:
     return np.stack([np.zeros(len(state)) if v is None else v for v in parts[3:]])
 
 
+def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None:
+    """(3, N) rad: the rotations of an axis as this very experiment measured them, where the machine's file has none; by
+    the direction of approach where both were measured."""
+    result = np.zeros((3, len(state)))
+    for p in parts:
+        place = p.get(f"{letter} position")
+        if p["sees"] != "angle" or place is None or np.ptp(place) < 1e-3:
+            continue
+        k = int(np.abs(p["direction"][0]).argmax())
+        for side in (-1, 1):
+            own = p[f"{letter} approach"] == side
+            own = own if own.any() else np.ones(len(place), bool)
+            at, group = np.unique(np.round(place[own], 3), return_inverse=True)
+            value = np.bincount(group, p["y"][own] * p["direction"][own, k]) / np.bincount(group)
+            rows = (np.sign(state.approach[letter]) == side) | ((state.approach[letter] == 0) & (side > 0))
+            result[k, rows] = np.interp(state.position[letter][rows], at, value)
+    return result if result.any() else None
+
+
 def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     """(N,) mm: what the machine's file says these readings are, apart from their zeros."""
     from postproc.diagnose import library  # it builds on this module
@@ -173,6 +192,8 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
             value, shape = term.module.coefficients(**term.parameters)
             result += library.read(rows, term.module, term.axis, shape) @ value
     for axis, angle in rows.state.angles.items():
+        if _angles(machine, axis, rows.state) is None:
+            continue  # they come from the very readings
         turned = (rows.sees == "angle") & _moving(rows, axis)
         result[turned] += (angle[:, turned] * rows.direction[turned].T).sum(axis=0)
     return result
