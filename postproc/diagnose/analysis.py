@@ -23,6 +23,7 @@ from postproc.recordings import Recording
 
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 ALIKE = 0.97  # of the best score: explains as well
+NEEDLESS = 0.5  # of its score: what remains of it beside another name for the same
 UNEXPLAINED = 1.3
 TENTATIVE = 0.5
 SEED = 20131
@@ -253,12 +254,16 @@ def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every:
     rest = [c for j, c in enumerate(chosen) if j != k]
     scores = selector.scores(rest, model.sigma)
     own = float(scores[chosen[k]]) if np.isfinite(scores[chosen[k]]) else float(model.scores[k])
-    best: dict[str, float] = {}
+    best: dict[str, tuple[float, int]] = {}
     for other, score in enumerate(scores):
         key = selector.blocks[other].key
         if key != block.key:
-            best[key] = max(best.get(key, -np.inf), float(score))
-    alike = sorted((key for key, s in best.items() if s >= ALIKE * own - 10 and s > 0), key=lambda key: -best[key])
+            best[key] = max(best.get(key, (-np.inf, -1)), (float(score), other))
+    alike = sorted(
+        (key for key, (s, _) in best.items() if s >= ALIKE * own - 10 and s > 0), key=lambda key: -best[key][0]
+    )
+    # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
+    alike = [key for key in alike if selector.worth([*rest, best[key][1]], chosen[k], model.sigma) < NEEDLESS * own]
     fall = own + float(selector.penalty[chosen[k]])
     return Finding(block, named, ci, every[chosen[k]].columns @ value, own, fall, alike[:6])
 
