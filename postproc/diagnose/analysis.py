@@ -6,14 +6,14 @@ not have been seen; the fit on what took no part; what no name explains.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import fit, library, locate, noise, shared_jump
+from postproc.diagnose import drive, fit, library, locate, noise, shared_jump
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.select import MATERIAL, Model, Selector
@@ -60,7 +60,7 @@ class Diagnosis:
     """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
     mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
     line, what, mm); alike (N,): by how much sigma was inflated
-    for neighbours that are alike; unknown: None or what is left."""
+    for neighbours that are alike; unknown: None or what is left; drives: what forces and currents ask for."""
 
     machine: Machine
     recordings: list[Recording]
@@ -78,10 +78,11 @@ class Diagnosis:
     least: float
     alike: np.ndarray
     unknown: dict | None = None
+    drives: list[drive.Drive] = field(default_factory=list)
 
     @property
     def verdict(self) -> str:
-        if any(f.status == "accepted" for f in self.findings):
+        if any(f.status == "accepted" for f in self.findings) or any(felt(self)):
             return "left-out-physics"
         return "unknown" if self.unknown else "nothing-left-out"
 
@@ -136,7 +137,18 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         _blind(rows, every), faults, selector.least, alike,
     )  # fmt: skip
     _unknown(diagnosis)
+    options.told("forces and currents")
+    diagnosis.drives = drive.drives(recordings)
     return diagnosis
+
+
+def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
+    """What forces and currents show of the effects that the contract knows, where the positions do not say it already."""
+    said = {f.block.key for f in d.findings if f.status == "accepted"}
+    for one in d.drives:
+        for term in one.fitted:
+            if term.term.name in drive.NAMES and f"{term.term.name}:{one.axis}" not in said:
+                yield one, term
 
 
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:

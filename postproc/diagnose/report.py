@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from postproc.diagnose.analysis import Diagnosis, Finding
+from postproc.diagnose.analysis import Diagnosis, Finding, felt
+from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import separating, showing
 
 FORMAT = "gcomp-diagnosis/1"
@@ -29,7 +30,7 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
         ],
         "verdict": d.verdict,
         "mismatch": [_mismatch(d, place) for place in d.places],
-        "effects": [_effect(d, f) for f in d.findings],
+        "effects": [*(_effect(d, f) for f in d.findings), *(_felt(one, term) for one, term in felt(d))],
         "not_visible": [
             {"effect": name, "axis": axis or None, "why": why, "next_test": showing(name, axis, d.machine)}
             for name, axis, why in d.blind
@@ -41,6 +42,7 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
             for file, line, what, size in d.faults
         ],
         "fit": fit_of(d),
+        "drives": [_drive(one) for one in d.drives],
     }  # fmt: skip
 
 
@@ -100,6 +102,55 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         "next_test": _next_test(d, f),
         "text": f.text or module.TEXT,
     }  # fmt: skip
+
+
+def _terms(term: Fitted) -> dict[str, Any]:
+    return {
+        name: {"value": _round(v, 6), "ci95": [_round(e, 6) for e in term.ci95[name]]} for name, v in term.value.items()
+    }
+
+
+def _felt(one: Drive, term: Fitted) -> dict[str, Any]:
+    """What a force or a current shows, as an effect: its size in the unit of that signal, nothing in um."""
+    return {
+        "effect": term.term.name, "axis": one.axis, "kind": "machine", "use": "simulate", "status": "accepted",
+        "parameters": _terms(term), "rms_explained_um": 0.0, "signal": one.signal, f"rms_explained_{one.unit}": _round(term.rms),
+        "p_value": float(f"{chance(term.delta_chi2, len(term.ci95)):.3g}"), "evidence": {"delta_chi2": _round(term.delta_chi2)},
+        "equivalent": [], "next_test": None, "text": term.term.text,
+    }  # fmt: skip
+
+
+def _drive(one: Drive) -> dict[str, Any]:
+    """One axis' force or current: every term, and what halves that took no part are told by."""
+    return {
+        "axis": one.axis, "signal": one.signal, "unit": one.unit, "files": list(one.files), "samples": one.samples,
+        "rms": _round(one.raw), "held_out_plain": _round(one.plain), "held_out_all": _round(one.after),
+        "terms": [
+            {
+                "term": f.term.name, "what": f.term.label, "parameters": _terms(f), "rms": _round(f.rms),
+                "delta_chi2": _round(f.delta_chi2), "held_out_before": _round(f.before), "held_out_after": _round(f.after),
+            }
+            for f in one.fitted
+        ],
+        "not_asked_for": list(one.refused),
+    }  # fmt: skip
+
+
+def _drive_lines(one: Drive) -> list[str]:
+    lines = [
+        f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves that took no part are told to "
+        f"{one.plain:.3g} with inertia, viscous and dry friction, to {one.after:.3g} with all of this:"
+    ]
+    for f in one.fitted:
+        values = ", ".join(
+            f"{n} = {v:.4g} ({f.ci95[n][0]:.4g} to {f.ci95[n][1]:.4g})"
+            if f.ci95[n][1] > f.ci95[n][0]
+            else f"{n} = {v:.4g}"
+            for n, v in f.value.items()
+        )
+        lines.append(f"  {f.term.name}, {f.term.label}: {values}; held out {f.before:.3g} -> {f.after:.3g} {one.unit}")
+    lines.append(f"  not asked for: {', '.join(one.refused)}")
+    return lines
 
 
 def _next_test(d: Diagnosis, f: Finding) -> str | None:
@@ -174,6 +225,8 @@ def as_text(d: Diagnosis) -> str:
             f"{place.axis} from {place.low:.1f} to {place.high:.1f} mm, {way}, {place.rms * UM:.1f} um rms, "
             f"{place.peak * UM:.1f} um at most (p = {place.p:.3f})"
         )
+    for one in d.drives:
+        lines += _drive_lines(one) if one.fitted else []
     if d.unknown:
         lines.append(
             f"UNKNOWN: {d.unknown['rms'] * UM:.1f} um rms in {d.rows.signals[d.unknown['signal']]} repeat from run to run, and nothing "
@@ -199,7 +252,16 @@ def as_text(d: Diagnosis) -> str:
 def _headline(d: Diagnosis) -> str:
     accepted = [f for f in d.findings if f.status == "accepted"]
     if d.verdict == "left-out-physics":
-        names = ", ".join(f"{f.block.name}{' of ' + f.block.axis if f.block.axis else ''}" for f in accepted)
+        found = [f"{f.block.name}{' of ' + f.block.axis if f.block.axis else ''}" for f in accepted]
+        names = ", ".join(
+            [
+                *found,
+                *(
+                    f"{t.term.name} of {one.axis} (in its {'force' if one.unit == 'N' else 'current'})"
+                    for one, t in felt(d)
+                ),
+            ]
+        )
         return f"The model of {d.machine.name} leaves out: {names}."
     if d.verdict == "unknown":
         return f"The model of {d.machine.name} leaves something out that the library can not name."
