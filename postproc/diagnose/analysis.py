@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import drive, fit, library, locate, noise, shared_jump
+from postproc.diagnose import drive, fit, held_out, library, locate, noise, shared_jump
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.select import MATERIAL, Model, Selector
-from postproc.errors import UsageError
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 ALIKE = 0.97  # of the best score: explains as well
+CYCLE_MS = 5.0  # ms: a control's position cycle is shorter
 NEEDLESS = 0.5  # of its score: what remains of it beside another name for the same
 UNEXPLAINED = 1.3
 TENTATIVE = 0.5
@@ -93,7 +93,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("reading")
     rows = of(recordings, machine)
     rows, sigma, alike, faults = _cleaned(rows)
-    held, held_name = _held(rows, options.held_out, recordings)
+    held, held_name = held_out.of(rows, options.held_out, recordings)
     u, prior = fit.nuisances(rows)
     options.told("locating")
     train = np.flatnonzero(~held)
@@ -115,7 +115,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         selector.calibrate(np.random.default_rng(SEED), options.draws)
     places = locate.regions(part, sigma[train], u[train], prior)
     options.told("choosing")
-    model = selector.run()
+    model, late = _of_each_axis(selector, selector.run(), part)
     chosen = [selector.blocks.index(b) for b in model.blocks]
     # What was found on the way has columns of the rows that took part only: read them of all rows. A passage that took no
     # part swings in a phase that nobody knows.
@@ -125,13 +125,16 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("showing")
     before, after, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     findings = [_finding(selector, model, k, chosen, every) for k in range(len(chosen))]
+    for f in findings:
+        if late and f.block.name == "servo_lag" and "delay:" not in f.equivalent:
+            f.equivalent.insert(0, "delay:")
     for jump in jumps:
         columns = shared_jump.columns(jump, rows)
         value = coefficient[smooth : smooth + columns.shape[1]]
         smooth += columns.shape[1]
         before = before + columns @ value
         findings.insert(0, _jump(jump, rows, columns, value, sigma, held, machine))
-        places = [*_of_jump(jump, rows, columns @ value), *places]
+        places = [*shared_jump.places(jump, rows, columns @ value), *places]
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, findings, places, _limits(selector, chosen),
         _blind(rows, every), faults, selector.least, alike,
@@ -151,6 +154,20 @@ def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
                 yield one, term
 
 
+def _of_each_axis(selector: Selector, model: Model, rows: Rows) -> tuple[Model, bool]:
+    """The model, with a lag of every axis that shows one in the place of a delay that no control's own log has: command and
+    scale are read in one cycle. Loops that interpolate are set alike, so equal lags are no sign of a late recording. And
+    whether that was done."""
+    late = [k for k, b in enumerate(model.blocks) if b.name == "delay"]
+    seen = library.visible(rows, model.blocks[late[0]].module) if late else np.zeros(0, bool)
+    if not late or abs(model.coefficients[model.part(late[0])][0]) < CYCLE_MS or np.any(rows.sees[seen] != "scale"):
+        return model, False
+    rest = [selector.blocks.index(b) for k, b in enumerate(model.blocks) if k not in late and b.name != "servo_lag"]
+    lags = [k for k, b in enumerate(selector.blocks) if b.name == "servo_lag"]
+    own = [k for k in lags if selector.worth([*rest, *(j for j in lags if j != k)], k, model.sigma) >= selector.least]
+    return (selector.fitted([*rest, *own]), True) if own else (model, False)
+
+
 def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, int, str, float]]]:
     """Rows without lone outliers, their noise and by how much it was inflated, and what was left out."""
     sigma, alike = noise.of(rows, rows.residual)
@@ -159,52 +176,6 @@ def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, 
     sigma = sigma * np.where(lone > ALONE, np.maximum(1.0, lone / 2), 1.0)
     keep = lone < DROPPED
     return rows.pick(keep), sigma[keep], alike[keep], faults
-
-
-def _held(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray, str]:
-    """(N,) which rows take no part, and what they are called."""
-    held = np.zeros(len(rows), bool)
-    if wanted:
-        name, _, value = wanted.partition("=")
-        if name != "run" or not value.lstrip("-").isdigit():
-            raise UsageError(f"--holdout {wanted} is not understood", "--holdout run=3")
-        held = rows.run == int(value)
-        if not held.any() or held.all():
-            raise UsageError(
-                f"--holdout {wanted}: there is {'nothing' if not held.any() else 'no other run than'} {wanted}"
-            )
-        return held, f"run {int(value)}"
-    said = []
-    for file in range(len(rows.files)):
-        which = rows.file == file
-        runs = np.unique(rows.run[which])
-        if rows.kinds[file] == "features":
-            again = _last_readings(rows, file, recordings[file])
-            if again.any():
-                held |= again
-                said.append("the last reading of every feature")
-        elif len(runs) >= 3:
-            held |= which & (rows.run == runs[-1])
-            said.append("the last run of every recording that has three at least")
-    return held, ", ".join(dict.fromkeys(said))
-
-
-def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
-    """(N,) bool: the last reading of features that were all read three times on each part; none else."""
-    reading = recording.columns.get("reading")
-    own = np.flatnonzero(rows.file == file)
-    result = np.zeros(len(rows), bool)
-    if reading is None or len(recording.lines) != len(recording) or not len(own):
-        return result
-    number = dict(zip(recording.lines.tolist(), reading.tolist(), strict=True))
-    read = np.array([number.get(int(k), np.nan) for k in rows.line[own]])
-    each = {
-        (s, r): set(read[(rows.signal[own] == s) & (rows.run[own] == r)])
-        for s, r in zip(rows.signal[own], rows.run[own], strict=True)
-    }
-    if min(len(values) for values in each.values()) >= 3 and np.isfinite(read).all():
-        result[own[read == read.max()]] = True
-    return result
 
 
 def _residuals(rows, sigma, u, prior, held, every, chosen, model):
@@ -235,27 +206,6 @@ def _jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, held,
         Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, shared_jump.causes(jump),
         text=shared_jump.words(jump, (first, second)), next_test=shared_jump.next_test(jump, machine.name),
     )  # fmt: skip
-
-
-def _of_jump(jump, rows: Rows, contribution: np.ndarray) -> list[locate.Place]:
-    """Where it is, in each of the signals."""
-    result = []
-    for profile in (jump.first, jump.second):
-        place = rows.state.position[jump.axis]
-        inside = np.flatnonzero(
-            (rows.signal == profile.signal) & (place >= jump.low - 1e-6) & (place <= jump.high + 1e-6)
-        )
-        off = contribution[inside]
-        result.append(
-            locate.Place(
-                int(rows.file[inside[0]]), profile.signal, jump.axis, jump.low, jump.high, "both",
-                tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
-                (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
-                (int(rows.line[inside].min()), int(rows.line[inside].max())),
-                float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()), locate.SIGNIFICANT / 2,
-            )
-        )  # fmt: skip
-    return result
 
 
 def _finding(selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
@@ -378,6 +328,7 @@ def _unknown(d: Diagnosis) -> None:
             1e-3 if of_part or d.rows.kinds[d.rows.file[which][0]] == "targets" else 5e-4,
             0.3 * float(np.sqrt(np.mean(explained**2)) if of_part else np.std(explained)),
         )
+        ground = np.hypot(ground, float(np.sqrt(np.mean(d.rows.rounding[which] ** 2))))
         if of_part:  # a part is measured by something that is not exact either
             ground = np.hypot(ground, d.recordings[int(d.rows.file[which][0])].u or 0.0)
         if left / ground > worst[0]:

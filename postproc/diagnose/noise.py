@@ -18,6 +18,7 @@ from postproc.diagnose.rows import Rows
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
 MAD = 1.4826
 LARGEST_RHO = 0.9
+COARSE = 1.0  # times the scatter of neighbours: beyond, a log's rounding is its noise
 LINE = 25.0  # times the power around
 
 
@@ -34,6 +35,13 @@ def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
                 size, rho = repeated, 0.0
             else:
                 size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
+            coarse = rows.rounding[which]
+            if dense and np.sqrt(np.mean(coarse**2)) > COARSE * size:
+                # The log's rounding is what it is wrong by; what comes on top is what its finest part scatters by.
+                fine = coarse <= np.quantile(coarse, 0.25)
+                size = min(size, float(np.sqrt(np.mean(coarse[fine] ** 2))))
+                sigma[which] = np.hypot(max(size, FLOOR[kind]), coarse)
+                continue
             alike[which] = np.sqrt((1 + rho) / (1 - rho))
             sigma[which] = max(size, FLOOR[kind]) * alike[which]
     return sigma, alike

@@ -20,7 +20,8 @@ from postproc.recordings import Recording, RecordingError
 class Rows:
     """N rows. y, known (N,) mm: measured, predicted by the machine's file; direction (N, 3): how the tool's deviation
     enters; sees: per row what kind of signal it is ("laser", "angle", "tool", "scale", "part"); file, run, signal, line (N,);
-    state: of the rows; far: of the second place of a feature, None where there is none. signals: names."""
+    state: of the rows; far: of the second place of a feature, None where there is none. signals: names; rounding
+    (N,) mm: what the log's own rounding gives."""
 
     y: np.ndarray
     known: np.ndarray
@@ -35,6 +36,7 @@ class Rows:
     files: tuple[str, ...]
     kinds: tuple[str, ...]
     other: dict[str, np.ndarray] = field(default_factory=dict)
+    rounding: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.y)
@@ -49,6 +51,7 @@ class Rows:
         arrays = ("y", "known", "direction", "sees", "file", "run", "signal", "line")
         return replace(
             self, state=pick_state(self.state, which), other={x: v[which] for x, v in self.other.items()},
+            rounding=self.rounding[which],
             **{name: getattr(self, name)[which] for name in arrays},
         )  # fmt: skip
 
@@ -115,6 +118,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         column("signal").astype(int), column("line").astype(int), state, tuple(signals),
         tuple(r.file for r in recordings), tuple(r.kind for r in recordings),
         {x: column(f"{x} other", np.nan) for x in letters} if any(p["sees"] == "part" for p in parts) else {},
+        column("rounding"),
     )  # fmt: skip
     return replace(rows, known=predicted(rows, machine))
 

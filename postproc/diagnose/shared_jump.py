@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from postproc.diagnose.locate import SIGNIFICANT, Place
 from postproc.diagnose.rows import XYZ, Rows
 
 PARAMETERS = {
@@ -209,11 +210,11 @@ def _smooth(profile: Profile) -> float:
 
 def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
     """The jump that two signals share, if there is one."""
-    places = np.intersect1d(a.place, b.place)
-    if len(places) < FEWEST or len(places) < max(len(a.place), len(b.place)):
+    shared = np.intersect1d(a.place, b.place)
+    if len(shared) < FEWEST or len(shared) < max(len(a.place), len(b.place)):
         return None
     best: tuple[float, np.ndarray] | None = None
-    n = len(places)
+    n = len(shared)
     for window in _windows(n):
         inside = np.zeros(n, bool)
         inside[window] = True
@@ -245,7 +246,7 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
     solved = np.linalg.lstsq(design, y, rcond=None)[0]
     left = y - design @ solved
     error = float(np.sqrt(left @ left / (n - 2) / np.sum((x - x.mean()) ** 2)))
-    departs = places[inside & (np.abs(x) > ONSET * np.abs(x).max())]
+    departs = shared[inside & (np.abs(x) > ONSET * np.abs(x).max())]
     return SharedJump(
         axis, float(departs.min()), float(departs.max()), first, second, (x, y), float(solved[0]), error, correlation,
         float(np.sqrt(np.mean(left**2))), float(np.std(second.value)), _smooth(second),
@@ -259,3 +260,24 @@ def _departs(angle: Profile, jump: SharedJump) -> bool:
         return False
     off, usual = _off_line(angle, inside)
     return bool(np.abs(off[inside]).max() > CLEAR * max(usual, angle.sigma))
+
+
+def places(jump: SharedJump, rows: Rows, contribution: np.ndarray) -> list[Place]:
+    """Where it is, in each of the signals."""
+    result = []
+    for profile in (jump.first, jump.second):
+        place = rows.state.position[jump.axis]
+        inside = np.flatnonzero(
+            (rows.signal == profile.signal) & (place >= jump.low - 1e-6) & (place <= jump.high + 1e-6)
+        )
+        off = contribution[inside]
+        result.append(
+            Place(
+                int(rows.file[inside[0]]), profile.signal, jump.axis, jump.low, jump.high, "both",
+                tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
+                (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
+                (int(rows.line[inside].min()), int(rows.line[inside].max())),
+                float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()), SIGNIFICANT / 2,
+            )
+        )  # fmt: skip
+    return result
