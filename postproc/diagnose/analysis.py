@@ -305,13 +305,23 @@ def _even(rows: Rows, axis: str) -> float:
 
 
 def _left_of_feature(d: Diagnosis, which: np.ndarray) -> float:
-    """mm: what several readings of one feature have in common, over the parts; 0 where it was read once a part."""
-    products = []
+    """mm: what several readings of one feature have in common, over the parts, less three times what chance gives; 0 where it
+    was read once a part."""
+    products, chance = [], 0.0
     for part in np.unique(d.rows.run[which]):
-        y = d.after[which & (d.rows.run == part)]
-        if len(y) > 1:
-            products.append((y.sum() ** 2 - (y**2).sum()) / (len(y) * (len(y) - 1)))
-    return float(np.sqrt(max(np.mean(products), 0.0))) if products else 0.0
+        own = which & (d.rows.run == part)
+        y, n = d.after[own], int(own.sum())
+        if n > 1:
+            products.append((y.sum() ** 2 - (y**2).sum()) / (n * (n - 1)))
+            chance += 2 / (n * (n - 1)) * float(np.mean(floor(d)[own] ** 2)) ** 2
+    if not products:
+        return 0.0
+    return float(np.sqrt(max(np.mean(products) - 3 * np.sqrt(chance) / len(products), 0.0)))
+
+
+def floor(d: Diagnosis) -> np.ndarray:
+    """(N,) mm: the noise of single readings, without what was added for neighbours that are alike."""
+    return d.sigma / d.alike
 
 
 def _unknown(d: Diagnosis) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from postproc.diagnose.analysis import Diagnosis, Finding, felt
+from postproc.diagnose.analysis import Diagnosis, Finding, felt, floor
 from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import separating, showing
 
@@ -64,11 +64,6 @@ def fit_of(d: Diagnosis) -> dict[str, Any]:
         "noise_floor_um": _round(rms(floor(d)[which]) * UM),
         "coverage95": _round(float(np.mean(np.abs(d.after[which]) <= 1.96 * d.sigma[which]))),
     }
-
-
-def floor(d: Diagnosis) -> np.ndarray:
-    """(N,) mm: the noise of single readings, without what was added for neighbours that are alike."""
-    return d.sigma / d.alike
 
 
 def rms(values: np.ndarray) -> float:
