@@ -240,7 +240,7 @@ class _Fit:
         while len(chosen) < MOST:
             names = {self.possible[k][0].name for k in chosen}
             gains = [
-                0.0 if term.plain or term.name in names else self.beside(chosen, k)
+                0.0 if term.name in names else self.beside(chosen, k)
                 for k, (term, _) in enumerate(self.possible)
             ]
             if max(gains) <= 0:
