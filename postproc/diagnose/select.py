@@ -196,14 +196,7 @@ class Selector:
         return float(b @ covariance @ b) - float(self.penalty[k]) - UNUSUAL * unusual(self.blocks[k], value)
 
     def _material(self, rest: list[int], k: int, sigma: np.ndarray) -> bool:
-        """Whether what it adds, after each signal's zero, is large enough somewhere to matter, and not only what a plainer
-        effect of the same axis (BESIDE) says as well."""
-        block = self.blocks[k]
-        for plainer in getattr(block.module, "BESIDE", ()):
-            for j, other in enumerate(self.blocks):
-                same = other.key == f"{plainer}:{block.axis}" and j not in rest
-                if same and self.worth([*rest, j], k, sigma) < self.least / 2:
-                    return False
+        """Whether what it adds, after each signal's zero, is large enough somewhere to matter."""
         value, _ = solve(self.projector(rest, sigma), self.blocks[k].columns, self.y)
         return self.size(self.blocks[k].columns @ value) > 1.0
 

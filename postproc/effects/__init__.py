@@ -3,7 +3,6 @@
 A module holds
 
 - EXPECTED: a parameter's usual sign; PLAUSIBLE: its range, beyond which it is something else;
-- BESIDE: plainer effects of the same axis beside which it must still be worth half of what is asked for;
 - PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an

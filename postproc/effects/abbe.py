@@ -10,7 +10,6 @@ PARAMETERS = {
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
 }
 PLAUSIBLE = {"arm_mm": (-2000.0, 2000.0)}  # beyond, it is something else
-BESIDE = ("scale",)  # two lines always resemble each other: what counts is where the angle bends
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "angles"), ("tool",)
 TEXT = (
