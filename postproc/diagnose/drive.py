@@ -239,10 +239,7 @@ class _Fit:
         """With what else tells the response better, the best first; then once more without what that made needless."""
         while len(chosen) < MOST:
             names = {self.possible[k][0].name for k in chosen}
-            gains = [
-                0.0 if term.name in names else self.beside(chosen, k)
-                for k, (term, _) in enumerate(self.possible)
-            ]
+            gains = [0.0 if term.name in names else self.beside(chosen, k) for k, (term, _) in enumerate(self.possible)]
             if max(gains) <= 0:
                 break
             chosen = [*chosen, int(np.argmax(gains))]

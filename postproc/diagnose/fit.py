@@ -60,7 +60,7 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
         if kind != "targets":
             continue
         straight = (rows.file == file) & (rows.sees == "tool")
-        for x, p in rows.state.position.items():  # a straightness reading knows its line up to the optics' alignment
+        for p in rows.state.position.values():  # a straightness reading knows its line up to the optics' alignment
             if straight.any() and np.ptp(p[straight]) > 1e-3:
                 add(np.where(straight, p - p[straight].mean(), 0.0), ALIGNED)
     part = rows.sees == "part"
