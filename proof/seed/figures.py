@@ -49,11 +49,15 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     _save(plt, figure, paths[1])
 
     figure, plot = plt.subplots(figsize=(7, 4))
-    for i, (name, value) in enumerate(sizes().items()):
-        plot.bar(
-            np.arange(2) + 0.25 * i - 0.25, value, 0.22, label=f"as the {name} say" + ("s" if name == "boss" else "")
-        )
-    plot.set(xticks=[0, 1], xticklabels=["part 1", "part 2"], ylabel="tool larger by, um", title="Table 7.3")
+    said = sizes()
+    labels = {
+        "pockets": "tool, by the pockets",
+        "boss": "tool, by the boss",
+        "holes": "hole distances: no tool in them",
+    }
+    for i, (name, label) in enumerate(labels.items()):
+        plot.bar(np.arange(2) + 0.25 * i - 0.25, said[name], 0.22, label=label)
+    plot.set(xticks=[0, 1], xticklabels=["part 1", "part 2"], ylabel="too large by, um", title="Table 7.3")
     plot.legend()
     _save(plt, figure, paths[2])
     return paths
