@@ -19,6 +19,7 @@ DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
+ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
 FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 SQUARE = 1.5e-6  # rad
@@ -58,10 +59,18 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
             which = (rows.file == file) & (rows.run == run)
             if which.sum() >= 4:
                 t = rows.state.time[which]
+                t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)  # times not recorded: in the order of rows
                 late = np.zeros(len(rows))
                 late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
                 add(which.astype(float), WALK)
                 add(late, WALK)
+    for file, kind in enumerate(rows.kinds):
+        if kind != "targets":
+            continue
+        straight = (rows.file == file) & (rows.sees == "tool")
+        for p in rows.state.position.values():  # a straightness reading knows its line up to the optics' alignment
+            if straight.any() and np.ptp(p[straight]) > 1e-3:
+                add(np.where(straight, p - p[straight].mean(), 0.0), ALIGNED)
     part = rows.sees == "part"
     for file, kind in enumerate(rows.kinds):
         if kind == "features":

@@ -56,6 +56,8 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
     state = rows.state
     for need in module.NEEDS:
         letters = axis or "".join(state.position)
+        if need == "time" and np.ptp(state.time) == 0:
+            return False
         if need == "velocity" and not any(np.any(state.velocity[x]) for x in letters):
             return False
         if need == "acceleration" and not any(np.any(state.acceleration[x]) for x in letters):

@@ -12,11 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
 MAD = 1.4826
 LARGEST_RHO = 0.9
+COARSE = 1.0  # times the scatter of neighbours: beyond, a log's rounding is its noise
 LINE = 25.0  # times the power around
 
 
@@ -28,7 +30,18 @@ def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if len(which):
             kind = str(rows.sees[which[0]])
             dense = rows.kinds[rows.file[which[0]]] in ("ballbar", "trace")
-            size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
+            repeated = None if dense else _repeated(rows, residual, rows.file[which[0]])
+            if repeated is not None:
+                size, rho = repeated, 0.0
+            else:
+                size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
+            coarse = rows.rounding[which]
+            if dense and np.sqrt(np.mean(coarse**2)) > COARSE * size:
+                # The log's rounding is what it is wrong by; what comes on top is what its finest part scatters by.
+                fine = coarse <= np.quantile(coarse, 0.25)
+                size = min(size, float(np.sqrt(np.mean(coarse[fine] ** 2))))
+                sigma[which] = np.hypot(max(size, FLOOR[kind]), coarse)
+                continue
             alike[which] = np.sqrt((1 + rho) / (1 - rho))
             sigma[which] = max(size, FLOOR[kind]) * alike[which]
     for file in range(len(rows.files)):  # one gauge measures all features of a part: few of each, many together
@@ -73,6 +86,22 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float,
     order = np.lexsort((rows.state.time[which], run))
     second = np.diff(y[order], 2) / np.sqrt(6.0)
     return spread(second) if len(second) > 3 else float(np.std(y)), 0.0
+
+
+def _repeated(rows: Rows, residual: np.ndarray, file: int) -> float | None:
+    """Features that were measured several times on each part: what the readings of one scatter by, over all of a file; None
+    where fewer than four readings say so."""
+    if rows.kinds[file] != "features":
+        return None
+    own = np.flatnonzero(rows.file == file)
+    _, group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)
+    group = group.ravel()
+    count = np.bincount(group)
+    free = len(own) - len(count)
+    if free < 4:
+        return None
+    mean = np.bincount(group, residual[own]) / count
+    return float(np.sqrt(np.sum((residual[own] - mean[group]) ** 2) / free))
 
 
 def _dense(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float, float]:
@@ -123,16 +152,23 @@ def _alike(values: np.ndarray) -> float:
     return float((clipped[1:] * clipped[:-1]).sum() / square) + 1 / 7 if square > 0 else 0.0
 
 
-def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at its place nor its
-    neighbours in time bear it out. 0 for samples in motion, and where there is nothing to compare with."""
-    result = np.zeros(len(rows))
+    neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, and where there is nothing to compare with."""
+    result, size = np.zeros(len(rows)), np.zeros(len(rows))
     for signal in range(len(rows.signals)):
         which = np.flatnonzero(rows.signal == signal)
         if not len(which) or rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
             continue
         which = which[np.lexsort((rows.state.time[which], rows.run[which]))]
         place, run = _place(rows, which), rows.run[which]
+        if rows.kinds[rows.file[which[0]]] == "targets" and np.median(np.bincount(place)) < 3:
+            passages = _passages(rows, which)
+            if passages is not None:
+                for part, p in passages:
+                    times, size[part] = slips.departures(p, residual[part], sigma[part])
+                    result[part] = np.abs(times)
+                continue
         y = residual[which].copy()
         for p in np.unique(place):  # what all runs share at a place is no outlier
             same = place == p
@@ -141,4 +177,21 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> np.ndarray:
             near = [j for j in range(max(0, k - 3), min(len(which), k + 4)) if j != k and run[j] == run[k]]
             around = float(np.median(y[near])) if near else 0.0
             result[which[k]] = abs(y[k] - around) / sigma[which[k]]
-    return result
+            size[which[k]] = y[k] - around
+    return result, np.abs(size)
+
+
+def _passages(rows: Rows, which: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]] | None:
+    """Rows and places of every run in every direction, along the axis that moves most; None where one comes to a place
+    twice, or none moves."""
+    axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][which])))
+    place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
+    if np.ptp(place) < 1e-3:
+        return None
+    parts = [
+        (which[own], place[own])
+        for r in np.unique(rows.run[which])
+        for s in np.unique(side)
+        if (own := (rows.run[which] == r) & (side == s)).any()
+    ]
+    return parts if all(len(np.unique(p)) == len(p) for _, p in parts) else None

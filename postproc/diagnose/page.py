@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 
-from postproc.diagnose.analysis import Diagnosis
+from postproc.diagnose.answer import Diagnosis
 from postproc.diagnose.report import as_text
 
 UM = 1e3

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from postproc.diagnose.analysis import Diagnosis, Finding
+from postproc.diagnose.answer import Diagnosis, Finding, felt, floor
+from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import separating, showing
 
 FORMAT = "gcomp-diagnosis/1"
@@ -30,7 +31,7 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
         ],
         "verdict": d.verdict,
         "mismatch": [_mismatch(d, place) for place in d.places],
-        "effects": [_effect(d, f) for f in d.findings],
+        "effects": [*(_effect(d, f) for f in d.findings), *(_felt(one, term) for one, term in felt(d))],
         "not_visible": [
             {"effect": name, "axis": axis or None, "why": why, "next_test": showing(name, axis, d.machine)}
             for name, axis, why in d.blind
@@ -44,6 +45,7 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
         "fit": fit_of(d),
         "doubts": d.doubts,
         "notices": d.notices,
+        "drives": [_drive(one) for one in d.drives],
     }  # fmt: skip
 
 
@@ -65,11 +67,6 @@ def fit_of(d: Diagnosis) -> dict[str, Any]:
         "noise_floor_um": _round(rms(floor(d)[which]) * UM),
         "coverage95": _round(float(np.mean(np.abs(d.after[which]) <= 1.96 * d.sigma[which]))),
     }
-
-
-def floor(d: Diagnosis) -> np.ndarray:
-    """(N,) mm: the noise of single readings, without what was added for neighbours that are alike."""
-    return d.sigma / d.alike
 
 
 def rms(values: np.ndarray) -> float:
@@ -100,16 +97,72 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
         "evidence": {"delta_chi2": _round(f.delta_chi2), "score": _round(f.score), "threshold": _round(d.least)},
         "equivalent": f.equivalent,
-        "next_test": separating(f.block.key, f.equivalent, d.machine) if f.equivalent else None,
-        "text": module.TEXT,
+        "next_test": _next_test(d, f),
+        "text": f.text or module.TEXT,
     }  # fmt: skip
 
 
+def _terms(term: Fitted) -> dict[str, Any]:
+    return {
+        name: {"value": _round(v, 6), "ci95": [_round(e, 6) for e in term.ci95[name]]} for name, v in term.value.items()
+    }
+
+
+def _felt(one: Drive, term: Fitted) -> dict[str, Any]:
+    """What a force or a current shows, as an effect: its size in the unit of that signal, nothing in um."""
+    return {
+        "effect": term.term.name, "axis": one.axis, "kind": "machine", "use": "simulate", "status": "accepted",
+        "parameters": _terms(term), "rms_explained_um": 0.0, "signal": one.signal, f"rms_explained_{one.unit}": _round(term.rms),
+        "p_value": float(f"{chance(term.delta_chi2, len(term.ci95)):.3g}"), "evidence": {"delta_chi2": _round(term.delta_chi2)},
+        "equivalent": [], "next_test": None, "text": term.term.text,
+    }  # fmt: skip
+
+
+def _drive(one: Drive) -> dict[str, Any]:
+    """One axis' force or current: every term, and what halves that took no part are told by."""
+    return {
+        "axis": one.axis, "signal": one.signal, "unit": one.unit, "files": list(one.files), "samples": one.samples,
+        "rms": _round(one.raw), "held_out_plain": _round(one.plain), "held_out_all": _round(one.after),
+        "terms": [
+            {
+                "term": f.term.name, "what": f.term.label, "parameters": _terms(f), "rms": _round(f.rms),
+                "delta_chi2": _round(f.delta_chi2), "held_out_before": _round(f.before), "held_out_after": _round(f.after),
+            }
+            for f in one.fitted
+        ],
+        "not_asked_for": list(one.refused),
+    }  # fmt: skip
+
+
+def _drive_lines(one: Drive) -> list[str]:
+    lines = [
+        f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves that took no part are told to "
+        f"{one.plain:.3g} with inertia, viscous and dry friction, to {one.after:.3g} with all of this:"
+    ]
+    for f in one.fitted:
+        values = ", ".join(
+            f"{n} = {v:.4g} ({f.ci95[n][0]:.4g} to {f.ci95[n][1]:.4g})"
+            if f.ci95[n][1] > f.ci95[n][0]
+            else f"{n} = {v:.4g}"
+            for n, v in f.value.items()
+        )
+        lines.append(f"  {f.term.name}, {f.term.label}: {values}; held out {f.before:.3g} -> {f.after:.3g} {one.unit}")
+    lines.append(f"  not asked for: {', '.join(one.refused)}")
+    return lines
+
+
+def _next_test(d: Diagnosis, f: Finding) -> str | None:
+    """What tells a finding from what explains as well; None where nothing does."""
+    return (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None
+
+
 def _middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
-    """(N,) each signal's mean: a set-up zero that explains nothing."""
+    """(N,) each signal's mean: a set-up zero that explains nothing. A feature of a part has none."""
     result = np.zeros(len(values))
     for signal in np.unique(d.rows.signal):
-        which = d.rows.signal == signal
+        which = (d.rows.signal == signal) & (d.rows.sees != "part")
+        if not which.any():
+            continue
         result[which] = values[which].mean()
     return result
 
@@ -160,10 +213,10 @@ def as_text(d: Diagnosis) -> str:
         explained = rms(f.contribution - _middle(d, f.contribution)) * UM
         lines.append(f"{f.status.upper()}: {f.block.name}{axis} ({f.block.module.KIND}; use: {f.block.module.USE})")
         lines.append(f"  {values}; explains {explained:.2f} um rms of all readings")
-        lines.append(f"  {f.block.module.TEXT}")
+        lines.append(f"  {f.text or f.block.module.TEXT}")
         if f.equivalent:
             lines.append(f"  These readings are explained as well by: {', '.join(f.equivalent)}.")
-            lines.append(f"  To tell them apart: {separating(f.block.key, f.equivalent, d.machine)}")
+            lines.append(f"  To tell them apart: {_next_test(d, f)}")
     for place in d.places[:3]:
         way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[place.approach]
         lines.append(
@@ -171,6 +224,8 @@ def as_text(d: Diagnosis) -> str:
             f"{place.axis} from {place.low:.1f} to {place.high:.1f} mm, {way}, {place.rms * UM:.1f} um rms, "
             f"{place.peak * UM:.1f} um at most (p = {place.p:.3f})"
         )
+    for one in d.drives:
+        lines += _drive_lines(one) if one.fitted else []
     if d.unknown:
         lines.append(
             f"UNKNOWN: {d.unknown['rms'] * UM:.1f} um rms in {d.rows.signals[d.unknown['signal']]} repeat from run to run, and nothing "
@@ -212,7 +267,16 @@ def _faults(d: Diagnosis) -> list[str]:
 def _headline(d: Diagnosis) -> str:
     accepted = [f for f in d.findings if f.status == "accepted"]
     if d.verdict == "left-out-physics":
-        names = ", ".join(f"{f.block.name}{' of ' + f.block.axis if f.block.axis else ''}" for f in accepted)
+        found = [f"{f.block.name}{' of ' + f.block.axis if f.block.axis else ''}" for f in accepted]
+        names = ", ".join(
+            [
+                *found,
+                *(
+                    f"{t.term.name} of {one.axis} (in its {'force' if one.unit == 'N' else 'current'})"
+                    for one, t in felt(d)
+                ),
+            ]
+        )
         return f"The model of {d.machine.name} leaves out: {names}."
     if d.doubts:
         return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
@@ -233,7 +297,7 @@ def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
     machine. Instruments' and data's effects are none of it."""
     sections = []
     for f in d.findings:
-        if f.status != "accepted" or f.block.module.KIND != "machine":
+        if f.status != "accepted" or f.block.module.KIND != "machine" or not hasattr(f.block.module, "coefficients"):
             continue
         lines = ["", "[[effect]]", f'name = "{f.block.name}"', f'axis = "{f.block.axis}"']
         lines += [f"{key} = {value!r}" for key, value in f.value.items()]

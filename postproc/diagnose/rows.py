@@ -21,7 +21,7 @@ class Rows:
     """N rows. y, known (N,) mm: measured, predicted by the machine's file; direction (N, 3): how the tool's deviation
     enters; sees: per row what kind of signal it is ("laser", "angle", "tool", "scale", "part"); file, run, signal, line (N,);
     state: of the rows; far: of the second place of a feature, None where there is none; grain (N,) mm: what the noise of
-    single samples leaves in an averaged row, 0 elsewhere. signals: names."""
+    single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm: what the log's own rounding gives. signals: names."""
 
     y: np.ndarray
     known: np.ndarray
@@ -37,6 +37,7 @@ class Rows:
     kinds: tuple[str, ...]
     other: dict[str, np.ndarray] = field(default_factory=dict)
     grain: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    rounding: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.y)
@@ -51,6 +52,7 @@ class Rows:
         arrays = ("y", "known", "direction", "sees", "file", "run", "signal", "line", "grain")
         return replace(
             self, state=pick_state(self.state, which), other={x: v[which] for x, v in self.other.items()},
+            rounding=self.rounding[which],
             **{name: getattr(self, name)[which] for name in arrays},
         )  # fmt: skip
 
@@ -108,7 +110,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         time=column("time"), run=column("run"), channels={c: _filled(column(f"channel {c}", np.nan)) for c in channels},
         angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"),
     )  # fmt: skip
-    angles = {x: _angles(machine, x, state) for x in letters}
+    angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
@@ -118,6 +120,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         tuple(r.file for r in recordings), tuple(r.kind for r in recordings),
         {x: column(f"{x} other", np.nan) for x in letters} if any(p["sees"] == "part" for p in parts) else {},
         column("grain"),
+        column("rounding"),
     )  # fmt: skip
     return replace(rows, known=predicted(rows, machine))
 
@@ -156,6 +159,25 @@ def _angles(machine: Machine, letter: str, state: State) -> np.ndarray | None:
     return np.stack([np.zeros(len(state)) if v is None else v for v in parts[3:]])
 
 
+def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None:
+    """(3, N) rad: the rotations of an axis as this very experiment measured them, where the machine's file has none; by
+    the direction of approach where both were measured."""
+    result = np.zeros((3, len(state)))
+    for p in parts:
+        place = p.get(f"{letter} position")
+        if p["sees"] != "angle" or place is None or np.ptp(place) < 1e-3:
+            continue
+        k = int(np.abs(p["direction"][0]).argmax())
+        for side in (-1, 1):
+            own = p[f"{letter} approach"] == side
+            own = own if own.any() else np.ones(len(place), bool)
+            at, group = np.unique(np.round(place[own], 3), return_inverse=True)
+            value = np.bincount(group, p["y"][own] * p["direction"][own, k]) / np.bincount(group)
+            rows = (np.sign(state.approach[letter]) == side) | ((state.approach[letter] == 0) & (side > 0))
+            result[k, rows] = np.interp(state.position[letter][rows], at, value)
+    return result if result.any() else None
+
+
 def predicted(rows: Rows, machine: Machine) -> np.ndarray:
     """(N,) mm: what the machine's file says these readings are, apart from their zeros."""
     from postproc.diagnose import library  # it builds on this module
@@ -176,6 +198,8 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
             value, shape = term.module.coefficients(**term.parameters)
             result += library.read(rows, term.module, term.axis, shape) @ value
     for axis, angle in rows.state.angles.items():
+        if _angles(machine, axis, rows.state) is None:
+            continue  # they come from the very readings
         turned = (rows.sees == "angle") & _moving(rows, axis)
         result[turned] += (angle[:, turned] * rows.direction[turned].T).sum(axis=0)
     return result

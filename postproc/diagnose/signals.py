@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from postproc.diagnose import rounding
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
@@ -34,7 +35,7 @@ def signals_of(recording: Recording, machine: Machine):
 def _common(recording: Recording) -> dict[str, np.ndarray]:
     n = len(recording)
     columns: dict[str, np.ndarray] = {
-        "time": recording.columns.get("t_s", np.arange(n, dtype=float)),
+        "time": recording.columns.get("t_s", np.zeros(n)),  # not recorded: nothing can be told by it
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
     }
@@ -84,8 +85,11 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> 
     return result
 
 
-def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, run: np.ndarray) -> None:
-    """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of each run."""
+def _motion(
+    columns: dict, letter: str, position: np.ndarray, time: np.ndarray, run: np.ndarray, speed: np.ndarray | None = None
+) -> None:
+    """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of each run; speed (N,)
+    mm/s: the commanded one, where the log has it."""
     n = len(position)
     names = ("velocity", "acceleration", "approach", "distance", "since")
     v, a, s, d, since = (np.zeros(n) for _ in names)
@@ -94,7 +98,7 @@ def _motion(columns: dict, letter: str, position: np.ndarray, time: np.ndarray, 
         if len(part) < 3:
             continue
         t, p = _even(time[part]), position[part]
-        v[part] = np.gradient(p, t, edge_order=2)
+        v[part] = np.gradient(p, t, edge_order=2) if speed is None else speed[part]
         a[part] = _slope(v[part], t)
         jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
         still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
@@ -145,7 +149,7 @@ def _ballbar(recording: Recording, machine: Machine):
     sure = _sure(columns, [x for x in recording.axes if x in centre], run)
     columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
     columns = {name: value[sure] for name, value in columns.items()}
-    yield "radial_um", _averaged(columns | {"sees": "tool"}, run[sure])
+    yield "radial_um", _averaged(columns | {"sees": "tool", "cut": run[sure]})
 
 
 def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
@@ -159,16 +163,25 @@ def _trace(recording: Recording, machine: Machine):
     scale = recording.head.get("sees", "scale") == "scale"
     letters = [x for x in recording.axes if x in XYZ]
     for x in letters:
-        _motion(columns, x, recording.position(x), columns["time"], columns["run"])
+        speed = recording.columns.get(f"{x}_cmd_velocity_mm_s")
+        _motion(columns, x, recording.position(x), columns["time"], columns["run"], speed)
     # Before an axis has moved, nobody knows from which side it came; and in the very sample in which it turns neither.
     sure = _sure(columns, [x for x in letters if np.ptp(recording.position(x)) > 0], columns["run"])
     for x in letters:
         y = recording.columns[f"{x}_act_mm"] - recording.position(x)
         direction = np.zeros((len(recording), 3))
         direction[:, XYZ.index(x)] = 1.0
-        one = columns | {"y": y, "dense": np.ones(len(y)), "direction": direction, "sees": "scale" if scale else "tool"}
+        coarse = rounding.noise(recording.position(x), recording.columns[f"{x}_act_mm"])
+        one = columns | {
+            "rounding": coarse,
+            "y": y,
+            "dense": np.ones(len(y)),
+            "direction": direction,
+            "sees": "scale" if scale else "tool",
+        }
         one = {name: v[sure] if isinstance(v, np.ndarray) else v for name, v in one.items()}
-        yield f"{x}_act_mm", _averaged(one, one["run"])
+        same = rounding.alike(recording.position(x)[sure], coarse[sure])
+        yield f"{x}_act_mm", _averaged(_together(one, same) if same.any() else one)
 
 
 def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
@@ -183,27 +196,46 @@ def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
     return result
 
 
-def _averaged(columns: dict, run: np.ndarray) -> dict:
+def _together(columns: dict, same: np.ndarray) -> dict:
+    """Rows of samples that a log can not tell apart averaged to one."""
+    return _means(columns, np.flatnonzero(~same | _cuts(columns, columns["run"])))
+
+
+def _averaged(columns: dict) -> dict:
     """Neighbouring samples of a run averaged until few enough are left. After a turn the first rows are short and grow with the time
     since: what a turn sets off fades, and an average over it would hide it."""
+    run = columns.pop("cut", columns["run"])
     n = len(columns["y"])
     width = int(np.ceil(n / (MOST_ROWS if n <= LONG else MOST_OF_LONG)))
     if width == 1:
         return columns
-    cut = np.diff(run) != 0
-    turned = np.zeros(n - 1, bool)
+    first = _cuts(columns, run)
+    start = np.append(np.flatnonzero(first), n)
+    turned = _cuts(columns, np.zeros(n))[start[:-1]]
+    turned[0] = False
+    steps = _growing(width)
+    edges = [
+        np.concatenate([a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)])
+        if new and n > LONG
+        else np.arange(a, b, width)
+        for (a, b), new in zip(pairwise(start), turned, strict=True)
+    ]
+    return _means(columns, np.concatenate(edges))
+
+
+def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
+    """(N,) bool: the first sample, and those before which a run ends or an axis turns."""
+    cut = np.diff(run, prepend=run[:1]) != 0
     for name, value in columns.items():
         if name.endswith("approach"):
-            turned |= np.diff(value) != 0
-    start = np.concatenate([[0], np.flatnonzero(cut | turned) + 1, [n]])
-    fresh = np.concatenate([[False], turned[start[1:-1] - 1]])
-    steps = _growing(width)
-    edges = np.concatenate(
-        [
-            np.concatenate([a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)]) if new and n > LONG else np.arange(a, b, width)
-            for (a, b), new in zip(pairwise(start), fresh, strict=True)
-        ]
-    )  # fmt: skip
+            cut = cut | (np.diff(value, prepend=value[:1]) != 0)
+    cut[:1] = True
+    return cut
+
+
+def _means(columns: dict, edges: np.ndarray) -> dict:
+    """Columns averaged from edge to edge; what is a number of something, of its middle row."""
+    n = len(columns["y"])
     size = np.diff(np.append(edges, n))
     step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
     result: dict = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
@@ -220,7 +252,7 @@ def _averaged(columns: dict, run: np.ndarray) -> dict:
             and np.all(value == value[0])
         ):
             result[name] = np.full(len(edges), value[0])
-        else:
+        elif name != "width":
             mean = np.add.reduceat(value, edges, axis=0)
             result[name] = mean / (size if value.ndim == 1 else size[:, None])
     return result

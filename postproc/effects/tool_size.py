@@ -8,7 +8,7 @@ PARAMETERS = {
     "diameter_um": "um, how much larger the tool is",
 }
 KIND, USE, PER = "machine", "compensate", "all"
-NEEDS, SEES = ("part",), ("part",)
+NEEDS, SEES = ("material",), ("part",)
 TEXT = "The tool's diameter is not what the control believes. Measure the tool and set its radius."
 
 

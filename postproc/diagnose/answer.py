@@ -1,0 +1,78 @@
+"""What a diagnosis answers: findings, and all that a reader may want to check of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from postproc.diagnose import drive, locate
+from postproc.diagnose.library import Block
+from postproc.diagnose.rows import Rows
+from postproc.machine.model import Machine
+from postproc.recordings import Recording
+
+
+@dataclass
+class Finding:
+    """One accepted effect."""
+
+    block: Block
+    value: dict[str, float]
+    ci95: dict[str, tuple[float, float]]
+    contribution: np.ndarray
+    score: float
+    delta_chi2: float
+    equivalent: list[str]
+    status: str = "accepted"
+    text: str = ""  # where the effect's own sentence would say too little
+    next_test: str = ""
+
+
+@dataclass
+class Diagnosis:
+    """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
+    mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
+    line, what, mm); alike (N,): by how much sigma was inflated
+    for neighbours that are alike; unknown: None or what is left; drives: what forces and currents ask for."""
+
+    machine: Machine
+    recordings: list[Recording]
+    rows: Rows
+    held: np.ndarray
+    held_name: str
+    before: np.ndarray
+    after: np.ndarray
+    sigma: np.ndarray
+    findings: list[Finding]
+    places: list[locate.Place]
+    limits: dict[str, float]
+    blind: list[tuple[str, str, str]]
+    faults: list[tuple[int, int, str, float]]
+    least: float
+    alike: np.ndarray
+    unknown: dict | None = None
+    notices: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+    drives: list[drive.Drive] = field(default_factory=list)
+
+    @property
+    def verdict(self) -> str:
+        if any(f.status == "accepted" for f in self.findings) or any(felt(self)):
+            return "left-out-physics"
+        return "unknown" if self.unknown or self.doubts else "nothing-left-out"
+
+
+def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
+    """What forces and currents show of the effects that the contract knows, where the positions do not say it already."""
+    said = {f.block.key for f in d.findings if f.status == "accepted"}
+    for one in d.drives:
+        for term in one.fitted:
+            if term.term.name in drive.NAMES and f"{term.term.name}:{one.axis}" not in said:
+                yield one, term
+
+
+def floor(d: Diagnosis) -> np.ndarray:
+    """(N,) mm: the noise of single readings, without what was added for neighbours that are alike."""
+    return d.sigma / d.alike

@@ -1,0 +1,51 @@
+"""What these recordings can not show, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc import effects
+from postproc.diagnose import library
+from postproc.diagnose.library import Block
+from postproc.diagnose.rows import Rows
+
+
+def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
+    """Effect, axis and why it can not be seen in these recordings."""
+    seen = {(b.name, b.axis) for b in every}
+    result = []
+    for name in effects.names():
+        module = effects.load(name)
+        for axis in library.axes_of(rows, module):
+            if name == "cyclic" and (even := _even(rows, axis)):
+                result.append(
+                    (name, axis, f"targets at even steps of {even:g} mm: a period that divides them can not be seen")
+                )
+                continue
+            if (name, axis) in seen:
+                continue
+            if name in library.FOUND and library.visible(rows, module).any() and library.needed(rows, module, axis):
+                continue  # it would have been looked for in the spectrum
+            if not library.visible(rows, module).any():
+                why = f"it shows only to {', '.join(module.SEES)}: no such recording"
+            elif not library.needed(rows, module, axis):
+                why = "its driver was not recorded, or did not change: " + ", ".join(module.NEEDS)
+            else:
+                why = "these places and times can not tell it from a zero"
+            result.append((name, axis, why))
+    return result
+
+
+def _even(rows: Rows, axis: str) -> float:
+    """mm: the step of targets along an axis, where they stand at even steps and nothing but targets was recorded; else 0."""
+    moving = [s for s in np.unique(rows.signal) if np.ptp(rows.state.position[axis][rows.signal == s]) > 1e-3]
+    steps = []
+    for signal in moving:
+        which = rows.signal == signal
+        if rows.state.passage[which][0] >= 0:
+            return 0.0
+        gaps = np.diff(np.unique(np.round(rows.state.position[axis][which], 3)))
+        if len(gaps) < 3 or np.ptp(gaps) > 0.02:
+            return 0.0
+        steps.append(float(np.median(gaps)))
+    return round(min(steps), 3) if steps else 0.0

@@ -1,0 +1,86 @@
+"""When names are no answer: something is left that none explains, a curve takes many of them, or the recordings can not be
+trusted."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from postproc.diagnose import structure
+from postproc.diagnose.answer import Diagnosis, floor
+
+CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
+CONCERNS = 0.3  # of what is left in a signal
+OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
+FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
+
+
+def _left_of_feature(d: Diagnosis, which: np.ndarray) -> float:
+    """mm: what several readings of one feature have in common, over the parts, less three times what chance gives; 0 where it
+    was read once a part."""
+    products, chance = [], 0.0
+    for part in np.unique(d.rows.run[which]):
+        own = which & (d.rows.run == part)
+        y, n = d.after[own], int(own.sum())
+        if n > 1:
+            products.append((y.sum() ** 2 - (y**2).sum()) / (n * (n - 1)))
+            chance += 2 / (n * (n - 1)) * float(np.mean(floor(d)[own] ** 2)) ** 2
+    if not products:
+        return 0.0
+    return float(np.sqrt(max(np.mean(products) - 3 * np.sqrt(chance) / len(products), 0.0)))
+
+
+def _of_parts(d: Diagnosis) -> list[structure.Left]:
+    """Features that were read several times and have something in common that nothing explains."""
+    found = []
+    for signal in range(len(d.rows.signals)):
+        which = d.rows.signal == signal
+        if not which.any() or d.rows.sees[which][0] != "part":
+            continue
+        rms = _left_of_feature(d, which)
+        explained = sum((f.contribution for f in d.findings), np.zeros(len(d.rows)))[which]
+        # a part is measured by something that is not exact either
+        gauge = 1.3 * (d.recordings[int(d.rows.file[which][0])].u or 0.0)
+        ground = np.hypot(np.hypot(OF_PARTS_MM, gauge), OF_EXPLAINED * float(np.sqrt(np.mean(explained**2))))
+        if rms > ground:
+            share = rms**2 / max(float(np.mean(d.before[which] ** 2)), 1e-30)
+            found.append(structure.Left(signal, "place", rms, min(1.0, share)))
+    return found
+
+
+def unknown(d: Diagnosis) -> None:
+    """Structure that is left, and a curve that takes many names: those names are no answer."""
+    shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
+    many = {axis for axis, n in shapes.items() if n >= MANY}
+    left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held) + _of_parts(d)
+    for f in d.findings:
+        if f.block.name in CURVES and f.block.axis in many:
+            f.status = "tentative"
+        for there in left:
+            which = (d.rows.signal == there.signal) & ~d.held
+            if float(np.std(f.contribution[which])) > CONCERNS * there.rms:
+                f.status = "tentative"
+    if left:
+        d.unknown = {"signal": left[0].signal, "rms": left[0].rms, "share": left[0].share}
+    elif many:
+        worst = max((f for f in d.findings if f.block.axis in many), key=lambda f: float(np.std(f.contribution)))
+        signals = [float(np.std(worst.contribution[d.rows.signal == s])) for s in range(len(d.rows.signals))]
+        signal = int(np.argmax(signals))
+        d.unknown = {"signal": signal, "rms": signals[signal], "share": 1.0}
+
+
+def doubted(d: Diagnosis) -> None:
+    """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear the names out."""
+    accepted = [f for f in d.findings if f.status == "accepted"]
+    if accepted and d.held.any():
+        before, after = (float(np.sqrt(np.mean(v[d.held] ** 2))) for v in (d.before, d.after))
+        ground = float(np.sqrt(np.mean((d.sigma / d.alike)[d.held] ** 2)))
+        if after > FAR_OFF * ground and after > NO_BETTER * before:
+            d.doubts.append(
+                f"the runs that took no part are {after * 1e3:.2f} um off with these effects and {before * 1e3:.2f} um without, where their noise is "
+                f"{ground * 1e3:.2f} um: the recordings contradict each other, or something changed between them"
+            )
+    if d.doubts:
+        for f in accepted:
+            f.status = "tentative"

@@ -1,0 +1,55 @@
+"""Which readings take no part in naming and fitting: a run that was asked for, or the middle one of those that were repeated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose.rows import Rows
+from postproc.errors import UsageError
+from postproc.recordings import Recording
+
+
+def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray, str]:
+    """(N,) which rows take no part, and what they are called."""
+    held = np.zeros(len(rows), bool)
+    if wanted:
+        name, _, value = wanted.partition("=")
+        if name != "run" or not value.lstrip("-").isdigit():
+            raise UsageError(f"--holdout {wanted} is not understood", "--holdout run=3")
+        held = rows.run == int(value)
+        if not held.any() or held.all():
+            raise UsageError(
+                f"--holdout {wanted}: there is {'nothing' if not held.any() else 'no other run than'} {wanted}"
+            )
+        return held, f"run {int(value)}"
+    said = []
+    for file in range(len(rows.files)):
+        which = rows.file == file
+        runs = np.unique(rows.run[which])
+        if rows.kinds[file] == "features":
+            again = _last_readings(rows, file, recordings[file])
+            if again.any():
+                held |= again
+                said.append("the last reading of every feature")
+        elif len(runs) >= 3:
+            held |= which & (rows.run == runs[len(runs) // 2])  # in the middle: heat and wear lie between what is known
+            said.append("the middle run of every recording that has three at least")
+    return held, ", ".join(dict.fromkeys(said))
+
+
+def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
+    """(N,) bool: the last reading of features that were all read three times on each part; none else."""
+    reading = recording.columns.get("reading")
+    own = np.flatnonzero(rows.file == file)
+    result = np.zeros(len(rows), bool)
+    if reading is None or len(recording.lines) != len(recording) or not len(own):
+        return result
+    number = dict(zip(recording.lines.tolist(), reading.tolist(), strict=True))
+    read = np.array([number.get(int(k), np.nan) for k in rows.line[own]])
+    each = {
+        (s, r): set(read[(rows.signal[own] == s) & (rows.run[own] == r)])
+        for s, r in zip(rows.signal[own], rows.run[own], strict=True)
+    }
+    if min(len(values) for values in each.values()) >= 3 and np.isfinite(read).all():
+        result[own[read == read.max()]] = True
+    return result

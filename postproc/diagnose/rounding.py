@@ -1,0 +1,47 @@
+"""How coarsely a log rounds its positions, and what that does to readings.
+
+A log has a fixed number of decimals or of significant digits; with the latter a position above 100 mm may be known to 1 mm
+and one below 10 mm to 0.01. Rounding by q is an error of q / sqrt(12), the same one as long as the axis stays within q.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+MOST_DIGITS = 6  # significant digits that are still a rounding worth to be looked for
+COARSE = 2e-3  # mm: finer rounding is lost in what else scatters
+
+
+def step(values: np.ndarray) -> np.ndarray:
+    """(N,) by how much each value is rounded, in its unit; 0 where values have more than six significant digits."""
+    known = np.abs(values[np.isfinite(values) & (values != 0)])
+    if not len(known):
+        return np.zeros(len(values))
+    for digits in range(1, MOST_DIGITS + 1):
+        scale = 10.0 ** (np.floor(np.log10(known) + 1e-12) - digits + 1)
+        if np.all(np.abs(known / scale - np.round(known / scale)) < 1e-6):
+            size = np.maximum(np.abs(values), known.min())
+            by_digits = 10.0 ** (np.floor(np.log10(size) + 1e-12) - digits + 1)
+            return np.maximum(by_digits, _decimals(known))
+    return np.full(len(values), _decimals(known)) if _decimals(known) > 1e-6 else np.zeros(len(values))
+
+
+def _decimals(known: np.ndarray) -> float:
+    """The power of ten that all values are multiples of; 0 where there is none down to 1e-6."""
+    for power in range(1, -7, -1):
+        unit = 10.0**power
+        if np.all(np.abs(known / unit - np.round(known / unit)) < 1e-6 * max(1.0, 1e-6 / unit)):
+            return unit
+    return 0.0
+
+
+def noise(commanded: np.ndarray, actual: np.ndarray) -> np.ndarray:
+    """(N,) standard deviation that rounding gives to actual minus commanded."""
+    return np.hypot(step(commanded), step(actual)) / np.sqrt(12.0)
+
+
+def alike(commanded: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(N,) bool: samples that a coarse log can not tell from the one before: all of such a row together are one reading."""
+    same = np.diff(commanded, prepend=commanded[:1]) == 0
+    same[:1] = False
+    return same & (noise > COARSE)
