@@ -11,13 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from postproc.motions import FOREIGN, RAPID, Motions
+from postproc.motions import FOREIGN, Motions
 from postproc.nc import codes
 from postproc.nc.centres import centre_words
 from postproc.nc.columns import begins
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.interpreter import Setup
+from postproc.nc.inverse_time import inverse_time
 from postproc.nc.lexer import RELATIVE, Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
@@ -88,7 +89,7 @@ class Batch:
             preset_words(self.splice, self.w, self.m, self._shift())
         added = len(self.p) - len(self.m)
         if added:
-            self.inverse_time()
+            inverse_time(self)
             self.late_codes()
             exact_stops(self)
             self.frames_of_blocks((~self.first).nonzero()[0])
@@ -327,32 +328,6 @@ class Batch:
 
     # -- the rest of a block that was cut ------------------------------------------------------------------------------
 
-    def inverse_time(self) -> None:
-        """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
-        m, p, w = self.m, self.p, self.w
-        for i in map(int, (m.inverse[p.motion] & self.several & (p.code != RAPID)).nonzero()[0]):
-            motion = p.motion[i]
-            share = p.share[i] or self._take_up_share(i)
-            text = _plain(m.feed[motion] / share)
-            word = m.feed_word[motion]
-            if self.first[i] and word >= 0:
-                self.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
-            else:
-                at, rank = (
-                    (self.at[motion], INSERT_WORD + 50)
-                    if self.first[i]
-                    else (self.behind()[motion], self.rank(np.array([i]))[0] + 50)
-                )
-                self.splice.texts([at], [at], [rank], [(b" F" if self.spaced[motion] else b"F") + text])
-
-    def _take_up_share(self, i: int) -> float:
-        """Length of a take-up over the length of its motion."""
-        p = self.p
-        own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
-        same = (p.motion == p.motion[i]).nonzero()[0]
-        whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])
-        return float(own / whole) if whole else 1.0
-
     def late_codes(self) -> None:
         """M codes that act after the motion go to its last piece."""
         m, w = self.m, self.w
@@ -407,8 +382,3 @@ class Batch:
             newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
             return newline, b";"
         return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"
-
-
-def _plain(value: float) -> bytes:
-    """A feed with seven digits, no exponent."""
-    return f"{value:.{max(0, 6 - len(str(int(abs(value)))) + 1)}f}".encode()

@@ -1,0 +1,44 @@
+"""G93 in a block that was cut: every piece takes its part of the time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.motions import RAPID
+from postproc.nc.numbers import INSERT_WORD
+
+if TYPE_CHECKING:
+    from postproc.nc.emitter import Batch
+
+
+def inverse_time(b: Batch) -> None:
+    """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
+    m, p, w = b.m, b.p, b.w
+    for i in map(int, (m.inverse[p.motion] & b.several & (p.code != RAPID)).nonzero()[0]):
+        motion = p.motion[i]
+        share = p.share[i] or _take_up_share(b, i)
+        text = _plain(m.feed[motion] / share)
+        word = m.feed_word[motion]
+        if b.first[i] and word >= 0:
+            b.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
+        else:
+            at, rank = (
+                (b.at[motion], INSERT_WORD + 50) if b.first[i] else (b.behind()[motion], b.rank(np.array([i]))[0] + 50)
+            )
+            b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[motion] else b"F") + text])
+
+
+def _take_up_share(b: Batch, i: int) -> float:
+    """Length of a take-up over the length of its motion."""
+    p = b.p
+    own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
+    same = (p.motion == p.motion[i]).nonzero()[0]
+    whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])
+    return float(own / whole) if whole else 1.0
+
+
+def _plain(value: float) -> bytes:
+    """A feed with seven digits, no exponent."""
+    return f"{value:.{max(0, 6 - len(str(int(abs(value)))) + 1)}f}".encode()
