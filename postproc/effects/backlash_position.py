@@ -13,8 +13,9 @@ PARAMETERS = {
     "b5_um": "um, share of its fifth",
     "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
+    "degree": "2 or 6, of the highest polynomial",
 }
-OPTIONAL = {"play_mm": 0.0, **{f"b{k}_um": 0.0 for k in (3, 4, 5, 6)}}
+OPTIONAL = {"b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
 SMALL = 0.02  # mm
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool",)
@@ -37,20 +38,22 @@ def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) 
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {f"b{k}_um": float(c) for k, c in enumerate(coefficients)} | {"play_mm": shape["play_mm"]}
+    shares = [*(float(c) for c in coefficients), *[0.0] * 4][:7]
+    return {f"b{k}_um": c for k, c in enumerate(shares)} | {"play_mm": shape["play_mm"], "degree": shape["degree"]}
 
 
 def coefficients(
-    b0_um: float, b1_um: float, b2_um: float, play_mm: float = 0.0, **higher: float
-) -> tuple[np.ndarray, dict[str, float]]:
-    more = [higher.get(f"b{k}_um", 0.0) for k in (3, 4, 5, 6)]
-    if not any(more):
-        return np.array([b0_um, b1_um, b2_um]), {"play_mm": play_mm, "degree": 2.0}
-    return np.array([b0_um, b1_um, b2_um, *more]), {"play_mm": play_mm, "degree": 6.0}
+    b0_um: float, b1_um: float, b2_um: float, b3_um: float = 0.0, b4_um: float = 0.0, b5_um: float = 0.0, b6_um: float = 0.0,
+    play_mm: float = 0.0, degree: float = 2.0,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
+    degree = max(degree, 6.0 if any(shares[3:]) else 2.0)
+    return np.array(shares[: int(degree) + 1]), {"play_mm": play_mm, "degree": degree}
 
 
-def tables(axis: str, travel: tuple[float, float], play_mm: float = 0.0, **shares: float):
-    nodes = np.linspace(*travel, 41)
-    u = np.linspace(-1, 1, 41)
-    half = sum((shares.get(f"b{k}_um", 0.0) * legendre(u, k) for k in range(7)), np.zeros(len(u))) * UM / 2
+def tables(axis: str, travel: tuple[float, float], **named: float):
+    nodes = np.linspace(*travel, 121)
+    shares, _ = coefficients(**named)
+    u = np.linspace(-1, 1, len(nodes))
+    half = sum((c * legendre(u, k) for k, c in enumerate(shares)), np.zeros(len(u))) * UM / 2
     return [(f"E{axis}", axis, nodes, -half, half)]

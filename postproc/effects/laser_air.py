@@ -38,5 +38,5 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     return {"ppm_K": float(coefficients[0]), "wrong_ppm": wrong, "told": shape["told"]}
 
 
-def coefficients(ppm_K: float, told: float = 0.0, wrong_ppm: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+def coefficients(ppm_K: float, wrong_ppm: float = 0.0, told: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
     return np.array([ppm_K, wrong_ppm] if told else [ppm_K]), {"told": told}

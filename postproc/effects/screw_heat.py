@@ -26,7 +26,7 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C") is not None:
-        return [{"tau_s": 0.0}]
+        return [{"tau_s": 0.0, "by_travel": 0.0}]
     return (
         [{"tau_s": v, "by_travel": w} for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)] if len(state.time) else []
     )

@@ -22,16 +22,17 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    known: list[dict[str, float]] = [{"tau_s": 0.0}] if state.channel("T_bed_C") is not None else []
-    if state.channel("T_air_C") is not None:
-        known += [{"tau_s": -v} for v in (1.0, 1000.0, 3000.0, 9000.0)]
     if not len(state.time):
-        return known
+        return []
     files = np.unique(state.file)
     starts = sorted({float(state.time[state.file == f].min()) for f in files})
     begins = [-1.0, *(t for t in starts[1:] if t > starts[0])]
-    known += [{"tau_s": v, "from_s": b} for b in begins for v in (900.0, 2700.0, 8100.0, 1e6)]
-    return known + [{"tau_s": 1e6, "file": float(f)} for f in files if len(files) > 1]
+    ways = [(0.0, -1.0, -1.0)] if state.channel("T_bed_C") is not None else []
+    if state.channel("T_air_C") is not None:
+        ways += [(-v, -1.0, -1.0) for v in (1.0, 1000.0, 3000.0, 9000.0)]
+    ways += [(v, b, -1.0) for b in begins for v in (900.0, 2700.0, 8100.0, 1e6)]
+    ways += [(1e6, -1.0, float(f)) for f in files if len(files) > 1]
+    return [{"tau_s": tau, "from_s": begin, "file": file} for tau, begin, file in ways]
 
 
 def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: float = -1.0) -> np.ndarray:
