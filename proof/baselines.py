@@ -58,7 +58,7 @@ def problem(case: Path) -> Problem:
     read = [recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files]
     rows = of(read, read_machine(case / "machine"))
     sigma, _ = noise.of(rows, rows.residual)
-    keep = noise.isolated(rows, rows.residual, sigma) < 6.0
+    keep = noise.isolated(rows, rows.residual, sigma)[0] < 6.0
     rows, sigma = rows.pick(keep), sigma[keep]
     u, prior = fit.nuisances(rows)
     return Problem(rows, rows.residual, sigma, u, prior, ~held_out(rows))

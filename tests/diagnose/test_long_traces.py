@@ -72,7 +72,7 @@ def test_rows_after_a_turn_are_short_and_the_mean_stays():
         "X approach": side,
         "channel T_air_C": np.full(n, 20.0),
     }
-    averaged = signals._averaged(columns, columns["run"])
+    averaged = signals._averaged(columns)
     size = np.round(averaged["width"] / 1e-3).astype(int)
     width = int(np.ceil(n / signals.MOST_OF_LONG))
     assert size.sum() == n and len(size) < 1.5 * signals.MOST_OF_LONG
