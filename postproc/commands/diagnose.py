@@ -69,6 +69,8 @@ def run(options: argparse.Namespace) -> int:
             options.force,
             report.effects_toml(found, Path(options.write_machine).name),
         )
+        if found.unknown:
+            _write(str(Path(options.write_machine) / f"{report.map_name(found)}.csv"), report.unknown_csv(found))
     if options.report:
         from postproc.diagnose.page import page
 

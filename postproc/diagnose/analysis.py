@@ -115,7 +115,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, findings.limits(selector, chosen),
         blind.spots(rows, every), usable.faults + faults, selector.least, alike, notices=usable.notices, doubts=doubts,
     )  # fmt: skip
-    doubt.unknown(diagnosis)
+    diagnosis.unknown = doubt.unknown(diagnosis)
     doubt.doubted(diagnosis)
     options.told("forces and currents")
     diagnosis.drives = drive.drives(usable.recordings)

@@ -10,6 +10,7 @@ import numpy as np
 from postproc.diagnose import drive, locate
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
+from postproc.diagnose.unknown import Unknown
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
@@ -52,7 +53,7 @@ class Diagnosis:
     faults: list[tuple[int, int, str, float]]
     least: float
     alike: np.ndarray
-    unknown: dict | None = None
+    unknown: Unknown | None = None
     notices: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     drives: list[drive.Drive] = field(default_factory=list)

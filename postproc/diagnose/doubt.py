@@ -8,9 +8,11 @@ from collections import Counter
 import numpy as np
 
 from postproc.diagnose import structure
-from postproc.diagnose.answer import Diagnosis, floor
+from postproc.diagnose.answer import Diagnosis, Finding, floor
+from postproc.diagnose.unknown import Unknown, mapped
 
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
+HELPINGS = 3  # of one effect, on whatever axes
 CONCERNS = 0.3  # of what is left in a signal
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
 FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
@@ -49,33 +51,51 @@ def _of_parts(d: Diagnosis) -> list[structure.Left]:
     return found
 
 
-def unknown(d: Diagnosis) -> None:
-    """Structure that is left, and a curve that takes many names: those names are no answer."""
-    shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
-    many = {axis for axis, n in shapes.items() if n >= MANY}
+def unknown(d: Diagnosis) -> Unknown | None:
+    """What is left that no name explains, with its map. Names become tentative where they are no answer: something like what
+    they explain is left, a curve takes many of them, or one effect is needed again and again."""
+    false = _curves(d)
     left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held) + _of_parts(d)
-    for f in d.findings:
-        if f.block.name in CURVES and f.block.axis in many:
-            f.status = "tentative"
-        for there in left:
-            which = (d.rows.signal == there.signal) & ~d.held
+    for there in left:
+        which = (d.rows.signal == there.signal) & ~d.held
+        for f in d.findings:
             if float(np.std(f.contribution[which])) > CONCERNS * there.rms:
                 f.status = "tentative"
+    for f in false:
+        f.status = "tentative"
     if left:
-        d.unknown = {"signal": left[0].signal, "rms": left[0].rms, "share": left[0].share}
-    elif many:
-        worst = max((f for f in d.findings if f.block.axis in many), key=lambda f: float(np.std(f.contribution)))
-        signals = [float(np.std(worst.contribution[d.rows.signal == s])) for s in range(len(d.rows.signals))]
-        signal = int(np.argmax(signals))
-        d.unknown = {"signal": signal, "rms": signals[signal], "share": 1.0}
+        return mapped(d, left[0].signal, left[0].rms, left[0].share, d.after)
+    if not false:
+        return None
+    part = sum((f.contribution for f in false), np.zeros(len(d.rows)))
+    spread = {int(s): float(np.std(part[d.rows.signal == s])) for s in np.unique(d.rows.signal)}
+    signal = max(spread, key=lambda s: spread[s])
+    rest = d.after + part
+    total = float((d.before**2 / d.sigma**2)[~d.held].sum())
+    share = min(1.0, float((rest**2 / d.sigma**2)[~d.held].sum()) / max(total, 1e-9))
+    return mapped(d, signal, spread[signal], share, rest - rest[d.rows.signal == signal].mean())
+
+
+def _curves(d: Diagnosis) -> list[Finding]:
+    """Findings that imitate another one together: many shapes of one axis, or one effect on all axes and more."""
+    shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
+    names = Counter(f.block.name for f in d.findings)
+    return [
+        f for f in d.findings
+        if (f.block.name in CURVES and shapes[f.block.axis] >= MANY) or names[f.block.name] > HELPINGS
+    ]  # fmt: skip
 
 
 def doubted(d: Diagnosis) -> None:
     """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear the names out."""
     accepted = [f for f in d.findings if f.status == "accepted"]
-    if accepted and d.held.any():
-        before, after = (float(np.sqrt(np.mean(v[d.held] ** 2))) for v in (d.before, d.after))
-        ground = float(np.sqrt(np.mean((d.sigma / d.alike)[d.held] ** 2)))
+    # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
+    swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
+    swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
+    told = d.held & ~np.isin(d.rows.signal, list(swinging))
+    if accepted and told.any():
+        before, after = (float(np.sqrt(np.mean(v[told] ** 2))) for v in (d.before, d.after))
+        ground = float(np.sqrt(np.mean(floor(d)[told] ** 2)))
         if after > FAR_OFF * ground and after > NO_BETTER * before:
             d.doubts.append(
                 f"the runs that took no part are {after * 1e3:.2f} um off with these effects and {before * 1e3:.2f} um without, where their noise is "

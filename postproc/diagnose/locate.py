@@ -22,7 +22,8 @@ SIGNIFICANT = 0.01
 @dataclass(frozen=True)
 class Place:
     """One region of one signal: file, axis, from, to mm; approach "+", "-" or "both"; runs, times and lines of its rows;
-    rms and peak in mm; p."""
+    rms and peak in mm; p; program: first and last line of the
+    program, where it was recorded."""
 
     file: int
     signal: int
@@ -36,6 +37,7 @@ class Place:
     rms: float
     peak: float
     p: float
+    program: tuple[int, int] | None = None
 
 
 def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> list[Place]:
@@ -71,7 +73,7 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
                 tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
                 (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
                 (int(rows.line[inside].min()), int(rows.line[inside].max())), float(np.sqrt(np.mean(left[inside] ** 2))),
-                float(np.abs(left[inside]).max()), p,
+                float(np.abs(left[inside]).max()), p, _program(rows, inside),
             )
         )  # fmt: skip
     return sorted(found, key=lambda f: -f.rms)
@@ -98,6 +100,11 @@ def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: n
             where = k
         best = np.maximum(best, score)
     return float(best[0]), where, best[1:]
+
+
+def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
+    line = rows.state.channels.get("program_line")
+    return None if line is None else (int(np.floor(line[which].min())), int(np.ceil(line[which].max())))
 
 
 def _cells(place: np.ndarray, side: np.ndarray) -> np.ndarray:

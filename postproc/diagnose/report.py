@@ -17,6 +17,7 @@ from postproc.diagnose.experiments import separating, showing
 
 FORMAT = "gcomp-diagnosis/1"
 UM = 1e3
+MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
 SHOWN = 5  # rows of a kind in the answer for a person
 
 
@@ -80,9 +81,14 @@ def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
         "where": {
             "axis": place.axis, "from_mm": _round(place.low), "to_mm": _round(place.high), "approach": place.approach,
             "runs": list(place.runs), "t_from_s": _round(place.times[0]), "t_to_s": _round(place.times[1]),
-            "lines": list(place.lines),
+            "lines": list(_lines(d, place)), "rows": list(place.lines),
         },
     }  # fmt: skip
+
+
+def _lines(d: Diagnosis, place) -> tuple[int, int]:
+    """Lines of the program where the recording knows them, else of the recording."""
+    return place.program if "line" in d.recordings[place.file].columns and place.program else place.lines
 
 
 def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
@@ -177,13 +183,34 @@ def chance(fall: float, pieces: int) -> float:
 def _unknown(d: Diagnosis) -> dict[str, Any] | None:
     if d.unknown is None:
         return None
-    which = d.rows.signal == d.unknown["signal"]
-    where = next((p for p in d.places if p.signal == d.unknown["signal"]), None)
+    u = d.unknown
+    which = d.rows.signal == u.signal
+    where = next((p for p in d.places if p.signal == u.signal), None)
     return {
-        "recording": d.recordings[int(d.rows.file[which][0])].file, "signal": d.rows.signals[d.unknown["signal"]],
-        "rms_um": _round(d.unknown["rms"] * UM), "share_left": _round(d.unknown["share"]),
-        "where": _mismatch(d, where)["where"] if where else None, "map": f"unknown_{d.unknown['signal'] + 1}",
+        "recording": d.recordings[int(d.rows.file[which][0])].file, "signal": d.rows.signals[u.signal],
+        "rms_um": _round(u.rms * UM), "share_left": _round(u.share), "where": _mismatch(d, where)["where"] if where else None,
+        "map": map_name(d), "depends_on": list(u.depends), "along": u.along,
+        "held_out_rms_before_um": None if u.before is None else _round(u.before * UM),
+        "held_out_rms_after_um": None if u.after is None else _round(u.after * UM),
+        "table": [dict(zip(MAP, row, strict=True)) for row in _map_rows(d)],
     }  # fmt: skip
+
+
+def map_name(d: Diagnosis) -> str:
+    """Of the map of what is left."""
+    return f"unknown_{d.unknown.signal + 1}" if d.unknown else ""
+
+
+def _map_rows(d: Diagnosis) -> Iterator[tuple]:
+    for c in d.unknown.cells if d.unknown else ():
+        yield _round(c.low, 6), _round(c.high, 6), c.approach, c.rows, _round(c.mean * UM), _round(c.error * UM)
+
+
+def unknown_csv(d: Diagnosis) -> str:
+    """The map of what is left as a table: something to look at; no compensator applies it."""
+    along = "t_s" if d.unknown and d.unknown.along == "time" else f"{d.unknown.along}_mm" if d.unknown else ""
+    rows = [",".join([f"{along}_from", f"{along}_to", *MAP[2:]])]
+    return "\n".join([*rows, *(",".join(str(v) for v in row) for row in _map_rows(d))]) + "\n"
 
 
 def _round(value: float, digits: int = 4) -> float:
@@ -227,9 +254,15 @@ def as_text(d: Diagnosis) -> str:
     for one in d.drives:
         lines += _drive_lines(one) if one.fitted else []
     if d.unknown:
+        u = d.unknown
+        shown = (
+            ""
+            if u.before is None or u.after is None
+            else f"; a map of it takes runs held out from {u.before * UM:.2f} to {u.after * UM:.2f} um rms"
+        )
         lines.append(
-            f"UNKNOWN: {d.unknown['rms'] * UM:.1f} um rms in {d.rows.signals[d.unknown['signal']]} repeat from run to run, and nothing "
-            "in the library explains them."
+            f"UNKNOWN: {u.rms * UM:.1f} um rms in {d.rows.signals[u.signal]} are there that nothing in the library explains. "
+            f"They go with {' and '.join(u.depends)}{shown}."
         )
     lines += _faults(d)
     lines += [f"NOTE: {text}." for text in d.notices]

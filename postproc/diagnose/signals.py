@@ -42,6 +42,8 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
     for name, values in recording.columns.items():
         if name.startswith(("T_", "force_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
             columns[f"channel {name}"] = values
+    if "line" in recording.columns and recording.columns["line"].dtype != object:
+        columns["channel program_line"] = recording.columns["line"]
     return columns
 
 
