@@ -74,7 +74,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     blocks = [replace(b, columns=b.columns[train]) for b in every]
     live = [k for k, b in enumerate(blocks) if (np.abs(b.columns).max(axis=0) > 1e-9).all()]
     every, blocks = [every[k] for k in live], [blocks[k] for k in live]
-    if not blocks:
+    if not blocks and not np.any(rows.sees == "part"):
         raise RecordingError(
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
             "record at several places, from both sides; gcomp simulate --test writes such a program",
@@ -115,8 +115,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, findings.limits(selector, chosen),
         blind.spots(rows, every), usable.faults + faults, selector.least, alike, notices=usable.notices, doubts=doubts,
     )  # fmt: skip
-    diagnosis.unknown = doubt.unknown(diagnosis)
     doubt.doubted(diagnosis)
+    diagnosis.unknown = doubt.unknown(diagnosis)
     options.told("forces and currents")
     diagnosis.drives = drive.drives(usable.recordings)
     return diagnosis
@@ -126,7 +126,7 @@ def _chosen(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray, blo
     """The selector, what it chose, and where the mismatch is."""
     selector = Selector(rows, rows.residual, sigma, u, prior, blocks)
     options.told("calibrating")
-    if options.draws:
+    if options.draws and blocks:
         selector.calibrate(np.random.default_rng(SEED), options.draws)
     places = locate.regions(rows, sigma, u, prior)
     options.told("choosing")

@@ -32,7 +32,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Unknown:
-    """signal: its number; rms mm that repeats; share of chi squared that is left; along: the axis of the map, or "time";
+    """signal: its number; rms mm that repeats; share of what was there in that signal; along: the axis of the map, or "time";
     depends: "position", "direction", "time"; before, after: rms in mm of rows that took no part, without and with the map, None
     where there are none."""
 
