@@ -337,7 +337,7 @@ def _effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
         parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
         tables: list[AxisTable] = []
         if module.USE == "compensate" and hasattr(module, "tables"):
-            moving = axis[1] if module.PER == "pair" else axis
+            moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
             for component, letter, nodes, forward, reverse in module.tables(axis, axes[moving].travel, **parameters):
                 both = np.zeros((2, 6, len(nodes)))
                 both[:, COMPONENTS.index(component)] = forward, reverse

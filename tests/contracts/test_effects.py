@@ -108,7 +108,7 @@ def test_tables_are_the_same_physics(name):
         far = effects.State(**{**vars(STATE), "distance": dict.fromkeys("XYZ", np.full(N, 1e6))})
         wanted = effects.deviation(module, far, axis, **named)
         got = np.zeros((3, N))
-        moving = axis[1] if module.PER == "pair" else axis
+        moving = module.moving(axis, **named) if module.PER == "pair" else axis
         for component, letter, nodes, forward, reverse in module.tables(axis, STATE.travel[moving], **named):
             assert (np.diff(nodes) > 0).all() and len(nodes) == len(forward) == len(reverse)
             table = np.where(
