@@ -86,13 +86,24 @@ def _curves(d: Diagnosis) -> list[Finding]:
     ]  # fmt: skip
 
 
+def _around_steps(d: Diagnosis) -> np.ndarray:
+    """(N,) bool: rows held out between the last reading before a lost step and the first after it: nobody knows when it was."""
+    result = np.zeros(len(d.rows), bool)
+    t = d.rows.state.time
+    for f in d.findings:
+        if f.block.name == "step_loss":
+            before, after = (t[~d.held & way] for way in (t <= f.value["t_s"], t > f.value["t_s"]))
+            result |= (t > before.max(initial=-np.inf)) & (t < after.min(initial=np.inf))
+    return result
+
+
 def doubted(d: Diagnosis) -> None:
     """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear the names out."""
     accepted = [f for f in d.findings if f.status == "accepted"]
     # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
     swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
     swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
-    told = d.held & ~np.isin(d.rows.signal, list(swinging))
+    told = d.held & ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
     if accepted and told.any():
         before, after = (float(np.sqrt(np.mean(v[told] ** 2))) for v in (d.before, d.after))
         ground = float(np.sqrt(np.mean(floor(d)[told] ** 2)))

@@ -12,23 +12,34 @@ from postproc.diagnose.rows import Rows
 
 TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
 PEAKS = 3
+SHARP = (0.12, 0.03)  # mm that an average may reach over
 LOWEST_HZ = 2.0  # slower, it is drift
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
 
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
-    """mm: the likeliest periods along an axis."""
+    """mm: the likeliest periods along an axis; of rows that are averages also by those alone that saw little way."""
+    found = _in_place(rows, axis, weighted, power)
+    if len(rows.state.width) == len(rows) and axis in rows.state.velocity:
+        reach = np.abs(rows.state.velocity[axis]) * rows.state.width
+        for least in SHARP:
+            sharp = (reach < least) & (reach > 0)
+            if 0.05 < float(np.mean(sharp[power > 0])) < 0.95:
+                found += _in_place(rows, axis, weighted * sharp, power * sharp, 0.5 / least)
+    return found
+
+
+def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, finest: float = 0.0) -> list[float]:
     place = rows.state.position[axis]
     use = power > 0
     span = float(np.ptp(place[use])) if use.any() else 0.0
     if span < 1.0:
         return []
-    finest = 0.0
     for signal in np.unique(rows.signal[use]):
         which = use & (rows.signal == signal)
         p = np.unique(np.round(place[which], 4))
-        if len(p) > 6:
+        if len(p) > 6 and rows.state.width[which][0] * finest == 0:
             gap = float(np.median(np.diff(p))) if rows.state.passage[which][0] < 0 else float(np.ptp(p)) / len(p) * 2
             finest = max(finest, 1 / max(2.2 * gap, 0.3))
     if finest <= 3.0 / span:

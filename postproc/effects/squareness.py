@@ -19,7 +19,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str, leans: float = 0.0) -> np.ndarray:
-    first, second = reversed(axis) if leans else axis
+    first, second = (axis[1], axis[0]) if leans else (axis[0], axis[1])
     return along(first, -state.position[second] * 1e-3)
 
 
