@@ -13,6 +13,7 @@ from postproc.diagnose.unknown import Unknown, mapped
 
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
 HELPINGS = 3  # of one effect, on whatever axes
+MOST_LEFT = 0.07  # of what was there: with more left, names are no answer
 CONCERNS = 0.3  # of what is left in a signal
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
 FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
@@ -59,7 +60,7 @@ def unknown(d: Diagnosis) -> Unknown | None:
     for there in left:
         which = (d.rows.signal == there.signal) & ~d.held
         for f in d.findings:
-            if float(np.std(f.contribution[which])) > CONCERNS * there.rms:
+            if there.share > MOST_LEFT and float(np.std(f.contribution[which])) > CONCERNS * there.rms:
                 f.status = "tentative"
     for f in false:
         f.status = "tentative"

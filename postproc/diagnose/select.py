@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from postproc.diagnose.fit import Projector, solve
-from postproc.diagnose.library import Block, found
+from postproc.diagnose.library import FOUND, Block, found, refined
 from postproc.diagnose.rows import Rows
 
 LEAST_SCORE = 28.0
@@ -166,8 +166,22 @@ class Selector:
             if score[k] < self.least:
                 break
             if self._counts([*chosen, int(k)]) and self._material(chosen, int(k), sigma):
-                return [*chosen, int(k)]
+                return [*chosen, self._polished(chosen, int(k), sigma)]
         return chosen
+
+    def _polished(self, chosen: list[int], k: int, sigma: np.ndarray) -> int:
+        """The number of the block, or of one at a likelier period."""
+        if self.blocks[k].name not in FOUND:
+            return k
+        better = refined(self.rows, self.blocks[k], self.projector(chosen, sigma)(self.y), sigma)
+        if better.shape == self.blocks[k].shape or better.columns.shape[1] != self.blocks[k].columns.shape[1]:
+            return k
+        if (better.key, better.shape) in {(b.key, b.shape) for b in self.blocks}:
+            return k
+        self.blocks = [*self.blocks, better]
+        self._restack()
+        new = len(self.blocks) - 1
+        return new if self.worth(chosen, new, sigma) > self.worth(chosen, k, sigma) else k
 
     def _counts(self, chosen: list[int]) -> bool:
         """The same effect and axis twice is refinement of a shape: twice, no more, and no shape twice; an axis that lost its

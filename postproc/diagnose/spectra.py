@@ -15,6 +15,7 @@ PEAKS = 3
 SHARP = (0.12, 0.03)  # mm that an average may reach over
 LOWEST_HZ = 2.0  # slower, it is drift
 FINE = 4  # bins per period of the highest frequency
+ROUGHLY, MOST_STEPS, FINE_STEP = 0.04, 160, 0.4  # of a frequency; tried; of what the span resolves
 MOST_BINS = 1 << 17
 
 
@@ -54,6 +55,28 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, fi
     parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
     best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
     return [1 / _polished(f, 0.7 / span, parts) for f in best]
+
+
+def refined(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, period: float) -> float:
+    """mm: the likeliest period near one that was found, with what averages leave of each: of short stretches a spectrum tells a period
+    only roughly."""
+    use = power > 0
+    place = rows.state.position[axis][use]
+    span = float(np.ptp(place))
+    if span <= 0 or not len(rows.state.width):
+        return period
+    reach = rows.state.velocity[axis][use] * rows.state.width[use]
+    f = 1 / period
+    for within in (min(ROUGHLY * f, MOST_STEPS / 2 * FINE_STEP / span), 3 * FINE_STEP / span):
+        steps = max(9, min(MOST_STEPS, int(2 * within * span / FINE_STEP)))
+        tried = f + within * np.linspace(-1.0, 1.0, steps)
+        value = []
+        for g in tried:
+            left = np.sinc(g * reach)
+            swing = np.exp(-2j * np.pi * g * (place - place[0]))
+            value.append(abs((weighted[use] * left) @ swing) ** 2 / max(float((power[use] * left**2).sum()) / 2, 1e-30))
+        f = float(tried[int(np.argmax(value))])
+    return 1 / f
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
