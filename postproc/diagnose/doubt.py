@@ -99,20 +99,27 @@ def _around_steps(d: Diagnosis) -> np.ndarray:
 
 
 def doubted(d: Diagnosis) -> None:
-    """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear the names out."""
-    accepted = [f for f in d.findings if f.status == "accepted"]
+    """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear it out."""
+    if d.doubts:
+        for f in d.findings:
+            f.status = "tentative"
     # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
     swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
     swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
     told = d.held & ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
-    if accepted and told.any():
-        before, after = (float(np.sqrt(np.mean(v[told] ** 2))) for v in (d.before, d.after))
-        ground = float(np.sqrt(np.mean(floor(d)[told] ** 2)))
-        if after > FAR_OFF * ground and after > NO_BETTER * before:
-            d.doubts.append(
-                f"the runs that took no part are {after * 1e3:.2f} um off with these effects and {before * 1e3:.2f} um without, where their noise is "
-                f"{ground * 1e3:.2f} um: the recordings contradict each other, or something changed between them"
-            )
-    if d.doubts:
-        for f in accepted:
-            f.status = "tentative"
+    off = []
+    for signal in np.unique(d.rows.signal[told]):
+        own = told & (d.rows.signal == signal)
+        before, after = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.before, d.after))
+        ground = float(np.sqrt(np.mean(floor(d)[own] ** 2)))
+        concerned = [f for f in d.findings if float(np.std(f.contribution[own])) > CONCERNS * after]
+        if after > FAR_OFF * ground and after > NO_BETTER * before and concerned:
+            off.append((after / ground, int(signal), before, after, ground))
+            for f in concerned:
+                f.status = "tentative"
+    if off and not any(f.status == "accepted" for f in d.findings):
+        _, signal, before, after, ground = max(off)
+        d.doubts.append(
+            f"the runs that took no part are {after * 1e3:.2f} um off in {d.rows.signals[signal]} with these effects and {before * 1e3:.2f} um "
+            f"without, where their noise is {ground * 1e3:.2f} um: the recordings contradict each other, or something changed between them"
+        )

@@ -56,6 +56,8 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> list[st
                     f"{words}",
                     "readings are in um (angles in urad), actual minus commanded", Place(recording.file, int(recording.lines[0])),
                 )  # fmt: skip
+        if share > HALF:
+            continue  # an effect that looks like a detail of the map, and is larger: for others to name
         result.append(
             f"{recording.file}: what the map of {machine.name} says is not in these readings: they hold {share:.2f} of it "
             f"({share - 2 * error:.2f} to {share + 2 * error:.2f}). Another machine, rows mixed up, or a table of the control that the machine's "

@@ -37,10 +37,10 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, fi
     span = float(np.ptp(place[use])) if use.any() else 0.0
     if span < 1.0:
         return []
-    for signal in np.unique(rows.signal[use]):
+    for signal in np.unique(rows.signal[use]) if finest == 0 else ():
         which = use & (rows.signal == signal)
         p = np.unique(np.round(place[which], 4))
-        if len(p) > 6 and rows.state.width[which][0] * finest == 0:
+        if len(p) > 6:
             gap = float(np.median(np.diff(p))) if rows.state.passage[which][0] < 0 else float(np.ptp(p)) / len(p) * 2
             finest = max(finest, 1 / max(2.2 * gap, 0.3))
     if finest <= 3.0 / span:

@@ -17,7 +17,7 @@ FEWEST = 12
 STRETCHES = 40
 MEDIAN = np.pi / 2  # variance of a median over that of a mean
 LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 1.6e-4, "scale": 1.6e-4}  # smaller is not worth a word
-LIKELY = 8.0  # times its own spread
+LIKELY = 6.0  # times its own spread
 SHARE = 0.2  # of what was there before
 
 

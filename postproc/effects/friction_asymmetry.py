@@ -1,18 +1,19 @@
 """Friction that differs with the direction: after a turn the axis is held back more one way than the other.
 
-Like the spike of a reversal, with another height for each direction; where both are alike it is a plain spike.
+Like the spike of a reversal, with another height for each direction; where both are alike it is a plain spike. A drive
+without integral action does not make up for it: then the axis lags all the time, by what is rubbing in that direction.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, grid
+from postproc.effects import State, along, grid, sampled
 
 PARAMETERS = {
     "size_um": "um, mean height of the excursion after a turn",
     "slope_um": "um, its share that rises first",
     "difference_um": "um, by how much it is higher in +",
     "difference_slope_um": "um, its share that rises first",
-    "tau_ms": "ms, how long it lasts",
+    "tau_ms": "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um per 100 mm/s",
 }
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
@@ -23,10 +24,13 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"tau_ms": v} for v in grid(6.0, 250.0, 9)]
+    return [{"tau_ms": v} for v in (0.0, *grid(6.0, 250.0, 9))]
 
 
 def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
+    if tau_ms <= 0:  # how much more it lags in one direction whatever its speed is a zero that nobody knows
+        v = state.velocity[axis] / 100.0
+        return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(state.velocity[axis] != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
     s = state.approach[axis]
@@ -34,11 +38,15 @@ def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    values = [float(c) for c in coefficients]
+    if len(values) == 3:
+        values.insert(2, 0.0)
     names = ("size_um", "slope_um", "difference_um", "difference_slope_um")
-    return {n: float(c) for n, c in zip(names, coefficients, strict=True)} | {"tau_ms": shape["tau_ms"]}
+    return dict(zip(names, values, strict=True)) | {"tau_ms": shape["tau_ms"]}
 
 
 def coefficients(
     size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float
 ) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um, slope_um, difference_um, difference_slope_um]), {"tau_ms": tau_ms}
+    values = [size_um, slope_um, difference_um, difference_slope_um]
+    return np.array(values if tau_ms > 0 else [*values[:2], values[3]]), {"tau_ms": tau_ms}

@@ -9,7 +9,10 @@ from postproc.effects import State, along, grid
 PARAMETERS = {
     "um_per_1000_rpm": "um per 1000 rpm, growth when it is warm",
     "tau_s": "s, the time in which it warms",
+    "housing_um": "um per 1000 rpm, growth of the housing, which follows later",
+    "housing_s": "s, the time in which the housing follows; 0, it does not",
 }
+OPTIONAL = {"housing_um": 0.0, "housing_s": 0.0}
 PLAUSIBLE = {"um_per_1000_rpm": (-200.0, 200.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
@@ -17,22 +20,35 @@ TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, 
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"tau_s": v} for v in grid(300.0, 4800.0, 4)] if state.channels["spindle_rpm"].any() else []
+    if not state.channels["spindle_rpm"].any():
+        return []
+    return [
+        {"tau_s": v, "housing_s": h} for v in grid(300.0, 4800.0, 4) for h in ((0.0, 3600.0) if v < 1000 else (0.0,))
+    ]
 
 
-def columns(state: State, axis: str, tau_s: float) -> np.ndarray:
+def columns(state: State, axis: str, tau_s: float, housing_s: float = 0.0) -> np.ndarray:
     rpm, t = state.channels["spindle_rpm"] / 1000.0, state.time
     order = np.argsort(t, kind="stable")
-    level, value = 0.0, np.zeros(len(t))
+    warm, late = np.zeros(len(t)), np.zeros(len(t))
+    level = slow = 0.0
     for before, k in pairwise(order):
-        level += (rpm[before] - level) * (1.0 - np.exp(-(t[k] - t[before]) / tau_s))
-        value[k] = level
-    return along(axis, value)
+        gone = t[k] - t[before]
+        level += (rpm[before] - level) * (1.0 - np.exp(-gone / tau_s))
+        warm[k] = level
+        if housing_s > 0:
+            slow += (level - slow) * (1.0 - np.exp(-gone / housing_s))
+            late[k] = slow
+    return along(axis, warm, late) if housing_s > 0 else along(axis, warm)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_per_1000_rpm": float(coefficients[0]), "tau_s": shape["tau_s"]}
+    housing = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return {"um_per_1000_rpm": float(coefficients[0]), "housing_um": housing} | shape
 
 
-def coefficients(um_per_1000_rpm: float, tau_s: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_per_1000_rpm]), {"tau_s": tau_s}
+def coefficients(
+    um_per_1000_rpm: float, tau_s: float, housing_um: float = 0.0, housing_s: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    value = np.array([um_per_1000_rpm, housing_um] if housing_s > 0 else [um_per_1000_rpm])
+    return value, {"tau_s": tau_s, "housing_s": housing_s}
