@@ -285,9 +285,11 @@ def unusual(block: Block, coefficients: np.ndarray) -> int:
 
 
 def plausible(block: Block, coefficients: np.ndarray) -> bool:
-    """Whether the named parameters are such as machines have."""
-    limits = getattr(block.module, "PLAUSIBLE", None)
-    if not limits:
+    """Whether the named parameters are such as machines have, and such as the name says."""
+    limits, sensible = getattr(block.module, "PLAUSIBLE", {}), getattr(block.module, "sensible", None)
+    if not limits and sensible is None:
         return True
     named = block.module.parameters(coefficients, dict(block.shape))
+    if sensible is not None and not sensible(**named):
+        return False
     return all(low <= named[name] <= high for name, (low, high) in limits.items())

