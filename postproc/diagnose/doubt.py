@@ -13,7 +13,7 @@ from postproc.diagnose.unknown import Unknown, mapped
 
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
 HELPINGS = 3  # of one effect, on whatever axes
-MOST_LEFT = 0.07  # of what was there: with more left, names are no answer
+MOST_LEFT = 0.04  # of what was there: with more left, names are no answer
 CONCERNS = 0.3  # of what is left in a signal
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
 FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
@@ -57,6 +57,10 @@ def unknown(d: Diagnosis) -> Unknown | None:
     they explain is left, a curve takes many of them, or one effect is needed again and again."""
     false = _curves(d)
     left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held) + _of_parts(d)
+    rough = max((f.value["size_um"] for f in d.findings if f.block.name == "stick_slip"), default=0.0) / np.sqrt(12.0)
+    left = [
+        there for there in left if there.rms > rough * 1e-3
+    ]  # of what jumps nobody foretells where each reading lies
     for there in left:
         which = (d.rows.signal == there.signal) & ~d.held
         for f in d.findings:

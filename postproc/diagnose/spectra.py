@@ -22,7 +22,7 @@ MOST_BINS = 1 << 17
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     """mm: the likeliest periods along an axis; of rows that are averages also by those alone that saw little way."""
     found = _in_place(rows, axis, weighted, power)
-    if len(rows.state.width) == len(rows) and axis in rows.state.velocity:
+    if len(rows.state.width) == len(rows) and axis in rows.state.velocity and (power > 0).any():
         reach = np.abs(rows.state.velocity[axis]) * rows.state.width
         for least in SHARP:
             sharp = (reach < least) & (reach > 0)

@@ -17,7 +17,7 @@ FEWEST = 12
 STRETCHES = 40
 MEDIAN = np.pi / 2  # variance of a median over that of a mean
 LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 1.6e-4, "scale": 1.6e-4}  # smaller is not worth a word
-LIKELY = 6.0  # times its own spread
+LIKELY = {"place": 6.0, "time": 6.0, "pace": 5.0}  # times its own spread
 SHARE = 0.2  # of what was there before
 
 
@@ -43,7 +43,7 @@ def unexplained(rows: Rows, before: np.ndarray, after: np.ndarray, sigma: np.nda
         was, now = excess(rows, before, sigma, which), excess(rows, after, sigma, which)
         there = max(max(v for v, _ in was.values()), 1e-30)
         for how, (value, likely) in now.items():
-            if likely > LIKELY and value > LEAST_MM[kind] ** 2 and value > SHARE**2 * there:
+            if likely > LIKELY[how] and value > LEAST_MM[kind] ** 2 and value > SHARE**2 * there:
                 found.append(Left(signal, how, float(np.sqrt(value)), float(min(1.0, value / there))))
     return sorted(found, key=lambda left: -left.rms)
 
@@ -67,7 +67,30 @@ def excess(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -
         total = float((n * (middle**2 - noise)).sum() / n.sum())
         spread = float(np.sqrt(2.0 * (n**2 * noise**2).sum()) / n.sum())
         result[name] = (total, total / max(spread, 1e-30))
+    if rows.state.passage[at[0]] >= 0:
+        result["pace"] = _rough(left[at], _stretches(rows, at))
     return result
+
+
+def _rough(left: np.ndarray, group: np.ndarray) -> tuple[float, float]:
+    """Stretches that are rougher than most: (mm2 of variance beyond that of the quiet ones, of the roughest tenth of all rows, how
+    many times its own spread)."""
+    second = np.zeros(len(left))
+    second[1:-1] = (left[1:-1] - (left[2:] + left[:-2]) / 2) / np.sqrt(1.5)
+    inside = np.concatenate([[False], (group[1:-1] == group[2:]) & (group[1:-1] == group[:-2]), [False]])
+    limit = 6.0 * 1.4826 * float(np.median(np.abs(second[inside]))) if inside.any() else 0.0
+    square = np.clip(second[inside], -limit, limit) ** 2
+    count = np.bincount(group[inside])
+    n = count[count > 4]
+    if len(n) < 10:
+        return 0.0, 0.0
+    variance = (np.bincount(group[inside], square)[count > 4]) / n
+    quiet = float(np.median(variance))
+    loud = np.sort(variance)[-max(2, len(variance) // 10) :]
+    size = float(loud.min() - quiet)
+    return float(loud.mean() - quiet) * len(loud) / len(variance), size / max(
+        quiet * np.sqrt(4.0 / float(np.median(n))), 1e-30
+    )
 
 
 def _places(rows: Rows, at: np.ndarray) -> np.ndarray:
