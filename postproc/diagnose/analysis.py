@@ -63,12 +63,21 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("locating")
     train = np.flatnonzero(~held)
     part = rows.pick(train)
+    usual = prior  # a map that is worse than that is a mismatch itself
+    worse = fit.map_worse(u[train], prior, sigma[train], part.residual)
+    notices = list(usable.notices)
+    if worse > 1:
+        prior = np.where(prior == fit.MAP_UM * 1e-3, worse * prior, prior)
+        notices.append(
+            f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
+        )
     # Where several readings leave their lines together, each target has a value of its own: no smooth shape is asked to bend so.
     jumps = shared_jump.find(part, part.residual, sigma[train])
     smooth = u.shape[1]
     for jump in jumps:
         own = shared_jump.columns(jump, rows)
-        u, prior = np.concatenate([u, own], axis=1), np.concatenate([prior, np.full(own.shape[1], fit.FREE)])
+        free = np.full(own.shape[1], fit.FREE)
+        u, prior, usual = np.concatenate([u, own], axis=1), np.concatenate([prior, free]), np.concatenate([usual, free])
     options.told("building the dictionary")
     every = library.blocks(rows)
     blocks = [replace(b, columns=b.columns[train]) for b in every]
@@ -79,7 +88,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
             "record at several places, from both sides; gcomp simulate --test writes such a program",
         )
-    selector, model, places = _chosen(part, sigma[train], u[train], prior, blocks, options)
+    places = locate.regions(part, sigma[train], u[train], usual)
+    selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
     creep = restless.creeping(part, _left(part, selector, model), sigma[train], alike[train])
     if creep and any(
         b.axis == creep.axis and b.name in restless.LIKE and score > creep.fall
@@ -88,7 +98,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         creep = None
     if creep:  # what nobody can foretell there is noise to all that can be foretold
         sigma = np.hypot(sigma, creep.rms * alike * restless.rows_of(rows, creep))
-        selector, model, places = _chosen(part, sigma[train], u[train], prior, blocks, options)
+        selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
     model, late = _of_each_axis(selector, model, part)
     chosen = [selector.blocks.index(b) for b in model.blocks]
     # What was found on the way has columns of the rows that took part only: read them of all rows. A passage that took no
@@ -113,7 +123,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, findings.limits(selector, chosen),
-        blind.spots(rows, every), usable.faults + faults, selector.least, alike, notices=usable.notices, doubts=doubts,
+        blind.spots(rows, every), usable.faults + faults, selector.least, alike, notices=notices, doubts=doubts,
     )  # fmt: skip
     doubt.doubted(diagnosis)
     diagnosis.unknown = doubt.unknown(diagnosis)
@@ -123,14 +133,13 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
 
 
 def _chosen(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray, blocks: list[Block], options: Options):
-    """The selector, what it chose, and where the mismatch is."""
+    """The selector and what it chose."""
     selector = Selector(rows, rows.residual, sigma, u, prior, blocks)
     options.told("calibrating")
     if options.draws and blocks:
         selector.calibrate(np.random.default_rng(SEED), options.draws)
-    places = locate.regions(rows, sigma, u, prior)
     options.told("choosing")
-    return selector, selector.run(), places
+    return selector, selector.run()
 
 
 def _left(rows: Rows, selector: Selector, model: Model) -> np.ndarray:

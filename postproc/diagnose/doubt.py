@@ -102,6 +102,14 @@ def _around_steps(d: Diagnosis) -> np.ndarray:
     return result
 
 
+def _borne_out(d: Diagnosis, f: Finding, rows: np.ndarray) -> bool:
+    """Whether these other rows that took no part (N,) bool agree better with a finding than without it."""
+    if not rows.any() or float(np.std(f.contribution[rows])) < float(np.sqrt(np.mean(floor(d)[rows] ** 2))):
+        return False
+    with_it, without = (float(np.mean(v[rows] ** 2)) for v in (d.after, d.after + f.contribution))
+    return with_it < NO_BETTER**2 * without
+
+
 def doubted(d: Diagnosis) -> None:
     """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear it out."""
     if d.doubts:
@@ -116,11 +124,13 @@ def doubted(d: Diagnosis) -> None:
         own = told & (d.rows.signal == signal)
         before, after = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.before, d.after))
         ground = float(np.sqrt(np.mean(floor(d)[own] ** 2)))
-        concerned = [f for f in d.findings if float(np.std(f.contribution[own])) > CONCERNS * after]
+        which = d.rows.signal == signal
+        concerned = [f for f in d.findings if float(np.std(f.contribution[which])) > CONCERNS * after]
         if after > FAR_OFF * ground and after > NO_BETTER * before and concerned:
             off.append((after / ground, int(signal), before, after, ground))
             for f in concerned:
-                f.status = "tentative"
+                if not _borne_out(d, f, told & ~which):
+                    f.status = "tentative"
     if off and not any(f.status == "accepted" for f in d.findings):
         _, signal, before, after, ground = max(off)
         d.doubts.append(

@@ -15,6 +15,7 @@ from postproc.effects import legendre
 
 FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+TOLD, FEWEST_TERMS, WORSE, MOST_WORSE = 0.3, 8, 1.5, 4.0
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
@@ -128,6 +129,20 @@ class Projector:
     def nuisance(self, y: np.ndarray) -> np.ndarray:
         """(N,) the nuisances' own part of y."""
         return self.u @ (self.inner @ (self.u.T @ (self.w * y)))
+
+
+def map_worse(u: np.ndarray, prior: np.ndarray, sigma: np.ndarray, y: np.ndarray) -> float:
+    """By how much the map is worse than maps usually are, 1 where nothing speaks for it: the spread of all its terms that these
+    readings (y, (N,) mm) tell. By their median, since an effect that is left out makes a few of them large."""
+    terms = np.flatnonzero(prior == MAP_UM * 1e-3)
+    p = Projector.of(sigma, u, prior)
+    told = prior[terms] ** 2 - np.diag(p.inner)[terms]
+    sure = told > TOLD * prior[terms] ** 2
+    if sure.sum() < FEWEST_TERMS:
+        return 1.0
+    found = (p.inner @ (u.T @ (p.w * y)))[terms][sure] / np.sqrt(told[sure])
+    spread = float(np.median(np.abs(found))) * 1.4826
+    return min(spread, MOST_WORSE) if spread > WORSE else 1.0
 
 
 def solve(

@@ -101,6 +101,8 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
         return [""]
     if module.PER == "pair":
         return ["".join(pair) for pair in combinations(sorted(moving), 2)]
+    if getattr(module, "LINE", False):
+        return [*moving, ""]
     return moving
 
 

@@ -19,7 +19,9 @@ LEAST = 24.0  # fall of -2 ln(likelihood) of each half
 LEAST_MM = 3e-4  # rms beyond the noise
 FEWEST = 12  # rows of each half
 SLOWEST, FASTEST = 0.4, 6.0  # mm/s
-LIKE = ("reversal_spike", "friction_asymmetry")  # rough in the turn too
+LIKE = (  # rough in the turn too
+    "reversal_spike", "friction_asymmetry", "windup", "backlash", "backlash_position", "coulomb_friction", "stick_slip",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

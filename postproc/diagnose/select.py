@@ -23,7 +23,7 @@ FORM, FORM_OF_LARGEST = 0.10, 0.03
 SWAP = 2.0
 UNUSUAL = 4.0  # what an unusual sign costs; a module's ODD, if it has one, of the fall of chi squared
 RARE = {  # what is taken only where it is clearly better than its kin
-    "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0,
+    "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
 }  # fmt: skip
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 

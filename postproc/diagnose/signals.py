@@ -21,6 +21,7 @@ LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, an
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
+TAKEN_UP = 8.0  # mm: after so much way lost motion is taken up, whatever was before
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
@@ -181,8 +182,11 @@ def _trace(recording: Recording, machine: Machine):
             "direction": direction,
             "sees": "scale" if scale else "tool",
         }
-        one = {name: v[sure] if isinstance(v, np.ndarray) else v for name, v in one.items()}
-        same = rounding.alike(recording.position(x)[sure], coarse[sure])
+        known = sure & _settled(columns, x)
+        if not known.any():
+            known = sure
+        one = {name: v[known] if isinstance(v, np.ndarray) else v for name, v in one.items()}
+        same = rounding.alike(recording.position(x)[known], coarse[known])
         yield f"{x}_act_mm", _averaged(_together(one, same) if same.any() else one)
 
 
@@ -195,6 +199,16 @@ def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
         result &= side != 0
         result[turn] = False
         result[turn + 1] = False
+    return result
+
+
+def _settled(columns: dict, letter: str) -> np.ndarray:
+    """(N,) bool: samples behind the first turn of their run, or after some way: before, nobody knows how far lost motion is taken up."""
+    result = np.ones(len(columns["run"]), bool)
+    for run in np.unique(columns["run"]):
+        own = np.flatnonzero(columns["run"] == run)
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(columns[f"{letter} position"][own])))])
+        result[own] = (columns[f"{letter} distance"][own] < FAR / 2) | (way >= TAKEN_UP) | (way[-1] < 1e-9)
     return result
 
 

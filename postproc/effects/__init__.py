@@ -4,7 +4,8 @@ A module holds
 
 - EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed less; PLAUSIBLE: its range, beyond which it is something else;
 - PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
-- PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null);
+- PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null); LINE: True where it is of no axis on a
+  line along which several move;
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
   instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
 - sensible(**parameters): False where such parameters are another effect's; optional;

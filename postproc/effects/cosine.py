@@ -11,6 +11,7 @@ PARAMETERS = {
 PLAUSIBLE = {"ppm": (-5000.0, 0.0)}  # beyond, it is something else
 OPTIONAL = {"file": -1.0}
 KIND, USE, PER = "instrument", "recording", "axis"
+LINE = True  # of a line along which several axes move it belongs to none
 NEEDS, SEES = ("position",), ("laser",)
 TEXT = (
     "The laser beam was not parallel to the axis. "
@@ -20,7 +21,8 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     read = np.unique(state.file[state.beam > 0])
-    return [{"file": float(f)} for f in read if np.ptp(state.position[axis][state.file == f]) > 1e-6]
+    moving = {f: [x for x, p in state.position.items() if np.ptp(p[state.file == f]) > 1e-6] for f in read}
+    return [{"file": float(f)} for f in read if moving[f] == [axis] or (not axis and len(moving[f]) > 1)]
 
 
 def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:

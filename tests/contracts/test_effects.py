@@ -44,7 +44,7 @@ FOUND = {
 
 
 def axis_of(module) -> str:
-    return {"axis": "X", "pair": "XZ", "all": ""}[module.PER]
+    return "" if getattr(module, "LINE", False) else {"axis": "X", "pair": "XZ", "all": ""}[module.PER]
 
 
 def shapes_of(name, module):
