@@ -70,7 +70,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--safe-z",
         type=float,
         metavar="MM",
-        help="where Z is safe for --resume-from, machine coordinates (default: the highest rapid before the line)",
+        help="mills and printers: where Z is safe for --resume-from, machine coordinates (default: the highest rapid before the line)",
+    )
+    job.add_argument(
+        "--safe-x",
+        type=float,
+        metavar="MM",
+        help="lathes, with a tool that cuts outside: where X is clear of the part, machine coordinates in radius (default: the "
+        "farthest rapid before the line, if the program leaves its cuts that way)",
     )
     job.add_argument("--yes", action="store_true", help="send what --resume-from shows without asking")
     job.add_argument("--quiet", action="store_true", help="no progress, no notices")
@@ -133,6 +140,9 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
             "--resume-from names a line, and with --expand a line may be executed more than once",
             "write the program out first: gcomp --expand -o plain.nc; then stream that",
         )
+    for name in ("safe_z", "safe_x"):
+        if getattr(options, name) is not None and not options.resume_from:
+            raise UsageError(f"--{name.replace('_', '-')} is for --resume-from alone", "leave it out")
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
     if options.on_error == "ask" and not _keys(options):

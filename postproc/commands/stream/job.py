@@ -191,7 +191,8 @@ def restarted(job: Job, line: int) -> None:
         with ports.opened(options.file) as (stream, _, _):
             before, rest = restart.read_before(filter_, stream, line)
         restart.refuse(filter_, rest, line)
-        job.preamble = tuple(restart.preamble(filter_, before, options.safe_z))
+        safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
+        job.preamble = tuple(restart.preamble(filter_, before, safe))
     job.begin = line
     shown = "\n".join(f"    {x.decode()}" for x in job.preamble)
     print(f"gcomp: beginning again with line {line}; sent before it:\n{shown}", file=sys.stderr)
