@@ -221,6 +221,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     from postproc.commands.stream.show import Show
     from postproc.streaming import journal as journals
     from postproc.streaming.live import CONTROLLER_AXES
+    from postproc.streaming.path import Path as Way
     from postproc.streaming.rates import Clock
     from postproc.streaming.sender import Sender
     from postproc.streaming.trace import Trace
@@ -231,7 +232,8 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
     if options.check and not greeting.protocol.check_mode():
         raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
-    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order)
+    path = Way(controller, order) if job.watched() else None
+    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order, path=path)
     with contextlib.ExitStack() as stack:
         trace = record = None
         if options.record:
@@ -243,12 +245,12 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
             trace = Trace(machine.name, machine.letters, controller.name, start)
             record = stack.enter_context(open(options.record, "w", encoding="utf-8"))
             record.write(trace.head())
-        path = jobs.journal_path(options)
+        place = jobs.journal_path(options)
         journal = None
-        if path is not None and not options.check:
+        if place is not None and not options.check:
             sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
             journal = JournalFile(
-                path,
+                place,
                 journals.head(
                     job.name, sha, machine.name, machine.digest, controller.planner, job.begin, options.expand
                 ),

@@ -22,12 +22,14 @@ from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.rates import Load
 from postproc.streaming.source import RAPID_MM_MIN, Source
+from postproc.streaming.trace import CHORD
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
     from postproc.machine.model import Machine
 
 CHUNK = 1 << 13  # bytes of the program at a time: small, so that little is ahead of the link
+CHORD_SEEN = 0.005  # mm
 LARGEST_JOURNAL = 1 << 30
 
 
@@ -57,9 +59,7 @@ class Job:
         filter_ = fresh or self.fresh()
         absolute = "G90" in self.live.modal
         shorten = Compact(absolute, "G94" in self.live.modal).line if self.options.compact else None
-        source = self.source = Source(
-            filter_, self.protocol.prepare, shorten, self._rapid(), sampled=bool(self.options.record)
-        )
+        source = self.source = Source(filter_, self.protocol.prepare, shorten, self._rapid(), sampled=self._sampled())
         if self.preamble:
             yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
         if self.whole is not None:
@@ -75,6 +75,15 @@ class Job:
         except ProgramError:
             yield source.delivered
             raise
+
+    def _sampled(self) -> float:
+        """mm by which an arc's chords may miss it: of a recording, of the watch over the path."""
+        return CHORD if self.options.record else CHORD_SEEN if self.watched() else 0.0
+
+    def watched(self) -> bool:
+        """Whether reports tell that the machine leaves the path."""
+        o = self.options
+        return getattr(self.protocol, "exact", False) and not (o.check or o.control_compensates)
 
     def _rapid(self) -> float:
         """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
