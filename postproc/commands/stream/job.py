@@ -203,12 +203,13 @@ def restarted(job: Job, line: int) -> None:
         safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
         job.preamble = tuple(restart.preamble(filter_, before, safe))
     job.begin = line
-    shown = "\n".join(f"    {x.decode()}" for x in job.preamble)
-    print(f"gcomp: beginning again with line {line}; sent before it:\n{shown}", file=sys.stderr)
+    shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
+    before = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
+    print(f"gcomp: beginning again with line {line}{before}", file=sys.stderr)
     if options.yes:
         return
     if sys.stdin is None or not sys.stdin.isatty():
-        raise UsageError("nothing was sent: nobody is here to agree to these blocks", "look at them, then say --yes")
+        raise UsageError("nothing was sent: nobody is here to agree to this", "look at it, then say --yes")
     print("gcomp: send this? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):
         raise UsageError("nothing was sent")
