@@ -6,6 +6,7 @@ belongs to which source line is counted: a source line gives itself, and one lin
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator
 
@@ -45,8 +46,8 @@ class Source:
         self.delivered: list[WireLine] = []
         self._rest = b""
         self._seen: list[tuple[Words, Motions, Pieces, bytes, int]] = []
-        modal = filter_.modal
-        self._end: tuple[float, ...] = tuple(np.where(modal.known, modal.position / TICKS_PER_MM, np.nan).tolist())
+        known, place = filter_.modal.known.tolist(), (filter_.modal.position / TICKS_PER_MM).tolist()
+        self._end: tuple[float, ...] = tuple(v if k else math.nan for k, v in zip(known, place, strict=True))
         ends = "|".join(map(str, filter_.dialect.ends))
         self._ends = re.compile(rf"(?<![A-Z])M0*(?:{ends})(?![0-9.])".encode(), re.IGNORECASE) if ends else None
         filter_.watchers.append(lambda *seen: self._seen.append(seen))
