@@ -32,12 +32,16 @@ from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.yes_host import measure  # noqa: E402
 
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "senders"
-AXIS_WORD = re.compile(r"([XYZ])(-?[0-9.]+)")
+AXIS_WORD = re.compile(r"([XYZ])(-?[0-9]+\.?[0-9]*|-?\.[0-9]+)")
 LINES = 120
+FEED = 6000  # mm/min
 SPEED = 2.0  # model seconds in a second
 KINDS = {
     "no faults": lambda r: Faults(),
     "one byte damaged, to the controller": lambda r: Faults(
+        to={r.randrange(400, 3000): r.choice(("drop", "flip", "double"))}, random=r
+    ),
+    "one byte damaged, to the controller, slow feed": lambda r: Faults(
         to={r.randrange(400, 3000): r.choice(("drop", "flip", "double"))}, random=r
     ),
     "one byte damaged, from the controller": lambda r: Faults(
@@ -83,7 +87,11 @@ def command(sender: str, control: str, port: str, path: Path) -> list[str]:
 def job(sender: str, control: str, kind: str, seed: int, limit: float, folder: Path) -> tuple[bool, bool, bool, float]:
     """Whether the program was executed as it is, whether success was said, whether it hung, and its seconds."""
     r = random.Random(f"{control} {kind} {seed}")
-    text = zigzag(LINES, seed=seed, feed=6000)[0].replace(" ", "").replace("G21G90G94", "G90")
+    text = (
+        zigzag(LINES, seed=seed, feed=FEED // 10 if "slow" in kind else FEED)[0]
+        .replace(" ", "")
+        .replace("G21G90G94", "G90")
+    )
     path = folder / "job.nc"
     path.write_text(text + "\n")
     model = MarlinModel(says_wait=r.random() < 0.5) if control == "marlin" else GrblModel()
@@ -111,10 +119,11 @@ def job(sender: str, control: str, kind: str, seed: int, limit: float, folder: P
     return places(rows) == places(text.split("\n")), said, hung, time.monotonic() - begun
 
 
-def places(rows: list[str]) -> list[str]:
-    """The axis words of every block that has any: senders ask questions of their own, write G1 as G01 and repeat feeds."""
+def places(rows: list[str]) -> list[tuple[tuple[str, float], ...]]:
+    """The axis words of every block that has any, to the um that a machine resolves: senders ask questions of their own, write G1 as
+    G01 and repeat feeds, and a nought that is lost does no harm."""
     blocks = [row.replace(" ", "") for row in rows if row.startswith("G") and not row.startswith("G92")]
-    found = ["".join(k + v for k, v in AXIS_WORD.findall(block)) for block in blocks]
+    found = [tuple((k, round(float(v), 3)) for k, v in AXIS_WORD.findall(block)) for block in blocks]
     return [words for words in found if words]
 
 

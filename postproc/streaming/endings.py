@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from postproc.streaming import outcome as ends
-from postproc.streaming.events import Alarm, Altered, Rejected, Restarted, Stray
+from postproc.streaming.events import Alarm, Altered, Rejected, Restarted, Status, Stray
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome
+from postproc.streaming.path import Path
 from postproc.streaming.protocols import Protocol
 
 LOOK = "what the controller has received it may still execute; check where it stands before you restart"
@@ -66,6 +67,20 @@ def altered(event: Altered, line: WireLine | None) -> Outcome:
     return Outcome(
         ends.ALTERED, f"the controller read {event.heard!r}, which is not what was sent: {line.where() if line else ''}",
         "the link loses or alters bytes: check cable, baud rate and flow control",
+    )  # fmt: skip
+
+
+def astray(path: Path, status: Status, protocol: Protocol) -> Outcome:
+    """It was seen twice beside the path."""
+    lines = path.lines()
+    first, last = lines[0], lines[-1]
+    at = " ".join(f"{x}{v:.3f}" for x, v in zip("XYZABCUVW", status.place or (), strict=False))
+    near = f"; nearest is {path.nearest.where()}" if path.nearest else ""
+    return Outcome(
+        ends.DRIFT, f"the machine stands {path.distance:.3f} mm beside the path of the lines that it may be executing, source lines "
+        f"{first.source} to {last.source} (wire lines {first.number} to {last.number}): it reports {at}, machine coordinates{near}",
+        "a coordinate was altered on the way (or two reports were), or something else has moved the machine; "
+        f"{protocol.does['hold']}. Look at the part, check cable and baud rate, and restart from a line before these",
     )  # fmt: skip
 
 

@@ -14,6 +14,10 @@ AGAIN, FOREIGN, RESUMED = "again", "foreign", "resumed"
 PAUSED = (
     "the controller is paused and waits for a person: at its own buttons, or Enter (or SIGUSR1); Ctrl-C stops the job"
 )
+NOT_SEEN_AGAIN = (
+    "one report said that the machine was {:.3f} mm beside the path; held and asked again, it stands on it, and goes on. The report was "
+    "damaged, or a coordinate was: check the cable, and look at the part"
+)
 STOP = re.compile(rb"M0*[01](?![0-9])", re.IGNORECASE)
 
 

@@ -2,11 +2,12 @@
 
     {"format": "gcomp-journal/1", "program": ..., "sha256": ..., "machine": ..., "map": ..., "planner": 16, "begin": 1}
     {"t": 0.013, "sent": 1, "source": 3, "piece": 0, "text": "G0X10", "correction_um": [1.2, 0.0]}
+    {"t": 0.014, "sent": 2, "source": 1, "piece": 0, "text": "G1X4", "correction_um": [0.4, 0.0], "file": "pocket.ngc"}
     {"t": 0.020, "answered": 1}
     {"t": 0.220, "state": "run", "place_mm": [1.0, 2.0]}
     {"t": 9.1, "outcome": "done", "message": "...", "position": "known"}
 
-A last line that was cut by a crash is no error. What was answered was accepted, not executed: up to `planner` motions of it
+file: of a line that stands in a subprogram's file. A last line that was cut by a crash is no error. What was answered was accepted, not executed: up to `planner` motions of it
 may not have begun.
 """
 
@@ -55,7 +56,7 @@ def record(kind: str, what: object, t: float) -> bytes:
             um = [round(c * 1000, 2) for c in what.correction]
             return _record(
                 t=time, sent=what.number, source=what.source, piece=what.piece, text=what.text.decode("ascii", "replace"),
-                correction_um=um,
+                correction_um=um, **({"file": what.file} if what.file else {}),
             )  # fmt: skip
         return _record(t=time, **{kind: what.number})
     if isinstance(what, Status):

@@ -19,7 +19,8 @@ class WireLine:
     block itself, 1.. what was put in behind it. end: mm (degrees), machine coordinates commanded, by axis of the machine;
     nan where not known, () where nothing is known. correction: mm by axis. length: mm of path; seconds: at the programmed
     feed, without acceleration. points: places between start and end of an arc, where they were asked for.
-    file: the subprogram's file that the source line is of; "": the program itself.
+    file: the subprogram's file that the source line is of; "": the program itself. straight: it goes to `end` straight or along
+    `points`; a cycle does not, nor an arc without points.
     """
 
     number: int
@@ -32,6 +33,7 @@ class WireLine:
     seconds: float = 0.0
     points: tuple[tuple[float, ...], ...] = ()
     file: str = ""
+    straight: bool = True
 
     def where(self) -> str:
         """The line in words, for a person."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from postproc.streaming.lines import WireLine
@@ -67,6 +68,14 @@ class Tally:
     source: int = 0
     peak: int = 0
     rejected: list[tuple[WireLine, str]] = field(default_factory=list)
+
+
+def with_rest(outcome: Outcome, last: WireLine | None, unanswered: Sequence[WireLine], tally: Tally) -> Outcome:
+    """The outcome with what is certain and what is not; last: the line answered last."""
+    return Outcome(
+        outcome.kind, outcome.message, outcome.advice, last.number if last else 0,
+        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected), last.source if last else 0,
+    )  # fmt: skip
 
 
 def verdict(tally: Tally, off: float | None, check: bool) -> tuple[str, str, str]:

@@ -127,7 +127,7 @@ def digits(value: float) -> str:
 class Preamble:
     """The blocks of one restart, in the program's language."""
 
-    def __init__(self, filter_: Filter, before: Before, safe: float | None):
+    def __init__(self, filter_: Filter, before: Before, safe: dict[str, float]):
         self.filter, self.before = filter_, before
         self.modal, self.dialect, self.setup = filter_.modal, filter_.dialect, filter_.setup
         self.kind, self.lift = kind_of(filter_), lifts(filter_)
@@ -143,29 +143,38 @@ class Preamble:
         }
         self.top = self._top(safe)
 
-    def _top(self, safe: float | None) -> float:
+    def _top(self, safe: dict[str, float]) -> float:
         """mm, machine coordinates: where the tool is taken first along the axis that lifts it."""
-        top = self.before.highest if safe is None or self.kind == LATHE else safe
-        if self.kind == LATHE:
-            if safe is not None:
-                raise UsageError(
-                    "a lathe goes out along X first, and --safe-z says nothing of it", "leave --safe-z out"
-                )
-            if self.before.left != OUT:
-                how = {IN: "towards the axis: it cuts a bore", ALONG: "along Z alone", "": "not at all yet"}
-                raise UsageError(
-                    f"which way of X leads out of the part can not be told: with this tool the program left its last cut {how[self.before.left]}",
-                    "name a line behind a rapid to a larger X, or bring the tool out by hand and send the rest as a program of its own",
-                )
+        top = safe.get(self.lift, self.before.highest)
+        other = next((x for x in safe if x != self.lift), None)
+        if other:
+            raise UsageError(
+                f"a {self.kind} goes out along {self.lift} first, and --safe-{other.lower()} says nothing of it",
+                f"say --safe-{self.lift.lower()}",
+            )
+        if self.kind == LATHE and self.before.left != OUT and (self.before.left == IN or self.lift not in safe):
+            how = {IN: "towards the axis: it cuts a bore", ALONG: "along Z alone", "": "not at all yet"}
+            by_hand = "bring the tool out by hand and send the rest as a program of its own"
+            say = (
+                ""
+                if self.before.left == IN
+                else "if it cuts outside, say --safe-x, mm in radius, machine coordinates; or "
+            )
+            raise UsageError(
+                f"which way of X leads out of the part can not be told: with this tool the program left its last cut {how[self.before.left]}",
+                f"{say}name a line behind a rapid to a larger X, or {by_hand}",
+            )
         if top is None:
             raise UsageError(
-                "no rapid before this line says which Z is safe", "say it: --safe-z 0, mm, machine coordinates"
+                f"no rapid before this line says which {self.lift} is safe",
+                f"say it: --safe-{self.lift.lower()}, mm, machine coordinates",
             )
         stands = self.modal.position[self.row] / TICKS_PER_MM
         if stands > top + 1e-9:
             raise UsageError(
-                f"safe {self.lift} {top:g} is below where the program stands, {self.lift} {stands:.3f} (mm, machine coordinates)",
-                "--safe-z higher" if self.kind != LATHE else "name a line where the tool is farther in",
+                f"safe {self.lift} {top:g} is below where the program stands, {self.lift} {stands:.3f} (mm, machine coordinates"
+                f"{', in radius' if self.kind == LATHE else ''})",
+                f"--safe-{self.lift.lower()} higher, or name a line where the tool is farther in",
             )
         return top
 
@@ -262,8 +271,10 @@ class Preamble:
         return [f"{before.spindle} {before.speed}".strip(), self.wait(), *before.coolant]
 
     def wait(self) -> str:
-        """G4 for the spindle. P is milliseconds on Fanuc and Marlin, seconds on GRBL and LinuxCNC; Haas takes a P with a point for
-        seconds (operator's manuals, as in the dialects' own pages)."""
+        """G4 for the spindle, behind G94. P is milliseconds on Marlin and seconds on GRBL and LinuxCNC (their own documents). A Haas takes
+        P without a point for milliseconds, with one for seconds (its mill manual, G04, read in a Polish copy). Sinumerik in ISO mode:
+        X seconds with a point, P whole milliseconds, both turns of the spindle under G95 (ISO Milling 04.07, 3.3.1); Fanuc likewise
+        and Sinumerik's F as seconds: unverified."""
         by = self.dialect.dwell
         letter = next(x for x in "XFSP" if x in by)
         if letter == "X" and self.kind == MILL and "P" in by:
@@ -286,7 +297,7 @@ class Preamble:
         return ["M82" if absolute else "M83", f"G92 E{self.place['E']:.5f}"]
 
 
-def preamble(filter_: Filter, before: Before, safe_z: float | None = None) -> list[bytes]:
-    """The blocks that bring it about, in the program's language. safe_z: mm, machine coordinates; None: the highest place
-    that a rapid of the program has reached. Raises UsageError."""
-    return [line.encode() for line in Preamble(filter_, before, safe_z).lines()]
+def preamble(filter_: Filter, before: Before, safe: dict[str, float] | None = None) -> list[bytes]:
+    """The blocks that bring it about, in the program's language. safe: of the axis that takes the tool out (Z, on a lathe X in
+    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. Raises UsageError."""
+    return [line.encode() for line in Preamble(filter_, before, safe or {}).lines()]

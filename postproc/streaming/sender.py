@@ -15,13 +15,14 @@ from postproc.streaming import endings, events, holds
 from postproc.streaming.holds import Hold
 from postproc.streaming.limits import Limits
 from postproc.streaming.lines import WireLine
-from postproc.streaming.outcome import Outcome, Tally, off_by, verdict
+from postproc.streaming.outcome import Outcome, Tally, off_by, verdict, with_rest
+from postproc.streaming.path import CLEAR, LOOK, OFF, Path
+from postproc.streaming.polling import AGAIN, Poll
 from postproc.streaming.protocols import Protocol
 
 RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
 RESTS = {"idle", "check"}
 BACKLOG = 512  # bytes that wait for the port, beyond which no further line is taken
-POLL_AGAIN = 1.0  # s after which an unanswered status request is made again
 
 
 class Sender:
@@ -29,19 +30,17 @@ class Sender:
     and wait for decide(), `asks` being the lines that were refused, with the controller's words.
 
     order: where each axis of a line's `end` stands in the controller's reports; (): in the same order, None: it does not report them.
+    path: to see whether it stands on the lines' path while it moves; None: nobody looks.
     `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected", line, time), ("status",
     status, time), ("told", text, time), and ("hold", text, time), ("resumed", text, time) for what gcomp did not order.
     """
 
     def __init__(
-        self,
-        protocol: Protocol,
-        limits: Limits = Limits(),
-        on_error: str = "stop",
-        check: bool = False,
-        order: tuple[int, ...] | None = (),
-    ):
+        self, protocol: Protocol, limits: Limits = Limits(), on_error: str = "stop", check: bool = False,
+        order: tuple[int, ...] | None = (), path: Path | None = None,
+    ):  # fmt: skip
         self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
+        self.path = path or Path()
         self.outcome: Outcome | None = None
         self.tally = Tally()
         self.state = RUNNING
@@ -49,28 +48,22 @@ class Sender:
         self.log: list[tuple[str, object, float]] = []
         self.asks: list[tuple[WireLine, str]] = []
         self._queue: deque[WireLine] = deque()
-        self._ended = False
         self._sent: dict[int, WireLine] = {}
-        self._urgent = b""
-        self._out = b""
+        self._urgent = self._out = b""
         self._last: WireLine | None = None  # the last line answered
         self._end: tuple[float, ...] = ()
-        self._heard = self._moved = self._polled = -math.inf
-        self._waits_for_status = False
+        self._heard = self._moved = -math.inf
+        self._reports = Poll()
         self._drained: float | None = None
-        self._rests = 0
+        self._rests = self._own = 0
         self._idle_since: float | None = None
         self._deadline = math.inf
         self._pending: Outcome | None = None
-        self._own = 0
-        self._begun = False
-        self._check_off = False
         self._hold = Hold()
-        self._confirmed = False  # that it has stopped
-        for text in protocol.opening:
+        self._ended = self._begun = self._check_off = False
+        self._confirmed = self._looks = False  # that it has stopped; it is held to see whether it stands on the path
+        for text in (*protocol.opening, *[protocol.check_mode()] * check):
             self._insert(text)
-        if check:
-            self._insert(protocol.check_mode())
 
     # -- what the owner gives ------------------------------------------------------------------------------------------
 
@@ -173,12 +166,11 @@ class Sender:
         if self._ended and not self._queue and self.check and not self._check_off and not self._sent:
             self._check_off = True
             self._insert(self.protocol.check_mode())
-        while (
-            self._queue
-            and self.state == RUNNING
-            and len(self._out) < BACKLOG
-            and self.protocol.ready(self._queue[0].text)
-        ):
+        if self.path.watched and self.status is None and now - self._moved < AGAIN:
+            return  # where does it stand?
+        while self._queue and self.state == RUNNING and len(self._out) < BACKLOG:
+            if not self.protocol.ready(self._queue[0].text):
+                break
             line = self._queue.popleft()
             if not self._sent:
                 self._moved = now  # waiting begins with the first line that waits
@@ -192,28 +184,27 @@ class Sender:
                 self.tally.sent += 1
                 self.tally.bytes += len(data)
                 self.log.append(("sent", line, now))
+                self.path.sent(line)
             self._drained, self._rests = None, 0
 
     def _poll(self, now: float) -> None:
         request = self.protocol.urgent("status")
-        pause = POLL_AGAIN if self._waits_for_status else self.limits.poll
-        if request and now - self._polled >= pause:
+        watched = self.path.watched and self.state in (RUNNING, HELD)
+        if request and self._reports.due(now, self.limits, watched, self.path.doubts > 0, self._moved):
             self._urgent += request
-            self._polled, self._waits_for_status = now, True
+            self._reports.ask(now)
 
     def _watch(self, now: float) -> None:
         """The clock's part: orders that are overdue, silence, standstill, the end."""
         if now >= self._deadline and self._pending is not None:
             silent = self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
-            self.outcome = self._with_rest(
-                endings.unconfirmed(self._pending, self.limits.grace) if silent else self._pending
-            )
+            late = endings.unconfirmed(self._pending, self.limits.grace)
+            self.outcome = self._told(late if silent else self._pending)
             return
-        oldest = self.protocol.outstanding()[:1]
-        text = self._sent[oldest[0]].text if oldest and oldest[0] in self._sent else b""
+        text = next((self._sent[k].text for k in self.protocol.outstanding()[:1] if k in self._sent), b"")
         polls = bool(self.protocol.urgent("status"))
         patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
-        if polls and self._waits_for_status and now - max(self._heard, self._moved) > patience:
+        if polls and self._reports.waits and now - max(self._heard, self._moved) > patience:
             self._finish(endings.silent(now - self._heard))
         elif not polls and text and self.state == RUNNING and not self._hold.stands and now - self._moved > patience:
             self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
@@ -222,10 +213,9 @@ class Sender:
 
     def _drain(self, now: float) -> None:
         """All is answered: is it done?"""
-        confirms = self.protocol.confirms
-        if confirms == "answers":
+        if self.protocol.confirms == "answers":
             self._done(self.status)
-        elif confirms == "nothing":
+        elif self.protocol.confirms == "nothing":
             self._finish(endings.sent(self.tally.sent))
         elif self._drained is None:
             self._drained, self._rests = now, 0
@@ -263,6 +253,7 @@ class Sender:
         self._hold.foreign = self._hold.foreign and self._hold.stands
         if line is None or number <= 0:
             return
+        self.path.answered(number)
         self._last = line
         self.tally.answered += 1
         self.tally.seconds += line.seconds
@@ -283,6 +274,7 @@ class Sender:
         self.tally.rejected.append((line, words))
         self.tally.answered += 1
         self._end = ()
+        self.path.lose()
         self.log.append(("rejected", line, now))
         if self.on_error == "continue" or self.check:
             return
@@ -302,7 +294,7 @@ class Sender:
 
     def _restarted(self, event: events.Restarted, now: float) -> None:
         if self.state == STOPPING:
-            self.outcome = self._with_rest(self._pending) if self._pending else None
+            self.outcome = self._told(self._pending) if self._pending else None
             return
         if self._check_off:  # leaving check mode ends in a restart
             self._sent.clear()
@@ -311,9 +303,9 @@ class Sender:
         self._finish(endings.restarted(event, self.waiting))
 
     def _reported(self, status: events.Status, now: float) -> None:
-        asked = self._polled if self.protocol.urgent("status") else math.inf
-        asked_after_drain = self._drained is not None and self._waits_for_status and self._polled >= self._drained
-        self._waits_for_status = False
+        asked = self._reports.asked if self.protocol.urgent("status") else math.inf
+        asked_after_drain = self._drained is not None and self._reports.waits and self._reports.asked >= self._drained
+        self._reports.waits = False
         self.status = status
         self.log.append(("status", status, now))
         if status.state == "alarm" and self.state != STOPPING:
@@ -321,11 +313,25 @@ class Sender:
             return
         if self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
             self._deadline = min(self._deadline, now)
+        if self.state in (RUNNING, HELD):
+            self._looked(self.path.judge(status), status, now)
         news = self._hold.reported(status.state, asked)
         if news:
             self._held(news, status, now)
         elif not self._hold.ordered:
             self._at_rest(status, asked_after_drain, now)
+
+    def _looked(self, seen: str, status: events.Status, now: float) -> None:
+        """Beside the path: hold, look again, and end or go on."""
+        if seen == LOOK:
+            self._looks = self.state == RUNNING
+            if self._looks:
+                self.hold(now)
+        elif seen == OFF:
+            self._end_soon(endings.astray(self.path, status, self.protocol), now, hold=True)
+        elif seen == CLEAR and self._looks and self.state == HELD:
+            self.log.append(("resumed", holds.NOT_SEEN_AGAIN.format(self.path.distance), now))
+            self.resume(now)
 
     def _held(self, news: str, status: events.Status, now: float) -> None:
         """A hold, or its end, that was not ordered; or an order that was lost."""
@@ -368,11 +374,11 @@ class Sender:
 
     def _stalled(self, now: float, how: str) -> None:
         again = self.protocol.overdue()
-        if again:  # a numbered line that the receiver will not take twice
-            self._out += again
-            self._moved, self._idle_since = now, None
+        if not again:
+            self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
             return
-        self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
+        self._out += again  # a numbered line that the receiver will not take twice
+        self._moved, self._idle_since = now, None
 
     def _end_soon(self, outcome: Outcome, now: float, state: str = HALTING, hold: bool = False) -> None:
         """Nothing more leaves; the outcome stands, and is told when the controller has come to rest, or the grace is over."""
@@ -388,12 +394,7 @@ class Sender:
 
     def _finish(self, outcome: Outcome) -> None:
         if self.outcome is None:
-            self.outcome = self._with_rest(self._pending or outcome)
+            self.outcome = self._told(self._pending or outcome)
 
-    def _with_rest(self, outcome: Outcome) -> Outcome:
-        """The outcome with what is certain and what is not."""
-        return Outcome(
-            outcome.kind, outcome.message, outcome.advice, self._last.number if self._last else 0,
-            tuple(line for line in self._sent.values() if line.number > 0), tuple(self.tally.rejected),
-            self._last.source if self._last else 0,
-        )  # fmt: skip
+    def _told(self, outcome: Outcome) -> Outcome:
+        return with_rest(outcome, self._last, self.waiting, self.tally)

@@ -6,6 +6,7 @@ belongs to which source line is counted: a source line gives itself, and one lin
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from postproc.errors import GcompError, Place, ProgramError
 from postproc.filter import Filter
-from postproc.motions import FOREIGN, RAPID, Motions
+from postproc.motions import FOREIGN, LINES, RAPID, Motions
 from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
 from postproc.streaming.lines import Unsendable, WireLine
@@ -21,7 +22,6 @@ from postproc.units import MM_PER_INCH, TICKS_PER_INCH, TICKS_PER_MM
 
 BATCH = 64  # lines
 RAPID_MM_MIN = 3000.0  # where neither machine nor controller says how fast a rapid is
-CHORD = 0.0005  # mm: how far sampled arcs may miss
 LOST = re.compile(rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE)  # where it ends is not known
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P *([0-9.]+)", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
@@ -30,13 +30,13 @@ COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
 class Source:
     """feed(bytes) and finish() give wire lines. `prepare` is the protocol's; `shorten` makes a line's words shorter.
 
-    rapid: mm/min of rapids. sampled: whether arcs come with points.
+    rapid: mm/min of rapids. sampled: mm by which chords may miss an arc, 0: arcs come without points.
     number: of the next wire line. dropped: source lines with words behind the end of the program, which are not sent.
     """
 
     def __init__(
         self, filter_: Filter, prepare: Callable[[bytes], bytes], shorten: Callable[[bytes], bytes] | None = None,
-        rapid: float = RAPID_MM_MIN, sampled: bool = False,
+        rapid: float = RAPID_MM_MIN, sampled: float = 0.0,
     ):  # fmt: skip
         self.filter, self.prepare, self.shorten = filter_, prepare, shorten
         self.rapid, self.sampled = rapid, sampled
@@ -46,7 +46,8 @@ class Source:
         self.delivered: list[WireLine] = []
         self._rest = b""
         self._seen: list[tuple[Words, Motions, Pieces, bytes, int]] = []
-        self._end: tuple[float, ...] = ()
+        known, place = filter_.modal.known.tolist(), (filter_.modal.position / TICKS_PER_MM).tolist()
+        self._end: tuple[float, ...] = tuple(v if k else math.nan for k, v in zip(known, place, strict=True))
         ends = "|".join(map(str, filter_.dialect.ends))
         self._ends = re.compile(rf"(?<![A-Z])M0*(?:{ends})(?![0-9.])".encode(), re.IGNORECASE) if ends else None
         filter_.watchers.append(lambda *seen: self._seen.append(seen))
@@ -141,10 +142,10 @@ class Source:
             if self.ended:
                 self.dropped += self._says(text)
                 continue
-            end, correction, length, seconds, points = self._end, (), 0.0, 0.0, ()
+            end, correction, length, seconds, points, straight = self._end, (), 0.0, 0.0, (), True
             i = motion[2].get((k - motion[3], piece)) if values else None
             if values and i is not None:
-                end, correction, length, seconds, points = values.of(i)
+                end, correction, length, seconds, points, straight = values.of(i)
             wire = self._wire(text, k)
             if not wire:
                 continue
@@ -154,7 +155,9 @@ class Source:
                 dwell = DWELL.search(wire)
                 seconds += float(dwell[1]) if dwell else 0.0
             self._end = end
-            result.append(WireLine(self.number, k, piece, wire, end, correction, length, seconds, points))
+            result.append(
+                WireLine(self.number, k, piece, wire, end, correction, length, seconds, points, straight=straight)
+            )
             self.number += 1
             self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
         return result
@@ -212,9 +215,11 @@ class _Values:
         self.ends, self.corrections = self.end.T.tolist(), self.correction.T.tolist()
 
     def of(self, i: int):
-        points = self.points(i) if self.source.sampled and self.pieces.arc[i] >= 0 else ()
+        arc = self.pieces.arc[i] >= 0
+        points = self.points(i) if self.source.sampled and arc else ()
+        straight = bool(self.source.sampled) if arc else int(self.pieces.code[i]) in LINES
         return (
-            tuple(self.ends[i]), tuple(self.corrections[i]), float(self.length[i]), float(self.seconds[i]), points,
+            tuple(self.ends[i]), tuple(self.corrections[i]), float(self.length[i]), float(self.seconds[i]), points, straight,
         )  # fmt: skip
 
     def points(self, i: int) -> tuple[tuple[float, ...], ...]:
@@ -226,9 +231,9 @@ class _Values:
         centre = start[[first, second]] + p.centre[:, i] / TICKS_PER_MM
         radius = float(np.hypot(*(start[[first, second]] - centre)))
         sweep = float(arcs.sweep[row] * p.share[i])
-        if radius <= CHORD:
+        if radius <= self.source.sampled:
             return ()
-        n = min(2000, int(np.ceil(abs(sweep) / (2 * np.sqrt(2 * CHORD / radius)))))
+        n = min(2000, int(np.ceil(abs(sweep) / (2 * np.sqrt(2 * self.source.sampled / radius)))))
         t = np.arange(1, n) / max(n, 1)
         begin = np.arctan2(start[second] - centre[1], start[first] - centre[0])
         places = start[:, None] + (end - start)[:, None] * t

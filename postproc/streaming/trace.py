@@ -13,8 +13,10 @@ import numpy as np
 
 from postproc.recordings import Recording, contract
 from postproc.streaming.lines import WireLine
+from postproc.streaming.path import nearest
 
 ROTARY = "ABC"
+CHORD = 0.0005  # mm: how far sampled arcs may miss
 LINES = 200  # of the path that are kept: more than a planner and a receive buffer hold
 
 
@@ -60,21 +62,10 @@ class Trace:
         actual = np.array(place[: self.axes])
         best, where, source = math.inf, actual, 0
         for points, line in self._path:
-            near, distance = _nearest(points, actual)
+            near, distance = nearest(points, actual)
             if distance < best:
                 best, where, source = distance, near, line
         row = [1.0, t]
         for i in range(self.axes):
             row += [float(where[i]), float(actual[i])]
         return self._recording([[*row, float(source)]]).splitlines()[-1] + "\n"
-
-
-def _nearest(points: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, float]:
-    """The point of a polyline (K, A) that is nearest to a place (A,), and its distance."""
-    start, step = points[:-1], np.diff(points, axis=0)
-    square = (step**2).sum(axis=1)
-    share = ((place - start) * step).sum(axis=1) / np.where(square > 0, square, 1.0)
-    near = start + np.clip(share, 0.0, 1.0)[:, None] * step
-    distance = np.linalg.norm(near - place, axis=1)
-    i = int(np.argmin(distance))
-    return near[i], float(distance[i])

@@ -6,6 +6,7 @@ import random
 from dataclasses import dataclass, field
 
 from postproc.streaming.lines import WireLine
+from postproc.streaming.path import Path
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.sender import Sender
 from tests.streaming.grbl_model import GrblModel
@@ -94,11 +95,16 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
     return now - begun
 
 
-def new_sender(model: GrblModel, counting: bool = True, window: int | None = None, **how) -> Sender:
-    """A sender that knows the model's buffer."""
+def new_sender(
+    model: GrblModel, counting: bool = True, window: int | None = None, watched: bool = False, **how
+) -> Sender:
+    """A sender that knows the model's buffer. watched: it looks whether the machine stays on the path."""
     protocol = Grbl(counting=counting)
-    protocol.controller.window = window or model.rx_size
-    return Sender(protocol, **how)
+    controller = protocol.controller
+    controller.window = window or model.rx_size
+    controller.planner, controller.planner_told = model.blocks + 1, True
+    controller.settings, controller.inches = dict(model.settings), model.settings["13"] == "1"
+    return Sender(protocol, path=Path(controller) if watched else None, **how)
 
 
 def zigzag(n: int, seed: int = 1, feed: int = 6000, step: float = 0.3) -> tuple[str, list[tuple[float, ...]]]:

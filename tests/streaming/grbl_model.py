@@ -3,7 +3,7 @@
 From gnea/grbl: serial.h (128 bytes usable; realtime bytes are taken out in the interrupt; what finds no room is dropped),
 protocol.c (a line ends with either line end, is answered once, an empty one with ok; blanks, control characters and
 comments do not count; more than 79 characters give error:11), interface.md (reports, messages, streaming and EEPROM),
-system.c ($ commands). Not simulated: acceleration, arcs (a chord), overrides, limits, parking. While EEPROM is written all
+system.c ($ commands). Not simulated: acceleration, overrides, limits, parking. While EEPROM is written all
 bytes that arrive are lost (interrupts are off).
 """
 
@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import re
 from collections import deque
+
+from tests.streaming.grbl_motion import report, target, way
 
 WORD = re.compile(r"([A-Z])([-+]?[0-9]*\.?[0-9]*)")
 KNOWN_G = {"0", "1", "2", "3", "4", "10", "17", "18", "19", "20", "21", "28", "28.1", "30", "30.1", "38.2", "40", "43.1", "49", "53",
@@ -37,6 +39,8 @@ class GrblModel:
         self.dropped = self.dropped_realtime = self.peak = 0
         self.received: list[str] = []
         self.accepted: list[str] = []
+        self.told_shift, self.reports = [0.0, 0.0, 0.0], 1
+        self.ends: list[list[float]] = []  # where each motion goes, machine coordinates
         self.stored = {name: [0.0, 0.0, 0.0] for name in WORK}
         self._wire: deque[tuple[float, int]] = deque()
         self._wire_free = self._tx_free = 0.0
@@ -309,7 +313,9 @@ class GrblModel:
             for i, axis in enumerate("XYZ"):
                 if axis in number:
                     self.preset[i] = self.target[i] - self.stored[self.modal["work"]][i] - number[axis]
-        elif "43.1" in codes:
+        elif "92.1" in codes:
+            self.preset = [0.0] * 3
+        elif "43.1" in codes or "49" in codes:
             self.length = number.get("Z", 0.0)
         elif "4" in codes and number.get("P"):
             self._until, self._pending = self.now + number["P"], (text, "time")
@@ -346,35 +352,25 @@ class GrblModel:
 
     def _plan(self, codes: list[str], number: dict[str, float], motion: str) -> None:
         unit = 25.4 if self.modal["units"] == "20" else 1.0
-        start, end = list(self.target), list(self.target)
-        for i, axis in enumerate("XYZ"):
-            if axis in number:
-                value = number[axis] * unit
-                if "53" in codes:
-                    end[i] = value
-                elif self.modal["distance"] == "91":
-                    end[i] += value
-                else:
-                    end[i] = (
-                        value + self.stored[self.modal["work"]][i] + self.preset[i] + (self.length if i == 2 else 0.0)
-                    )
-        way = sum((a - b) ** 2 for a, b in zip(start, end)) ** 0.5
+        start, end = list(self.target), target(self, codes, number, unit)
         speed = float(self.settings["110"]) if motion == "0" else self.rate
-        seconds = way / speed * 60.0
         self.target = end
-        if way:
-            if not self._planner:
-                self._planned = self.now
-            self._planner.append([seconds, seconds, start, end])
-            if self.state == IDLE:
-                self.state = RUN
+        self.ends.append(end)
+        for place in way(start, end, number, motion, self.modal["plane"], unit):
+            seconds = sum((a - b) ** 2 for a, b in zip(start, place)) ** 0.5 / speed * 60.0
+            if seconds:
+                self._planned = self._planned if self._planner else self.now
+                self._planner.append([seconds, seconds, start, place])
+                self.state = RUN if self.state == IDLE else self.state
+            start = place
 
     def _move(self, now: float) -> None:
         """The steppers, up to `now`."""
         if self.state == HOME and now >= self._until:
             self.state, self.place, self.target = IDLE, [0.0] * 3, [0.0] * 3
         spent = now - self._planned
-        if self.state == RUN:
+        slows = self.state == HOLD and self.now < self._hold_done  # a hold takes its time, along the path
+        if self.state == RUN or (slows and self._planner):
             while self._planner and spent >= self._planner[0][0] - 1e-12:
                 spent -= self._planner[0][0]
                 self._planned += self._planner[0][0]
@@ -384,7 +380,7 @@ class GrblModel:
                 share = 1.0 - (left - max(spent, 0.0)) / whole
                 self.place = [a + (b - a) * share for a, b in zip(start, end)]
                 self._planner[0][0] = left - max(spent, 0.0)
-            else:
+            elif not slows:
                 self.state = IDLE
         self._planned = now
         self.now = now
@@ -393,8 +389,4 @@ class GrblModel:
         state = self.state
         if state == HOLD:
             state = "Hold:1" if self.now < self._hold_done else "Hold:0"
-        place = ",".join(f"{v:.3f}" for v in self.place)
-        rate = self.rate if self.state == RUN else 0
-        self._say(
-            f"<{state}|MPos:{place}|Bf:{self.blocks - len(self._planner)},{self.rx_size - len(self._rx)}|FS:{rate:.0f},0>\r\n"
-        )
+        self._say(report(self, state))

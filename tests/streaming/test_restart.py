@@ -49,7 +49,7 @@ def state_before(line: int, program: bytes = PROGRAM, machine: str = "example-mi
 def blocks(line: int, safe: float | None = None, **how) -> list[str]:
     filter, before, rest = state_before(line, **how)
     restart.refuse(filter, rest, line)
-    return [x.decode() for x in restart.preamble(filter, before, safe)]
+    return [x.decode() for x in restart.preamble(filter, before, None if safe is None else {"Z": safe})]
 
 
 def test_A11_the_preamble_lifts_first_and_brings_back_what_holds():

@@ -54,7 +54,9 @@ def filter_(machine: str, dialect: str, offsets: dict | None = None) -> Filter:
     return Filter(loaded, language, setup_of(loaded, stated))
 
 
-def blocks(program: bytes, line: int, machine: str, dialect: str, safe: float | None = None, **how) -> list[str]:
+def blocks(
+    program: bytes, line: int, machine: str, dialect: str, safe: dict[str, float] | None = None, **how
+) -> list[str]:
     filter = filter_(machine, dialect, **how)
     before, rest = restart.read_before(filter, program.splitlines(keepends=True), line)
     restart.refuse(filter, rest, line)
@@ -97,9 +99,23 @@ def test_A11_a_lathe_is_refused_where_the_way_out_is_not_known(program, line, sa
     assert says in str(error.value) and error.value.advice
 
 
-def test_A11_a_safe_Z_says_nothing_of_a_lathe():
-    with pytest.raises(UsageError, match="along X first"):
-        blocks(LATHE, 14, "example-lathe", "fanuc-lathe", 0.0, offsets=ZERO)
+def test_A11_a_safe_Z_says_nothing_of_a_lathe_and_a_safe_X_nothing_of_a_mill():
+    with pytest.raises(UsageError, match="out along X first"):
+        blocks(LATHE, 14, "example-lathe", "fanuc-lathe", {"Z": 0.0}, offsets=ZERO)
+    with pytest.raises(UsageError, match="mill goes out along Z first"):
+        blocks(b"G21 G90\nG54\nG0 X0 Y0 Z20\nG1 Z2 F200\nG1 X40\n", 5, "example-mill", "grbl", {"X": 50.0})
+
+
+def test_A11_a_safe_X_in_radius_lifts_the_refusals_of_a_tool_that_cuts_outside():
+    not_yet = blocks(LATHE, 9, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
+    along = LATHE.replace(b"G1 X48\nG0 X60\n", b"")
+    assert "G53 G0 X80.0000" in not_yet
+    assert "G53 G0 X80.0000" in blocks(along, 12, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
+    bore = LATHE.replace(b"G1 X48\nG0 X60\n", b"G1 X30\nG0 X20\n")
+    with pytest.raises(UsageError, match="cuts a bore"):
+        blocks(bore, 14, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
+    with pytest.raises(UsageError, match="in radius"):
+        blocks(LATHE, 14, "example-lathe", "fanuc-lathe", {"X": 10.0}, offsets=ZERO)
 
 
 def test_A11_a_machine_that_is_no_mill_lathe_or_printer_is_refused():

@@ -104,7 +104,7 @@ def restart_points(text: str, kwargs: dict) -> list[tuple[int, list[str]]]:
         try:
             before, rest = restart.read_before(filter, [x.encode() for x in lines], line)
             restart.refuse(filter, rest, line)
-            found.append((line, [x.decode() for x in restart.preamble(filter, before, 500.0)]))
+            found.append((line, [x.decode() for x in restart.preamble(filter, before, {"Z": 500.0})]))
         except GcompError:
             continue
     return found

@@ -314,3 +314,28 @@ def test_a_flaky_link_is_no_success(place):
         status, _, err = stream(place, host, "job.nc")
     assert status in (0, 14), err
     assert (status == 0) == (host.model.accepted[-1] == "M30" and "still" in err)
+
+
+class Alters(Faults):
+    """One coordinate on its way to the controller."""
+
+    def pass_on(self, way: str, data: bytes) -> bytes:
+        return data.replace(b"X5.8", b"X9.8") if way == "to" else super().pass_on(way, data)
+
+
+def test_A5_an_altered_coordinate_is_seen_in_the_reports_of_a_controller_without_echo(place):
+    """Exit 15 with the lines and the distance; the journal keeps where to look."""
+    rows = [
+        "G90 G21 G94 G17",
+        "G54",
+        "G0 X0 Y0 Z20",
+        "G1 X5.8 Y0 F600",
+        *(f"G1 X5.8 Y{i}" for i in range(1, 60)),
+        "M30",
+    ]
+    (place / "job.nc").write_text("\n".join(rows) + "\n")
+    with PtyHost(model(), faults=Alters(), speed=2.0) as host:
+        status, out, err = stream(place, host, "job.nc", machine=("--machine", "perfect", "--dialect", "grbl"))
+    assert status == 15 and "beside the path" in err and "source lines" in err, err
+    assert host.times[0][1] == ord("!") and json.loads(out.strip().split("\n")[-1])["exit_status"] == 15
+    assert '"position":"known"' in (place / "job.nc.journal").read_text()

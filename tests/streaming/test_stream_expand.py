@@ -59,6 +59,9 @@ def test_A1_A17_what_is_written_out_arrives_and_knows_its_source(job):
         if "Y40.5" in entry["text"]
     )
     assert sent[-1]["source"] == 10
+    assert all(("200.ngc" in entry.get("file", "")) == ("Y40.5" in entry["text"] or "G91" in entry["text"]) for entry in feeds + [
+        entry for entry in sent if "Y40.5" in entry["text"]
+    ])  # fmt: skip
     status, _, err = stream(job, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "x", machine=MACHINE[:-1])
     assert status == 2 and "written out" in err
 

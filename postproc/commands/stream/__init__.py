@@ -70,7 +70,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--safe-z",
         type=float,
         metavar="MM",
-        help="where Z is safe for --resume-from, machine coordinates (default: the highest rapid before the line)",
+        help="mills and printers: where Z is safe for --resume-from, machine coordinates (default: the highest rapid before the line)",
+    )
+    job.add_argument(
+        "--safe-x",
+        type=float,
+        metavar="MM",
+        help="lathes, with a tool that cuts outside: where X is clear of the part, machine coordinates in radius (default: the "
+        "farthest rapid before the line, if the program leaves its cuts that way)",
     )
     job.add_argument("--yes", action="store_true", help="send what --resume-from shows without asking")
     job.add_argument("--quiet", action="store_true", help="no progress, no notices")
@@ -133,6 +140,9 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
             "--resume-from names a line, and with --expand a line may be executed more than once",
             "write the program out first: gcomp --expand -o plain.nc; then stream that",
         )
+    for name in ("safe_z", "safe_x"):
+        if getattr(options, name) is not None and not options.resume_from:
+            raise UsageError(f"--{name.replace('_', '-')} is for --resume-from alone", "leave it out")
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
     if options.on_error == "ask" and not _keys(options):
@@ -211,6 +221,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     from postproc.commands.stream.show import Show
     from postproc.streaming import journal as journals
     from postproc.streaming.live import CONTROLLER_AXES
+    from postproc.streaming.path import Path as Way
     from postproc.streaming.rates import Clock
     from postproc.streaming.sender import Sender
     from postproc.streaming.trace import Trace
@@ -221,7 +232,8 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
     if options.check and not greeting.protocol.check_mode():
         raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
-    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order)
+    path = Way(controller, order) if job.watched() else None
+    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order, path=path)
     with contextlib.ExitStack() as stack:
         trace = record = None
         if options.record:
@@ -233,12 +245,12 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
             trace = Trace(machine.name, machine.letters, controller.name, start)
             record = stack.enter_context(open(options.record, "w", encoding="utf-8"))
             record.write(trace.head())
-        path = jobs.journal_path(options)
+        place = jobs.journal_path(options)
         journal = None
-        if path is not None and not options.check:
+        if place is not None and not options.check:
             sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
             journal = JournalFile(
-                path,
+                place,
                 journals.head(
                     job.name, sha, machine.name, machine.digest, controller.planner, job.begin, options.expand
                 ),

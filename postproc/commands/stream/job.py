@@ -22,12 +22,14 @@ from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.rates import Load
 from postproc.streaming.source import RAPID_MM_MIN, Source
+from postproc.streaming.trace import CHORD
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
     from postproc.machine.model import Machine
 
 CHUNK = 1 << 13  # bytes of the program at a time: small, so that little is ahead of the link
+CHORD_SEEN = 0.005  # mm
 LARGEST_JOURNAL = 1 << 30
 
 
@@ -57,9 +59,7 @@ class Job:
         filter_ = fresh or self.fresh()
         absolute = "G90" in self.live.modal
         shorten = Compact(absolute, "G94" in self.live.modal).line if self.options.compact else None
-        source = self.source = Source(
-            filter_, self.protocol.prepare, shorten, self._rapid(), sampled=bool(self.options.record)
-        )
+        source = self.source = Source(filter_, self.protocol.prepare, shorten, self._rapid(), sampled=self._sampled())
         if self.preamble:
             yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
         if self.whole is not None:
@@ -75,6 +75,15 @@ class Job:
         except ProgramError:
             yield source.delivered
             raise
+
+    def _sampled(self) -> float:
+        """mm by which an arc's chords may miss it: of a recording, of the watch over the path."""
+        return CHORD if self.options.record else CHORD_SEEN if self.watched() else 0.0
+
+    def watched(self) -> bool:
+        """Whether reports tell that the machine leaves the path."""
+        o = self.options
+        return getattr(self.protocol, "exact", False) and not (o.check or o.control_compensates)
 
     def _rapid(self) -> float:
         """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
@@ -191,14 +200,16 @@ def restarted(job: Job, line: int) -> None:
         with ports.opened(options.file) as (stream, _, _):
             before, rest = restart.read_before(filter_, stream, line)
         restart.refuse(filter_, rest, line)
-        job.preamble = tuple(restart.preamble(filter_, before, options.safe_z))
+        safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
+        job.preamble = tuple(restart.preamble(filter_, before, safe))
     job.begin = line
-    shown = "\n".join(f"    {x.decode()}" for x in job.preamble)
-    print(f"gcomp: beginning again with line {line}; sent before it:\n{shown}", file=sys.stderr)
+    shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
+    before = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
+    print(f"gcomp: beginning again with line {line}{before}", file=sys.stderr)
     if options.yes:
         return
     if sys.stdin is None or not sys.stdin.isatty():
-        raise UsageError("nothing was sent: nobody is here to agree to these blocks", "look at them, then say --yes")
+        raise UsageError("nothing was sent: nobody is here to agree to this", "look at it, then say --yes")
     print("gcomp: send this? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):
         raise UsageError("nothing was sent")

@@ -35,7 +35,7 @@ class Controller:
     """What a controller said of itself before the job.
 
     name, version: its own words. window: bytes of its receive buffer that may be used; line_limit: characters of a line;
-    planner: motions that it may have accepted and not executed. settings: number or name to value, its own text.
+    planner: motions that it may have accepted and not executed; planner_told: by its own word. settings: number or name to value, its own text.
     offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force ("G54"). inches: whether it
     reports inches. homing: whether it can home, None: not said. compensates: what it corrects by itself, in words.
     """
@@ -45,6 +45,7 @@ class Controller:
     window: int = 127
     line_limit: int = 79
     planner: int = 16
+    planner_told: bool = False
     settings: dict[str, str] = field(default_factory=dict)
     offsets: list[str] = field(default_factory=list)
     modal: list[str] = field(default_factory=list)

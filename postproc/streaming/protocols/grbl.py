@@ -66,6 +66,7 @@ class Grbl:
 
     title = TITLE
     confirms = "idle"
+    exact = True  # it rounds no corner, and says where it is while it moves
     does: Mapping[str, str] = DOES
     questions: tuple[bytes, ...] = (b"$I", b"$$", b"$#", b"$G")
     opening: tuple[bytes, ...] = ()
@@ -259,6 +260,7 @@ class Grbl:
                     c.version = version[1].rstrip(":")
                 if options and options[3]:
                     c.planner, c.window = int(options[2]) + 1, max(16, int(options[3]) - self.keep)
+                    c.planner_told = True
         elif question in (b"$$", b"$+"):
             for text in answers:
                 found = SETTING.match(text)
