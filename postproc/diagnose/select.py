@@ -165,7 +165,8 @@ class Selector:
         for k in np.argsort(-score):
             if score[k] < self.least:
                 break
-            if self._counts([*chosen, int(k)]) and self._material(chosen, int(k), sigma):
+            fits = self._counts([*chosen, int(k)]) and self._beside(chosen, int(k), sigma)
+            if fits and self._material(chosen, int(k), sigma):
                 return [*chosen, int(k)]
         return chosen
 
@@ -177,13 +178,22 @@ class Selector:
             1 if keys[-1].startswith("step_loss") else 2
         )
 
+    def _beside(self, chosen: list[int], k: int, sigma: np.ndarray) -> bool:
+        """Whether a block is worth the least score beside what its module names, too: simpler names that say most of it."""
+        block = self.blocks[k]
+        names = block.module.beside(dict(block.shape)) if hasattr(block.module, "beside") else ()
+        plain = [
+            j for j, b in enumerate(self.blocks) if b.name in names and b.axis == block.axis and j not in (*chosen, k)
+        ]
+        return not plain or self.worth([*chosen, *plain], k, sigma) >= self.least
+
     def _swap(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
         for place in range(len(chosen) - 1):
             rest = chosen[:place] + chosen[place + 1 :]
             score = self.scores(rest, sigma)
             best = int(np.argmax(score))
             better = score[best] > score[chosen[place]] + SWAP and self._counts([*rest, best])
-            if better and self._material(rest, best, sigma):
+            if better and self._beside(rest, best, sigma) and self._material(rest, best, sigma):
                 chosen = [*chosen[:place], best, *chosen[place + 1 :]]
         return chosen
 
