@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from postproc.diagnose import library
 from postproc.diagnose.fit import Projector, solve
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
@@ -179,13 +180,19 @@ class Selector:
         )
 
     def _beside(self, chosen: list[int], k: int, sigma: np.ndarray) -> bool:
-        """Whether a block is worth the least score beside what its module names, too: simpler names that say most of it."""
+        """Whether a block is worth the least score beside the simpler shape that its module names, if it names one."""
         block = self.blocks[k]
-        names = block.module.beside(dict(block.shape)) if hasattr(block.module, "beside") else ()
-        plain = [
-            j for j, b in enumerate(self.blocks) if b.name in names and b.axis == block.axis and j not in (*chosen, k)
-        ]
-        return not plain or self.worth([*chosen, *plain], k, sigma) >= self.least
+        plain = block.module.beside(dict(block.shape)) if hasattr(block.module, "beside") else None
+        if plain is None:
+            return True
+        columns = library.read(self.rows, block.module, block.axis, plain)
+        columns = columns / max(1e-12, float(np.abs(columns).max()))
+        u = np.concatenate([self.u, *(self.blocks[c].columns for c in chosen), columns], axis=1)
+        free = np.full(u.shape[1] - self.u.shape[1], WIDE / 1e-6)
+        p = Projector.of(sigma, u, np.concatenate([self.prior, free]))
+        _, covariance = solve(p, block.columns, self.y)
+        after = block.columns.T @ p(self.y)
+        return float(after @ covariance @ after) - float(self.penalty[k]) >= self.least
 
     def _swap(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
         for place in range(len(chosen) - 1):

@@ -13,7 +13,7 @@ A module holds
   of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
 
-- beside(shape) -> names of effects of the same axis beside which it must be worth something, if it has such.
+- beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
 holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies;

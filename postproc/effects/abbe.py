@@ -25,6 +25,7 @@ TEXT = (
     "A rotation of the axis acts on an arm that is not in the model. "
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
+FAR = 1e6  # mm: from there all lines have one arm
 ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
@@ -58,9 +59,9 @@ def _sense(axis: str, turn: float, arm: float) -> float:
     return float(np.cross(np.eye(3)[int(turn)], np.eye(3)[int(arm)])[XYZ.index(axis)])
 
 
-def beside(shape: dict[str, float]) -> tuple[str, ...]:
-    """What a rotation that nobody measured must be worth something beside: on one line these say all that it could."""
-    return () if shape["known"] else ("scale", "pitch_shape")
+def beside(shape: dict[str, float]) -> dict[str, float] | None:
+    """What a rotation that nobody measured must be worth something beside: the same error of position on all lines."""
+    return None if shape["known"] else {**shape, "zero_mm": FAR}
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
