@@ -82,7 +82,7 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     if value.ndim == 2:
         return np.where(seen, value, 0.0).T
     # The difference of two places; what comes with time or with the tool is in one of its walls.
-    both = not {"part", "time"} & set(module.NEEDS) or getattr(module, "WALLS", False)
+    both = not {"part", "material", "time"} & set(module.NEEDS) or getattr(module, "WALLS", False)
     if rows.other and "part" in module.SEES and module.PER != "all" and both:
         part = (rows.sees == "part") & np.all([np.isfinite(v) for v in rows.other.values()], axis=0)
         there = second_place(rows, part)

@@ -15,6 +15,10 @@ from postproc.effects import State
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 
+APART = 20.0  # mm between two lines: nearer, a rotation of 10 urad differs by less than 0.2 um
+ENTERS = 0.2  # of a reading
+CELLS, FEWEST_CELLS = 24, 4  # of a travel; those in which lines lie apart
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -66,7 +70,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
     return State(
         of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
         of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
-        of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which],
+        of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which], state.lines,
     )  # fmt: skip
 
 
@@ -113,6 +117,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
     angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
+    state = replace(state, lines=_lines(parts, state, direction))
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
     rows = Rows(
         column("y"), np.zeros(n), direction, sees, column("file").astype(int), column("run").astype(int),
@@ -176,6 +181,28 @@ def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None
             rows = (np.sign(state.approach[letter]) == side) | ((state.approach[letter] == 0) & (side > 0))
             result[k, rows] = np.interp(state.position[letter][rows], at, value)
     return result if result.any() else None
+
+
+def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, str]:
+    """Axis to the axes that stood at two places, APART or more, while readings along it were taken at rest at the same places."""
+    sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
+    result: dict[str, str] = {}
+    for x in state.position:
+        own = np.isin(sees, ("laser", "tool")) & (state.passage < 0) & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
+        if not own.any():
+            continue
+        share = (state.share(x)[own] + 1) / 2
+        cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
+        found = ""
+        for other, q in state.position.items():
+            low, high = np.full(CELLS, np.inf), np.full(CELLS, -np.inf)
+            np.minimum.at(low, cell, q[own])
+            np.maximum.at(high, cell, q[own])
+            if other != x and np.count_nonzero(high - low >= APART) >= FEWEST_CELLS:
+                found += other
+        if found:
+            result[x] = found
+    return result
 
 
 def predicted(rows: Rows, machine: Machine) -> np.ndarray:

@@ -16,8 +16,13 @@ A module holds
   of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
 
+- beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
+
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
-holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies.
+holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies;
+where a second axis matters too grids(axis, travel of every axis, **parameters) -> list of (component, axis, other, nodes,
+others, values (K, L)); where it lives on the rotations that the machine's file holds by_angle(axis, nodes, forward, reverse,
+**parameters), as tables().
 """
 
 from __future__ import annotations
@@ -44,7 +49,8 @@ class State:
     recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
     (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
     -1 for rows at rest; file (N,): number of the recording. width (N,) s: over
-    which samples were averaged to a row.
+    which samples were averaged to a row. lines: axis to the other axes across which readings along it were taken on lines
+    that lie apart.
     """
 
     position: dict[str, np.ndarray]
@@ -62,6 +68,7 @@ class State:
     passage: np.ndarray = field(default_factory=lambda: np.zeros(0))
     file: np.ndarray = field(default_factory=lambda: np.zeros(0))
     width: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    lines: dict[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))

@@ -1,41 +1,115 @@
-"""Abbe error: a measured rotation of an axis times an arm that the machine's file does not know."""
+"""Abbe error: a rotation of an axis times an arm: a measured rotation with an arm that the machine's file does not know, or a
+rotation that nobody measured, seen on lines that lie apart.
+
+ISO 230-1, error motions of linear axes. What nobody measured is drawn as Legendre polynomials of degree 1 to 5 over the travel.
+"""
 
 import numpy as np
 
-from postproc.effects import State
+from postproc.effects import UM, XYZ, State, along, legendre
 
+DEGREES = (1, 2, 3, 4, 5)
 PARAMETERS = {
-    "arm_mm": "mm, the arm that was left out",
+    "arm_mm": "mm, the arm that was left out of a measured rotation",
     "turn": "0, 1, 2: A, B, C, the rotation",
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
+    "known": "1, the rotation is that of the machine's file; 0, nobody measured it",
+    "zero_mm": "mm, where on the axis along the arm a rotation that nobody measured does nothing",
+    **{f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES},
+    "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
+OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
 PLAUSIBLE = {"arm_mm": (-2000.0, 2000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("position", "angles"), ("tool",)
+NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
     "A rotation of the axis acts on an arm that is not in the model. "
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
+FAR = 1e6  # mm: from there all lines have one arm
+ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     known = state.angles.get(axis)
-    if known is None:
-        return []
-    turns = [k for k in range(3) if known[k].any()]
-    return [{"turn": float(k), "arm": float(a)} for k in turns for a in range(3) if a != k]
+    turns = [] if known is None else [k for k in range(3) if known[k].any()]
+    result = [
+        {"turn": float(k), "arm": float(a), "known": 1.0, "zero_mm": 0.0, "degree": 5.0}
+        for k in turns
+        for a in range(3)
+        if a != k
+    ]
+    for other in state.lines.get(axis, ""):
+        low, high = state.travel[other]
+        arm = XYZ.index(other)
+        turn = float(3 - arm - XYZ.index(axis))
+        zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
+        result += [
+            {"turn": turn, "arm": float(arm), "known": 0.0, "zero_mm": z, "degree": d}
+            for z in zeros
+            for d in (1.0, 3.0, 5.0)
+        ]
+    return result
 
 
-def columns(state: State, axis: str, turn: float, arm: float) -> np.ndarray:
+def columns(
+    state: State, axis: str, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, degree: float = 5.0
+) -> np.ndarray:
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
-    turned[int(turn)] = state.angles[axis][int(turn)]
     reach[int(arm)] = 1.0
-    return np.cross(turned, reach, axis=0)[None]
+    if known:
+        turned[int(turn)] = state.angles[axis][int(turn)]
+        return np.cross(turned, reach, axis=0)[None]
+    out = _sense(axis, turn, arm) * (state.position[XYZ[int(arm)]] - zero_mm) * 1e-3
+    return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]))
+
+
+def _sense(axis: str, turn: float, arm: float) -> float:
+    """Which way along the axis a positive rotation moves the end of a positive arm."""
+    return float(np.cross(np.eye(3)[int(turn)], np.eye(3)[int(arm)])[XYZ.index(axis)])
+
+
+def beside(shape: dict[str, float]) -> dict[str, float] | None:
+    """What a rotation that nobody measured must be worth something beside: the same error of position on all lines."""
+    return None if shape["known"] else {**shape, "zero_mm": FAR, "degree": 5.0}
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"arm_mm": float(coefficients[0]), "turn": shape["turn"], "arm": shape["arm"]}
+    of_map, count = bool(shape["known"]), int(shape["degree"])
+    named = {"arm_mm": float(coefficients[0]) if of_map else 0.0}
+    named |= {name: shape[name] for name in ("turn", "arm", "known", "zero_mm")}
+    drawn = np.zeros(len(DEGREES)) if of_map else np.concatenate([coefficients, np.zeros(len(DEGREES) - count)])
+    return named | {f"c{k}_urad": float(c) for k, c in zip(DEGREES, drawn, strict=True)} | {"degree": shape["degree"]}
 
 
-def coefficients(arm_mm: float, turn: float, arm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([arm_mm]), {"turn": turn, "arm": arm}
+def coefficients(
+    arm_mm: float, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, c1_urad: float = 0.0,
+    c2_urad: float = 0.0, c3_urad: float = 0.0, c4_urad: float = 0.0, c5_urad: float = 0.0, degree: float = 5.0,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad][: int(degree)]
+    shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "degree": degree}
+    return np.array([arm_mm] if known else drawn), shape
+
+
+def by_angle(axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float):
+    """Tables of the arm that a measured rotation lacks. forward, reverse (3, K) rad at nodes (K,) mm: A, B, C of the axis."""
+    if not named["known"] or not named["arm_mm"]:
+        return []
+    reach = np.zeros((3, len(nodes)))
+    reach[int(named["arm"])] = named["arm_mm"]
+    turn = int(named["turn"])
+    only = (np.arange(3) == turn)[:, None]
+    there, back = (np.cross(only * angle, reach, axis=0) for angle in (forward, reverse))
+    return [(f"E{x}", axis, nodes, there[i], back[i]) for i, x in enumerate(XYZ) if there[i].any() or back[i].any()]
+
+
+def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
+    """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody measured."""
+    if named["known"]:
+        return []
+    other = XYZ[int(named["arm"])]
+    nodes, others = np.linspace(*travel[axis], 161), np.array(travel[other])
+    u = 2 * (nodes - travel[axis][0]) / (travel[axis][1] - travel[axis][0]) - 1
+    turned = sum((named[f"c{k}_urad"] * legendre(u, k) for k in DEGREES), np.zeros(len(u)))
+    value = turned[:, None] * (others - named["zero_mm"]) * 1e-3 * _sense(axis, named["turn"], named["arm"]) * UM
+    return [(f"E{axis}", axis, other, nodes, others, value)]

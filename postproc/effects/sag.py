@@ -6,7 +6,7 @@ sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko, Vibration Problems in E
 
 import numpy as np
 
-from postproc.effects import XYZ, State
+from postproc.effects import UM, XYZ, State
 from postproc.effects import along as towards
 
 PARAMETERS = {
@@ -16,12 +16,13 @@ PARAMETERS = {
     "beam": "0, 1, 2: X, Y, Z, the axis that runs along the beam; -1, what gives is held at one end",
     "overhang": "1, by how much of the travel the beam is longer at each end",
 }
+NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {"lever": 0.0, "beam": -1.0, "overhang": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
     "A moving mass bends what carries it. "
-    "Measure the straightness with the mass at both ends; a table over two axes corrects it."
+    "Measure the straightness with the mass at both ends; the compensator corrects it by the places of both axes."
 )
 
 
@@ -38,17 +39,29 @@ def columns(
     state: State, axis: str, along: float, lever: float = 0.0, beam: float = -1.0, overhang: float = 0.0
 ) -> np.ndarray:
     reach = (state.share(axis) + 1) / 2
+    other = _other(axis, tuple(state.position), along, lever, beam)
+    if not other:
+        return towards(XYZ[int(along)], reach**2 if beam < 0 else np.zeros(len(reach)))
+    return towards(XYZ[int(along)], _bent(reach, (state.share(other) + 1) / 2, beam, overhang))
+
+
+def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam: float) -> str:
+    """The second axis on whose place it depends; "" for none."""
     if beam >= 0:
-        over = XYZ[int(beam)]
-        if over not in state.position:
-            return towards(XYZ[int(along)], np.zeros(len(reach)))
-        a, s = ((overhang + u) / (1 + 2 * overhang) for u in (reach, (state.share(over) + 1) / 2))
-        n = np.arange(1, 5)[:, None]
-        bent = (np.sin(n * np.pi * a) * np.sin(n * np.pi * s) / n**4).sum(axis=0)
-        return towards(XYZ[int(along)], -bent)
-    others = [x for x in state.position if x != axis and x != XYZ[int(along)]]
-    arm = (state.share(others[0]) + 1) / 2 if others and lever else 1.0
-    return towards(XYZ[int(along)], reach**2 * arm)
+        return XYZ[int(beam)] if XYZ[int(beam)] in letters else ""
+    rest = [x for x in letters if x in XYZ and x not in (axis, XYZ[int(along)])]
+    return rest[0] if rest and lever else ""
+
+
+def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> np.ndarray:
+    """For a size of 1: by the places of the mass and of what it bends, both 0 to 1 over the travel."""
+    if beam < 0:
+        return mass**2 * place
+    a, s = ((overhang + u) / (1 + 2 * overhang) for u in (mass, place))
+    bent = np.zeros(np.broadcast_shapes(np.shape(a), np.shape(s)))
+    for n in range(1, 5):
+        bent -= np.sin(n * np.pi * a) * np.sin(n * np.pi * s) / n**4
+    return bent
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
@@ -59,3 +72,20 @@ def coefficients(
     size_um: float, along: float, lever: float = 0.0, beam: float = -1.0, overhang: float = 0.0
 ) -> tuple[np.ndarray, dict[str, float]]:
     return np.array([size_um]), {"along": along, "lever": lever, "beam": beam, "overhang": overhang}
+
+
+def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
+    """(component, axis, other, nodes, others, values (K, L) mm); where no second axis matters, alike at both its ends."""
+    other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
+    shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, NODES if named["beam"] >= 0 else 2)
+    if other:
+        value = _bent(shares[0][:, None], shares[1][None], named["beam"], named["overhang"])
+    elif named["beam"] < 0:
+        other = next((x for x in travel if x != axis and x in XYZ), "")
+        value = np.repeat(shares[0][:, None] ** 2, 2, axis=1)
+    if not other:
+        return []
+    places = (
+        low + share * (high - low) for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
+    )
+    return [(f"E{XYZ[int(named['along'])]}", axis, other, *places, named["size_um"] * value * UM)]

@@ -179,7 +179,6 @@ class Bounds:
 
     def _sizes(self, letter: str, way: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
         """Largest translation mm and rotation rad of an axis, and (N,) how much they change over a way (N,)."""
-        axis = self.machine.axes[letter]
         shift = lean = 0.0
         shift_rise, lean_rise = np.zeros(len(way)), np.zeros(len(way))
         for table in (t for x, t in self.machine.every_table if x == letter):
@@ -189,7 +188,7 @@ class Bounds:
             shift, lean = shift + more, lean + turn
             shift_rise = shift_rise + np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * more)
             lean_rise = lean_rise + np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * turn)
-        for grid in axis.grids:
+        for grid in self.machine.grids_of[letter]:
             more, turn = float(np.linalg.norm(grid.sizes[:3])), float(np.linalg.norm(grid.sizes[3:]))
             shift, lean = shift + more, lean + turn
             shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn

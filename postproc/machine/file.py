@@ -335,12 +335,32 @@ def _effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
         toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS), i)
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
-        tables: list[AxisTable] = []
-        if module.USE == "compensate" and hasattr(module, "tables"):
-            moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
-            for component, letter, nodes, forward, reverse in module.tables(axis, axes[moving].travel, **parameters):
-                both = np.zeros((2, 6, len(nodes)))
-                both[:, COMPONENTS.index(component)] = forward, reverse
-                tables.append(AxisTable(letter, nodes, both[0], both[1]))
-        terms.append(EffectTerm(name, axis, parameters, module, tuple(tables)))
+        terms.append(EffectTerm(name, axis, parameters, module, *_applied(module, axis, axes, parameters)))
     return tuple(terms)
+
+
+def _applied(
+    module, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
+) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
+    """What an effect adds where the slides stand, for a compensator."""
+    if module.USE != "compensate":
+        return (), ()
+    rows = []
+    if hasattr(module, "tables"):
+        moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
+        rows += module.tables(axis, axes[moving].travel, **parameters)
+    if hasattr(module, "by_angle") and (map_ := axes[axis].table) is not None:
+        rows += module.by_angle(axis, map_.nodes, map_.forward[3:], map_.reverse[3:], **parameters)
+    tables = []
+    for component, letter, nodes, forward, reverse in rows:
+        both = np.zeros((2, 6, len(nodes)))
+        both[:, COMPONENTS.index(component)] = forward, reverse
+        tables.append(AxisTable(letter, nodes, both[0], both[1]))
+    grids = []
+    if hasattr(module, "grids"):
+        travel = {x: a.travel for x, a in axes.items()}
+        for component, letter, other, nodes, others, value in module.grids(axis, travel, **parameters):
+            whole = np.zeros((6, len(nodes), len(others)))
+            whole[COMPONENTS.index(component)] = value
+            grids.append(GridTable(letter, other, nodes, others, whole, whole))
+    return tuple(tables), tuple(grids)

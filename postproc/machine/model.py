@@ -66,6 +66,7 @@ class EffectTerm:
     parameters: dict[str, float]
     module: ModuleType | None
     tables: tuple[AxisTable, ...] = ()
+    grids: tuple[GridTable, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,13 @@ class Machine:
 
     @cached_property
     def grids(self) -> tuple[GridTable, ...]:
-        return tuple(grid for axis in self.axes.values() for grid in axis.grids)
+        own = tuple(grid for axis in self.axes.values() for grid in axis.grids)
+        return own + tuple(grid for term in self.effects for grid in term.grids)
+
+    @cached_property
+    def grids_of(self) -> dict[str, list[GridTable]]:
+        """Axis to what depends on a second one too, measured or an effect's."""
+        return {x: [grid for grid in self.grids if grid.letter == x] for x in self.axes}
 
     @cached_property
     def knots(self) -> dict[str, list[np.ndarray]]:
@@ -150,7 +157,7 @@ class Machine:
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Axis to the range, mm or degrees, that every table of it covers; none for an axis without tables."""
         covered = {x: [table.nodes] for x, table in self.tables.items()}
-        for grid in self.grids:
+        for grid in (grid for axis in self.axes.values() for grid in axis.grids):
             covered.setdefault(grid.letter, []).append(grid.nodes)
             covered.setdefault(grid.other, []).append(grid.others)
         return {x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c))) for x, c in covered.items()}
@@ -272,7 +279,7 @@ class Machine:
             part = axis.table.evaluate(q[letter], s[letter])
         for table in self._added.get(letter, ()):
             part = _sum(part, table.evaluate(q[letter], s[letter]))
-        for grid in axis.grids:
+        for grid in self.grids_of[letter]:
             part = _sum(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
         growth = self.expansions.get(letter)
         if growth is not None:

@@ -14,20 +14,9 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.machine.model import Machine
-from postproc.nc import dialects
+from postproc.simulate.writer import OUTRUN, PLANES, XYZ, Writer, middle, ranges
 
-XYZ = "XYZ"
-DWELL = {  # how the control is told to wait, by the first word of the dialect's name
-    "linuxcnc": "G4 P{0:g}", "fanuc": "G4 X{0:.3f}", "haas": "G4 P{0:.3f}", "grbl": "G4 P{0:g}", "grblhal": "G4 P{0:g}",
-    "fluidnc": "G4 P{0:g}",
-}  # fmt: skip
-PLANES = {
-    "XY": ("G17", "IJ", 1),
-    "XZ": ("G18", "IK", -1),
-    "YZ": ("G19", "JK", 1),
-}  # sign: XYZ order against the plane's
 GOLDEN = 0.6180339887498949
-OUTRUN = 1.0  # mm: an overrun where the travel has room for it
 
 
 @dataclass(frozen=True)
@@ -42,63 +31,6 @@ class Test:
     title: str
 
 
-class Writer:
-    """Blocks for one machine in one dialect, from slide positions."""
-
-    def __init__(self, machine: Machine, dialect: str):
-        self.machine, self.kind = machine, dialect.partition("-")[0]
-        if self.kind not in DWELL:
-            known = ", ".join(sorted(DWELL))
-            raise UsageError(f"tests are not written for {dialect}", f"--dialect of one of {known}")
-        codes = dialects.load(dialect).by_number
-        # Millimetres, absolute words, feed per minute, as this control writes them; what it has not, it always does.
-        self.modes = " ".join(codes[number].word for number in (210, 900, 940) if number in codes)
-        self.zero = machine.offsets.get("G54", {})
-        self.places = {x: -round(math.log10(a.least_increment)) for x, a in machine.axes.items()}
-        self.lines: list[str] = []
-
-    def begin(self, title: str) -> None:
-        name = title.upper().replace("(", "").replace(")", "")
-        frame = " G54" if "G54" in self.machine.offsets else ""
-        if self.kind == "fanuc" or self.kind == "haas":
-            self.lines += ["%", "O0001"]
-        self.lines += [f"({name})", f"{self.modes}{frame}"]
-        # Every slide is placed first: from there on it is known where the machine stands.
-        self.lines.append("G0 " + " ".join(self.word(x, v) for x, v in sorted(middle(self.machine).items())))
-
-    def word(self, axis: str, place: float) -> str:
-        """The axis' word for a slide position."""
-        value = (place - self.zero.get(axis, 0.0)) * (2.0 if axis in self.machine.diameter else 1.0)
-        return f"{axis}{value:.{self.places[axis]}f}"
-
-    def go(self, place: Mapping[str, float], feed: float) -> None:
-        words = " ".join(self.word(x, place[x]) for x in sorted(place))
-        self.lines.append(f"G1 {words} F{feed:g}")
-
-    def rest(self, place: Mapping[str, float], feed: float) -> None:
-        """To where axes stay, each from below, so that it is known from which side they came."""
-        if place:
-            low = {x: max(v - OUTRUN, self.machine.axes[x].travel[0]) for x, v in place.items()}
-            self.go(low, feed)
-            self.go(place, feed)
-
-    def wait(self, seconds: float) -> None:
-        self.lines.append(DWELL[self.kind].format(seconds))
-
-    def arc(self, sense: int, plane: str, end: Mapping[str, float], arm: Mapping[str, float], feed: float) -> None:
-        """An arc from where the tool is; sense +1 from the first letter of the plane to the second; arm: to the centre, mm."""
-        _, centre, sign = PLANES[plane]
-        code = "G3" if sense * sign > 0 else "G2"
-        ends = " ".join(self.word(x, end[x]) for x in plane)
-        arms = " ".join(f"{c}{arm[x]:.{self.places[x]}f}" for c, x in zip(centre, plane, strict=True))
-        self.lines.append(f"{code} {ends} {arms} F{feed:g}")
-
-    def text(self) -> str:
-        """The program."""
-        tail = ["%"] if self.kind in ("fanuc", "haas") else []
-        return "\n".join([*self.lines, "M30", *tail]) + "\n"
-
-
 @dataclass(frozen=True)
 class Ask:
     """What --test says: the axes, and key=value."""
@@ -108,7 +40,10 @@ class Ask:
 
     def of(self, key: str, default: float) -> float:
         value = self.given.get(key, default)
-        if key in ("feed", "dwell", "step", "radius", "rate", "hours", "period", "overrun") and value <= 0:
+        if (
+            key in ("feed", "dwell", "step", "radius", "rate", "hours", "period", "overrun", "way", "slow")
+            and value <= 0
+        ):
             raise UsageError(f"{key} = {value:g} is not above zero")
         return value
 
@@ -117,27 +52,6 @@ class Ask:
         if value != int(value) or not 1 <= value <= 10_000:
             raise UsageError(f"{key} = {value:g} is no number of 1 to 10000")
         return int(value)
-
-
-def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:
-    """Axis to mm, low and high: what the tables cover and the travel leaves room for, an overrun beyond it."""
-    result = {}
-    for x, axis in machine.axes.items():
-        if x not in XYZ:
-            continue
-        low, high = axis.travel
-        if axis.table is not None:
-            low, high = max(low, float(axis.table.nodes[0])), min(high, float(axis.table.nodes[-1]))
-        low, high = max(low, axis.travel[0] + overrun), min(high, axis.travel[1] - overrun)
-        if not np.isfinite(low + high) or high <= low:
-            raise UsageError(f"{x} has no room for a test with {overrun:g} mm of overrun", "overrun=... smaller")
-        result[x] = (low, high)
-    return result
-
-
-def middle(machine: Machine) -> dict[str, float]:
-    """Axis to mm: where it rests while others are measured."""
-    return {x: (low + high) / 2 for x, (low, high) in ranges(machine, OUTRUN).items()}
 
 
 def targets(low: float, high: float, step: float, even: bool) -> np.ndarray:
@@ -164,16 +78,60 @@ def positioning(write: Writer, ask: Ask) -> Test:
     write.begin(f"positioning of {axis}")
     write.rest(rest, feed)
     for _ in range(ask.count("runs", 5)):
-        write.go({axis: low - overrun}, feed)
-        for place in at:
-            write.go({axis: float(place)}, feed)
-            write.wait(dwell)
-        write.go({axis: float(at[-1]) + overrun}, feed)
-        for place in at[::-1]:
-            write.go({axis: float(place)}, feed)
-            write.wait(dwell)
-    write.go({axis: low - overrun}, feed)
+        _there_and_back(write, axis, at, overrun, feed, dwell)
     return Test(write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis}, f"positioning of {axis}")
+
+
+def period(write: Writer, ask: Ask) -> Test:
+    """A stretch of one axis at close targets whose steps are no part of a pitch, there and back: what a screw or a scale
+    repeats every 2 mm to a third of the stretch shows in it. way mm (60), step mm (1), at: its middle, runs, dwell, feed."""
+    axis = ask.axes
+    low, high = ranges(write.machine, OUTRUN)[axis]
+    way = min(ask.of("way", 60.0), high - low)
+    begin = min(max(ask.of("at", (low + high) / 2) - way / 2, low), high - way)
+    at = targets(begin, begin + way, min(ask.of("step", 1.0), way / 2), False)
+    feed, dwell = ask.of("feed", 1000.0), ask.of("dwell", 2.0)
+    write.begin(f"periods of {axis}")
+    write.rest({x: v for x, v in middle(write.machine).items() if x != axis}, feed)
+    for _ in range(ask.count("runs", 2)):
+        _there_and_back(write, axis, at, OUTRUN, feed, dwell)
+    return Test(write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis}, f"periods of {axis}")
+
+
+def arms(write: Writer, ask: Ask) -> Test:
+    """The same targets along one axis on several lines: all other axes at their low end, then each of them at its high end. A
+    rotation of the axis reads differently on lines that lie apart, a screw's error does not. step, runs (of each line), dwell,
+    feed, overrun."""
+    axis = ask.axes
+    overrun = ask.of("overrun", OUTRUN)
+    room = ranges(write.machine, overrun)
+    low, high = room[axis]
+    at = targets(low, high, ask.of("step", (high - low) / 12), False)
+    feed, dwell, runs = ask.of("feed", 2000.0), ask.of("dwell", 3.0), ask.count("runs", 2)
+    rest = {x: place[0] for x, place in room.items() if x != axis}
+    if not rest:
+        raise UsageError(f"{axis} is the only slide: there is no second line", f"like angle:{axis}")
+    write.begin(f"{axis} on {len(rest) + 1} lines")
+    for line in [rest, *({**rest, x: room[x][1]} for x in rest)]:
+        write.go({axis: low - overrun}, feed)
+        write.rest(line, feed)
+        for _ in range(runs):
+            _there_and_back(write, axis, at, overrun, feed, dwell)
+    settings = {"dwell": f"{dwell:g}", "along": axis, "runs": f"{runs * (len(rest) + 1)}"}
+    return Test(write.text(), "laser", settings, f"{axis} on {len(rest) + 1} lines")
+
+
+def _there_and_back(write: Writer, axis: str, at: np.ndarray, overrun: float, feed: float, dwell: float) -> None:
+    """One run: all targets from below and from above, and the overruns from which they are reached."""
+    write.go({axis: float(at[0]) - overrun}, feed)
+    for place in at:
+        write.go({axis: float(place)}, feed)
+        write.wait(dwell)
+    write.go({axis: float(at[-1]) + overrun}, feed)
+    for place in at[::-1]:
+        write.go({axis: float(place)}, feed)
+        write.wait(dwell)
+    write.go({axis: float(at[0]) - overrun}, feed)
 
 
 def straightness(write: Writer, ask: Ask) -> Test:
@@ -224,7 +182,8 @@ def diagonal(write: Writer, ask: Ask) -> Test:
 
 
 def ballbar(write: Writer, ask: Ask) -> Test:
-    """Circles in both senses, half a turn of overshoot at both ends (ISO 230-4). radius, feed, runs, at_X ...: centre."""
+    """Circles in both senses, half a turn of overshoot at both ends (ISO 230-4). radius, feed, runs, at_X ...: centre; slow:
+    mm/min, the feed of as many runs more."""
     plane = "".join(sorted(ask.axes))
     room, centre = ranges(write.machine, OUTRUN), middle(write.machine)
     centre = {x: round(ask.of(f"at_{x}", v), 3) for x, v in centre.items()}
@@ -243,12 +202,14 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     write.go({first: centre[first] + radius + lead, second: centre[second]}, feed)
     other = {first: centre[first] - radius, second: centre[second]}
     here = {first: centre[first] + radius, second: centre[second]}
-    for k in range(ask.count("runs", 2) * 2):
+    number = ask.count("runs", 2) * 2
+    speeds = [feed] * number + [ask.of("slow", feed)] * (number if "slow" in ask.given else 0)
+    for k, speed in enumerate(speeds):
         sense = 1 if k % 2 == 0 else -1
-        write.go(here, feed)
+        write.go(here, speed)
         for _ in range(2):
-            write.arc(sense, plane, other, {first: -radius, second: 0.0}, feed)
-            write.arc(sense, plane, here, {first: radius, second: 0.0}, feed)
+            write.arc(sense, plane, other, {first: -radius, second: 0.0}, speed)
+            write.arc(sense, plane, here, {first: radius, second: 0.0}, speed)
         write.go({first: centre[first] + radius + lead, second: centre[second]}, feed)
         write.wait(ask.of("dwell", 1.0))
     settings = {"centre": ",".join(f"{x}{centre[x]:.4f}" for x in plane), "radius": f"{radius:g}"}
@@ -338,10 +299,12 @@ def soak(write: Writer, ask: Ask) -> Test:
 
 TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "positioning": (positioning, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
+    "period": (period, 1, ("way", "step", "runs", "dwell", "feed", "at")),
+    "arms": (arms, 1, ("step", "runs", "dwell", "feed", "overrun")),
     "straightness": (straightness, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "angle": (angle, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "diagonal": (diagonal, 2, ("number", "runs", "dwell", "feed", "overrun")),
-    "ballbar": (ballbar, 2, ("radius", "feed", "runs", "dwell")),
+    "ballbar": (ballbar, 2, ("radius", "feed", "runs", "dwell", "slow")),
     "staircase": (staircase, 1, ("runs", "dwell", "feed", "at")),
     "feeds": (feeds, 1, ("number", "slowest", "fastest", "way", "runs")),
     "soak": (soak, 1, ("hours", "feed", "period")),

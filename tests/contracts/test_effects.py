@@ -6,6 +6,7 @@ import inspect
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
 
 from postproc import effects
 from postproc.effects import State
@@ -34,6 +35,7 @@ STATE = State(
     beam=RNG.uniform(0, 500, N),
     passage=np.zeros(N),
     file=np.zeros(N),
+    lines={"X": "YZ", "Y": "XZ", "Z": "XY"},
 )  # fmt: skip
 FOUND = {
     "cyclic": {"period_mm": 7.3},
@@ -41,6 +43,13 @@ FOUND = {
     "vibration": {"frequency_hz": 11.0, "passages": 0.0},
     "step_loss": {"t_s": 3000.0},
 }
+APPLIED = ("tables", "grids", "by_angle")
+ENDS = np.array([0.0, 100.0])
+LINE = np.array([[-2e-5, 5e-5], [3e-5, -1e-5], [4e-5, 2e-5]])
+
+
+def line_at(place):
+    return LINE[:, :1] + (LINE[:, 1:] - LINE[:, :1]) * place / 100.0
 
 
 def axis_of(module) -> str:
@@ -95,7 +104,7 @@ def test_parameters_say_all_of_a_fit(name):
         )
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if hasattr(effects.load(n), "tables")])
+@pytest.mark.parametrize("name", [n for n in NAMES if any(hasattr(effects.load(n), how) for how in APPLIED)])
 def test_tables_are_the_same_physics(name):
     """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are linear between nodes).
     Windup is fully built up in the table, so it is compared far from a reversal."""
@@ -109,7 +118,20 @@ def test_tables_are_the_same_physics(name):
         wanted = effects.deviation(module, far, axis, **named)
         got = np.zeros((3, N))
         moving = module.moving(axis, **named) if module.PER == "pair" else axis
-        for component, letter, nodes, forward, reverse in module.tables(axis, STATE.travel[moving], **named):
+        rows = module.tables(axis, STATE.travel[moving], **named) if hasattr(module, "tables") else []
+        if hasattr(module, "by_angle"):  # a measured rotation: a straight line here
+            rows = rows + module.by_angle(axis, ENDS, LINE, LINE, **named)
+            far = effects.State(**{**vars(far), "angles": {axis: line_at(STATE.position[axis])}})
+            wanted = effects.deviation(module, far, axis, **named)
+        if hasattr(module, "grids"):
+            for component, letter, other, nodes, others, value in module.grids(axis, STATE.travel, **named):
+                at = np.clip(
+                    (STATE.position[letter], STATE.position[other]),
+                    [[nodes[0]], [others[0]]],
+                    [[nodes[-1]], [others[-1]]],
+                )
+                got["XYZ".index(component[1])] += RegularGridInterpolator((nodes, others), value)(at.T)
+        for component, letter, nodes, forward, reverse in rows:
             assert (np.diff(nodes) > 0).all() and len(nodes) == len(forward) == len(reverse)
             table = np.where(
                 STATE.approach[letter] > 0,
@@ -117,6 +139,7 @@ def test_tables_are_the_same_physics(name):
                 np.interp(STATE.position[letter], nodes, reverse),
             )
             got["XYZ".index(component[1])] += table
+        assert np.abs(got).max() > 0
         assert got == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max() + 1e-12)
 
 
@@ -124,7 +147,7 @@ def test_an_instrument_never_reaches_a_program():
     for name in NAMES:
         module = effects.load(name)
         if module.USE != "compensate":
-            assert not hasattr(module, "tables")
+            assert not any(hasattr(module, how) for how in APPLIED)
 
 
 def test_zero_backlash_is_none():

@@ -13,11 +13,11 @@ from postproc.machine.file import read_machine
 from postproc.simulate import experiments
 from postproc.simulate.timeline import Conditions
 
-from .samples import MILL, ROOT, STUDER, exact, read, real, timed
+from .samples import MILL, ROOT, STUDER, read, real, timed
 
 LATHE = read_machine(ROOT / "machines" / "example-lathe")
 EVERY = [
-    "positioning:{0}", "straightness:{0}", "angle:{0}", "diagonal:{0}{1}", "ballbar:{0}{1},runs=1", "staircase:{0},runs=1",
+    "positioning:{0}", "period:{0},way=20,runs=1", "arms:{0},runs=1", "straightness:{0}", "angle:{0}", "diagonal:{0}{1}", "ballbar:{0}{1},runs=1", "staircase:{0},runs=1",
     "feeds:{0},runs=1", "soak:{0},hours=0.2",
 ]  # fmt: skip
 CONTROLS = (
@@ -96,6 +96,6 @@ def test_what_can_not_be_run_is_said(test, message):
         experiments.write(test, STUDER, "fanuc-lathe")
 
 
-def test_a_control_without_a_known_dwell_gets_no_test():
-    with pytest.raises(UsageError, match="not written for heidenhain-iso"):
-        experiments.write("positioning:X", exact(), "heidenhain-iso")
+def test_a_control_whose_circles_can_not_be_read_back_gets_none():
+    with pytest.raises(UsageError, match="pole"):
+        experiments.write("ballbar:XZ", STUDER, "heidenhain-iso")

@@ -204,8 +204,8 @@ def restarted(job: Job, line: int) -> None:
         job.preamble = tuple(restart.preamble(filter_, before, safe))
     job.begin = line
     shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
-    before = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
-    print(f"gcomp: beginning again with line {line}{before}", file=sys.stderr)
+    ahead = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
+    print(f"gcomp: beginning again with line {line}{ahead}", file=sys.stderr)
     if options.yes:
         return
     if sys.stdin is None or not sys.stdin.isatty():

@@ -94,5 +94,5 @@ def _at(base: State, reality: Reality, axis: str, off: float, material: float) -
 
 def _of_material(reality: Reality, state: State, last: np.ndarray, axis: str) -> np.ndarray:
     """(N,) mm: what makes every wall of a feature off alike, so that its two ends do not cancel."""
-    walls = replace(reality, terms=tuple(t for t in reality.terms if "part" in t.module.NEEDS))
+    walls = replace(reality, terms=tuple(t for t in reality.terms if {"part", "material"} & set(t.module.NEEDS)))
     return walls.error(state, ("part",), last, tables=False)["XYZ".index(axis)]
