@@ -63,21 +63,12 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("locating")
     train = np.flatnonzero(~held)
     part = rows.pick(train)
-    usual = prior  # a map that is worse than that is a mismatch itself
-    worse = fit.map_worse(u[train], prior, sigma[train], part.residual)
-    notices = list(usable.notices)
-    if worse > 1:
-        prior = np.where(prior == fit.MAP_UM * 1e-3, worse * prior, prior)
-        notices.append(
-            f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
-        )
     # Where several readings leave their lines together, each target has a value of its own: no smooth shape is asked to bend so.
     jumps = shared_jump.find(part, part.residual, sigma[train])
     smooth = u.shape[1]
     for jump in jumps:
         own = shared_jump.columns(jump, rows)
-        free = np.full(own.shape[1], fit.FREE)
-        u, prior, usual = np.concatenate([u, own], axis=1), np.concatenate([prior, free]), np.concatenate([usual, free])
+        u, prior = np.concatenate([u, own], axis=1), np.concatenate([prior, np.full(own.shape[1], fit.FREE)])
     options.told("building the dictionary")
     every = library.blocks(rows)
     blocks = [replace(b, columns=b.columns[train]) for b in every]
@@ -88,8 +79,16 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
             "record at several places, from both sides; gcomp simulate --test writes such a program",
         )
-    places = locate.regions(part, sigma[train], u[train], usual)
+    places = locate.regions(part, sigma[train], u[train], prior)
     selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
+    notices = list(usable.notices)
+    worse = fit.map_worse(u[train], prior, model.sigma, part.residual - model.explained)
+    if worse > 1 and model.blocks:
+        prior = np.where(prior == fit.MAP_UM * 1e-3, worse * prior, prior)
+        notices.append(
+            f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
+        )
+        selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
     creep = restless.creeping(part, _left(part, selector, model), sigma[train], alike[train])
     if creep and any(
         b.axis == creep.axis and b.name in restless.LIKE and score > creep.fall

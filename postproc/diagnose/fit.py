@@ -15,7 +15,7 @@ from postproc.effects import legendre
 
 FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
-TOLD, FEWEST_TERMS, WORSE, MOST_WORSE = 0.3, 8, 1.5, 4.0
+TOLD, FEWEST_TERMS, WORSE, MOST_WORSE = 0.3, 8, 1.25, 4.0
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns

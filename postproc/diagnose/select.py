@@ -8,7 +8,7 @@ finding. score = fall of chi squared - columns * ln(rows) - 2 * ln(shapes of the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -21,7 +21,7 @@ LEAST_SCORE = 28.0
 MATERIAL = 7e-4  # mm
 MOST = 6
 FORM, FORM_OF_LARGEST = 0.10, 0.03
-SWAP = 2.0
+SWAP, ONE_FOR_TWO = 2.0, 15.0
 UNUSUAL = 4.0  # what an unusual sign costs; a module's ODD, if it has one, of the fall of chi squared
 RARE = {  # what is taken only where it is clearly better than its kin
     "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
@@ -146,7 +146,7 @@ class Selector:
         seen: set[tuple[int, ...]] = set()
         for _ in range(2 * MOST):
             grown = self._grow(chosen, sigma)
-            grown = self._swap(grown, sigma)
+            grown = self._merged(self._swap(grown, sigma), sigma)
             grown = self._drop(grown, sigma)
             after = self._reweighed(grown)
             key = tuple(sorted(grown))
@@ -220,6 +220,22 @@ class Selector:
                 if self._counts([*rest, best]) and self._material(rest, best, sigma):
                     chosen = [*chosen[:place], best, *chosen[place + 1 :]]
                 break
+        return chosen
+
+    def _merged(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
+        """Two that one alone says as well are that one."""
+        if not 2 <= len(chosen) <= 3:
+            return chosen
+        for a, b in combinations(chosen, 2):
+            rest = [k for k in chosen if k not in (a, b)]
+            both = self.projector(rest, sigma).chi2(self.y) - self.projector([*rest, a, b], sigma).chi2(self.y)
+            worth = both - float(self.penalty[a] + self.penalty[b])
+            score = self.scores(rest, sigma)
+            best = int(np.argmax(score))
+            if score[best] < worth - ONE_FOR_TWO or best in rest or not self._counts([*rest, best]):
+                continue
+            if self._beside(rest, best, sigma) and self._material(rest, best, sigma):
+                return [*rest, best]
         return chosen
 
     def _drop(self, chosen: list[int], sigma: np.ndarray) -> list[int]:

@@ -21,8 +21,19 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     read = np.unique(state.file[state.beam > 0])
-    moving = {f: [x for x, p in state.position.items() if np.ptp(p[state.file == f]) > 1e-6] for f in read}
-    return [{"file": float(f)} for f in read if moving[f] == [axis] or (not axis and len(moving[f]) > 1)]
+    moving = {f: _along(state, state.file == f) for f in read}
+    return [{"file": float(f)} for f in read if moving[f] == [axis] or (not axis and len(moving[f]) != 1)]
+
+
+def _along(state: State, own: np.ndarray) -> list[str]:
+    """The axes that move with the beam's length; what changes from line to line does not."""
+    beam = state.beam[own] - state.beam[own].mean()
+    found = []
+    for x, p in state.position.items():
+        way = p[own] - p[own].mean()
+        if np.ptp(way) > 1e-6 and abs(float(beam @ way)) > 0.7 * float(np.linalg.norm(beam) * np.linalg.norm(way)):
+            found.append(x)
+    return found
 
 
 def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
