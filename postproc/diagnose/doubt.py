@@ -68,6 +68,10 @@ def unknown(d: Diagnosis) -> Unknown | None:
                 f.status = "tentative"
     for f in false:
         f.status = "tentative"
+    accepted = [f for f in d.findings if f.status == "accepted"]
+    if left and len(accepted) >= MANY:  # what takes so many names and is not explained yet is not understood
+        for f in accepted:
+            f.status = "tentative"
     if left:
         return mapped(d, left[0].signal, left[0].rms, left[0].share, d.after)
     if not false:
@@ -82,12 +86,14 @@ def unknown(d: Diagnosis) -> Unknown | None:
 
 
 def _curves(d: Diagnosis) -> list[Finding]:
-    """Findings that imitate another one together: many shapes of one axis, or one effect on all axes and more."""
+    """Findings that imitate another one together: many shapes of one axis, one effect on all axes and more, steps lost by
+    several axes."""
     shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
     names = Counter(f.block.name for f in d.findings)
     return [
         f for f in d.findings
-        if (f.block.name in CURVES and shapes[f.block.axis] >= MANY) or names[f.block.name] > HELPINGS
+        if (f.block.name in CURVES and shapes[f.block.axis] >= MANY)
+        or names[f.block.name] > (1 if f.block.name == "step_loss" else HELPINGS)
     ]  # fmt: skip
 
 
