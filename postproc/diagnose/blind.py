@@ -7,7 +7,10 @@ import numpy as np
 from postproc import effects
 from postproc.diagnose import library
 from postproc.diagnose.library import Block
-from postproc.diagnose.rows import Rows
+from postproc.diagnose.rows import ENTERS, XYZ, Rows
+
+SENSES = ("servo_mismatch", "squareness")  # one turns over with the sense, the other does not
+SAME = 0.98  # cosine between two effects that nothing tells apart
 
 
 def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
@@ -21,6 +24,14 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                 result.append(
                     (name, axis, f"targets at even steps of {even:g} mm: a period that divides them can not be seen")
                 )
+                continue
+            if name == "abbe" and _on_one_line(rows, axis):
+                why = f"all readings along {axis} stand on one line: a rotation of {axis} looks like an error of its position there"
+                result.append((name, axis, why))
+                continue
+            if name == "servo_mismatch" and _one_sense(rows, axis, every):
+                why = "all circles were run in one sense at one feed: the ellipse of two axes that lag is that of two that are not square"
+                result.append((name, axis, why))
                 continue
             if (name, axis) in seen:
                 continue
@@ -49,3 +60,26 @@ def _even(rows: Rows, axis: str) -> float:
             return 0.0
         steps.append(float(np.median(gaps)))
     return round(min(steps), 3) if steps else 0.0
+
+
+def _on_one_line(rows: Rows, axis: str) -> bool:
+    """Whether the tool's way along an axis was read, and nowhere on two lines that lie apart."""
+    along = np.isin(rows.sees, ("laser", "tool")) & (np.abs(rows.direction[:, XYZ.index(axis)]) > ENTERS)
+    read = along.any() and np.ptp(rows.state.position[axis][along]) > 1e-3
+    return bool(read) and not rows.state.lines.get(axis)
+
+
+def _one_sense(rows: Rows, pair: str, every: list[Block]) -> bool:
+    """Whether what two axes that lag differently add to these readings is what squareness adds, up to a factor."""
+    shown = {name: [b.columns[:, 0] for b in every if b.name == name and b.axis == pair] for name in SENSES}
+    return any(_alike(rows, a, b) for a in shown[SENSES[0]] for b in shown[SENSES[1]])
+
+
+def _alike(rows: Rows, one: np.ndarray, other: np.ndarray) -> bool:
+    both = []
+    for column in (one, other):
+        rest = column.copy()
+        for signal in np.unique(rows.signal):
+            rest[rows.signal == signal] -= column[rows.signal == signal].mean()
+        both.append(rest / max(float(np.linalg.norm(rest)), 1e-12))
+    return abs(float(both[0] @ both[1])) > SAME

@@ -11,14 +11,23 @@ SHOWS = {  # effect: (experiment, what about it matters)
     "backlash": ("staircase:{a}", "reversals of {a} by 0.01 to 5 mm at one place"),
     "backlash_position": ("positioning:{a}", "laser along {a} in both directions, three runs"),
     "windup": ("staircase:{a}", "reversals of {a} by 0.01 to 5 mm: windup grows with the way, lost motion does not"),
-    "reversal_spike": ("ballbar:{p}", "circles at two feeds, sampled every 10 ms or faster"),
+    "reversal_spike": ("ballbar:{p},feed=3000,slow=500", "circles at two feeds, sampled every 10 ms or faster"),
     "stick_slip": ("feeds:{a}", "{a} alone at 1 to 50 mm/min, position logged at 100 Hz"),
-    "friction_asymmetry": ("ballbar:{p}", "circles in both senses at two feeds; log the current of {a}"),
+    "friction_asymmetry": (
+        "ballbar:{p},feed=3000,slow=500",
+        "circles in both senses at two feeds; log the current of {a}",
+    ),
     "servo_lag": ("feeds:{a}", "{a} alone there and back at two feeds, position logged against the command"),
-    "servo_mismatch": ("ballbar:{p}", "circles in both senses at two feeds: the ellipse at 45 degrees turns over"),
+    "servo_mismatch": (
+        "ballbar:{p},feed=3000,slow=500",
+        "circles in both senses at two feeds: the ellipse at 45 degrees turns over",
+    ),
     "inertia": ("feeds:{a}", "{a} with two accelerations, position logged"),
     "vibration": ("feeds:{a}", "{a} at two feeds: the frequency stays, a cyclic error's does not"),
-    "cyclic": ("positioning:{a}", "laser along {a} at steps of a twentieth of the lead, over three turns of the screw"),
+    "cyclic": (
+        "period:{a}",
+        "laser along {a} at close targets that are no part of a pitch, over three turns of the screw",
+    ),
     "encoder_cyclic": (
         "feeds:{a}",
         "{a} slowly over a few periods of the scale, with its own scale and a laser at once",
@@ -32,8 +41,8 @@ SHOWS = {  # effect: (experiment, what about it matters)
     "squareness": ("diagonal:{p}", "both diagonals of {p}; a circle in both senses does as well"),
     "bow": ("straightness:{a}", "straightness of {a} with a straightedge that is turned over"),
     "abbe": (
-        "positioning:{a}",
-        "laser along {a} on two lines as far apart across {a} as the machine allows; angle of {a}",
+        "arms:{a}",
+        "laser along {a} at the same targets on lines as far apart across {a} as the machine allows; the angle of {a} does as well",
     ),
     "sag": ("positioning:{a}", "straightness of the carrying axis with {a} at both ends of its travel"),
     "force_compliance": ("", "the same place with two known weights or forces along {a}"),
@@ -49,9 +58,31 @@ SHOWS = {  # effect: (experiment, what about it matters)
 }
 
 
+NO_CIRCLES = ("heidenhain-iso",)  # their circles hang on a pole
+WITHOUT_CIRCLES = {  # for a control whose circles gcomp can not read back: what shows the most of the same at rest or in a log
+    "servo_mismatch": (
+        "diagonal:{p}",
+        "both diagonals of {p}, read at rest: what is left of it then is squareness; two feeds of each axis tell the lag",
+    ),
+    "reversal_spike": ("feeds:{a}", "{a} alone there and back at five feeds, position logged every 10 ms or faster"),
+    "friction_asymmetry": ("feeds:{a}", "{a} alone there and back at five feeds; log its current"),
+}
+APART = (  # names of one set, two of them at least, and the one whose experiment tells them apart
+    (("squareness", "servo_mismatch", "servo_lag", "delay"), 2, "servo_mismatch"),
+    (("cyclic", "vibration", "encoder_cyclic"), 2, "vibration"),
+    (("backlash", "windup", "backlash_position"), 2, "windup"),
+    (("structure_drift", "screw_heat", "laser_air", "dead_path"), 2, "structure_drift"),
+)
+FIRST = (
+    "structure_drift", "screw_heat", "windup", "cyclic", "servo_lag", "abbe", "squareness", "spindle_growth", "step_loss",
+)  # fmt: skip
+
+
 def showing(effect: str, axis: str, machine: Machine) -> str:
     """The experiment that would show an effect."""
     experiment, words = SHOWS.get(effect, ("positioning:{a}", "more readings along {a}"))
+    if experiment.startswith("ballbar") and machine.control in NO_CIRCLES:
+        experiment, words = WITHOUT_CIRCLES[effect]
     letters = [x for x in machine.letters if x in XYZ]
     single = axis[:1] if axis else letters[0]
     other = next((x for x in letters if x != single), single)
@@ -59,26 +90,22 @@ def showing(effect: str, axis: str, machine: Machine) -> str:
     name = experiment.format(a=single, p=pair)
     if not name:
         return words.format(a=single, p=pair)
-    return f"{words.format(a=single, p=pair)}: gcomp simulate --test {name} --machine {machine.name} --program-out {name.replace(':', '_')}.nc"
+    file = name.partition(",")[0].replace(":", "_")
+    return f"{words.format(a=single, p=pair)}: gcomp simulate --test {name} --machine {machine.name} --program-out {file}.nc"
 
 
 def separating(key: str, others: list[str], machine: Machine) -> str:
-    """The experiment that tells a name from those that explain as well: one that shows the first of them by itself."""
+    """The experiment that tells a name from those that explain as well: the one for this set of them, else one that shows
+    the first of them by itself."""
     name, _, axis = key.partition(":")
-    rest = [o.partition(":") for o in others]
-    order = [
-        "structure_drift",
-        "screw_heat",
-        "windup",
-        "cyclic",
-        "servo_lag",
-        "squareness",
-        "abbe",
-        "spindle_growth",
-        "step_loss",
-    ]
-    candidates = [(name, axis), *((n, a) for n, _, a in rest)]
-    best = min(candidates, key=lambda c: order.index(c[0]) if c[0] in order else len(order))
-    if name == best[0] and any(n == name for n, _, _ in rest):
+    candidates = [(name, axis), *((n, a) for n, _, a in (o.partition(":") for o in others))]
+    if any(n == name for n, _ in candidates[1:]):
         return f"the same with each axis alone: {showing('step_loss' if name == 'step_loss' else 'servo_lag', axis, machine)}"
-    return showing(best[0], best[1], machine)
+    for names, least, shown in APART:
+        alike = [c for c in candidates if c[0] in names]
+        if name in names and len({n for n, _ in alike}) >= least:
+            pair = next((a for _, a in alike if len(a) == 2), axis)
+            own = next((a for n, a in alike if n == shown), pair if shown == "servo_mismatch" else axis)
+            return showing(shown, own, machine)
+    best = min(candidates, key=lambda c: FIRST.index(c[0]) if c[0] in FIRST else len(FIRST))
+    return showing(*best, machine)
