@@ -13,6 +13,10 @@ from postproc.diagnose.rows import Rows
 TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
 PEAKS = 3
 LOWEST_HZ = 2.0  # slower, it is drift
+PLACES = 24  # of targets in all from which on steps that are no part of each other show what is finer than their gaps
+SHORTEST = 2.0  # mm: leads of machines' screws are longer
+MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-way
+LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
@@ -24,13 +28,19 @@ def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> 
     span = float(np.ptp(place[use])) if use.any() else 0.0
     if span < 1.0:
         return []
-    finest = 0.0
+    finest, gaps, places = 0.0, [], 0
     for signal in np.unique(rows.signal[use]):
         which = use & (rows.signal == signal)
         p = np.unique(np.round(place[which], 4))
         if len(p) > 6:
-            gap = float(np.median(np.diff(p))) if rows.state.passage[which][0] < 0 else float(np.ptp(p)) / len(p) * 2
+            rest = rows.state.passage[which][0] < 0
+            gap = float(np.median(np.diff(p))) if rest else float(np.ptp(p)) / len(p) * 2
             finest = max(finest, 1 / max(2.2 * gap, 0.3))
+            gaps += [gap] if rest else []
+            places += len(p) if rest else 0
+    coarse = finest
+    if places >= PLACES:
+        finest = max(finest, 1 / SHORTEST)
     if finest <= 3.0 / span:
         return []
     bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(span * finest * FINE * 2))))
@@ -40,9 +50,45 @@ def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> 
     frequencies = np.fft.rfftfreq(bins, step)
     total = np.abs(spectrum) ** 2 / max(float(power[use].sum()) / 2, 1e-30)
     allowed = (frequencies >= 3.0 / span) & (frequencies <= finest)
+    allowed &= (frequencies <= coarse) | ~_smooth(frequencies, gaps, 3.0 / span)
+    if finest > coarse:
+        part = _part(rows, use, index, power, bins)
+        total = np.where(part > LEAST_PART, total / np.maximum(part, LEAST_PART), 0.0)
+        most = _structure(rows, place, use, weighted, power)
+        allowed &= (frequencies <= coarse) | (total >= MOST_OF_IT * most)
     parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
     best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
     return [1 / _polished(f, 0.7 / span, parts) for f in best]
+
+
+def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarray:
+    """(F,) bool: frequencies that look slower than `low` at the targets of every signal, which stand so far apart."""
+    slow = np.ones(len(frequencies), bool)
+    for gap in gaps:
+        slow &= np.abs(frequencies - np.round(frequencies * gap) / gap) < low
+    return slow
+
+
+def _part(rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bins: int) -> np.ndarray:
+    """(F,) share of the power that is left of a wave when every signal's zero is taken out: none where all its targets stand in
+    one phase."""
+    signal = rows.signal[use]
+    left, whole = np.zeros(bins // 2 + 1), max(float(power[use].sum()), 1e-30)
+    for s in np.unique(signal):
+        own = power[use][signal == s]
+        mean = np.abs(np.fft.rfft(np.bincount(index[signal == s], own, bins)[:bins])) ** 2 / max(
+            float(own.sum()), 1e-30
+        )
+        left += float(own.sum()) - mean
+    return left / whole
+
+
+def _structure(rows: Rows, place: np.ndarray, use: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> float:
+    """By how much chi squared would fall with a value of its own at every place of every signal, less what noise gives."""
+    keys = np.stack([rows.signal[use], np.round(place[use], 2)])
+    group = np.unique(keys, axis=1, return_inverse=True)[1].ravel()
+    each = np.bincount(group, weighted[use]) ** 2 / np.maximum(np.bincount(group, power[use]), 1e-30)
+    return float(each.sum() - len(each))
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:

@@ -140,7 +140,7 @@ def test_what_even_targets_hide_is_said(tmp_path):
     told = answer([str(file)], STUDER, tmp_path)
     assert told["verdict"] == "nothing-left-out"
     hidden = [v for v in told["not_visible"] if v["effect"] == "cyclic" and v["axis"] == "Z"]
-    assert len(hidden) == 1 and "even steps of 30 mm" in hidden[0]["why"] and "positioning:Z" in hidden[0]["next_test"]
+    assert len(hidden) == 1 and "even steps of 30 mm" in hidden[0]["why"] and "period:Z" in hidden[0]["next_test"]
     assert all(v["why"] and v["next_test"] for v in told["not_visible"])
 
 
