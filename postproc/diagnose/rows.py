@@ -184,11 +184,11 @@ def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None
 
 
 def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, str]:
-    """Axis to the axes that stood at two places, APART or more, while readings along it were taken at the same places of it."""
+    """Axis to the axes that stood at two places, APART or more, while readings along it were taken at rest at the same places."""
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
     result: dict[str, str] = {}
     for x in state.position:
-        own = np.isin(sees, ("laser", "tool")) & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
+        own = np.isin(sees, ("laser", "tool")) & (state.passage < 0) & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
         if not own.any():
             continue
         share = (state.share(x)[own] + 1) / 2

@@ -26,6 +26,7 @@ UNUSUAL = 4.0  # what an unusual sign costs; a module's ODD, if it has one, of t
 RARE = {  # what is taken only where it is clearly better than its kin
     "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 10.0, "clock_skew": 2.0, "sag": 2.0,
 }  # fmt: skip
+BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -180,7 +181,7 @@ class Selector:
         )
 
     def _beside(self, chosen: list[int], k: int, sigma: np.ndarray) -> bool:
-        """Whether a block is worth the least score beside the simpler shape that its module names, if it names one."""
+        """Whether a block is worth BESIDE or more beside the simpler shape that its module names, if it names one."""
         block = self.blocks[k]
         plain = block.module.beside(dict(block.shape)) if hasattr(block.module, "beside") else None
         if plain is None:
@@ -192,16 +193,19 @@ class Selector:
         p = Projector.of(sigma, u, np.concatenate([self.prior, free]))
         _, covariance = solve(p, block.columns, self.y)
         after = block.columns.T @ p(self.y)
-        return float(after @ covariance @ after) - float(self.penalty[k]) >= self.least
+        return float(after @ covariance @ after) - float(self.penalty[k]) >= BESIDE
 
     def _swap(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
         for place in range(len(chosen) - 1):
             rest = chosen[:place] + chosen[place + 1 :]
             score = self.scores(rest, sigma)
-            best = int(np.argmax(score))
-            better = score[best] > score[chosen[place]] + SWAP and self._counts([*rest, best])
-            if better and self._beside(rest, best, sigma) and self._material(rest, best, sigma):
-                chosen = [*chosen[:place], best, *chosen[place + 1 :]]
+            good = np.flatnonzero(score > score[chosen[place]] + SWAP)
+            for best in map(int, good[np.argsort(-score[good], kind="stable")]):
+                if not self._beside(rest, best, sigma):
+                    continue  # a plainer shape of the same may do
+                if self._counts([*rest, best]) and self._material(rest, best, sigma):
+                    chosen = [*chosen[:place], best, *chosen[place + 1 :]]
+                break
         return chosen
 
     def _drop(self, chosen: list[int], sigma: np.ndarray) -> list[int]:

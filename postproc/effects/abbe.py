@@ -16,8 +16,9 @@ PARAMETERS = {
     "known": "1, the rotation is that of the machine's file; 0, nobody measured it",
     "zero_mm": "mm, where on the axis along the arm a rotation that nobody measured does nothing",
     **{f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES},
+    "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
-OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}}
+OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
 PLAUSIBLE = {"arm_mm": (-2000.0, 2000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
@@ -33,25 +34,34 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     known = state.angles.get(axis)
     turns = [] if known is None else [k for k in range(3) if known[k].any()]
     result = [
-        {"turn": float(k), "arm": float(a), "known": 1.0, "zero_mm": 0.0} for k in turns for a in range(3) if a != k
+        {"turn": float(k), "arm": float(a), "known": 1.0, "zero_mm": 0.0, "degree": 5.0}
+        for k in turns
+        for a in range(3)
+        if a != k
     ]
     for other in state.lines.get(axis, ""):
         low, high = state.travel[other]
         arm = XYZ.index(other)
         turn = float(3 - arm - XYZ.index(axis))
         zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
-        result += [{"turn": turn, "arm": float(arm), "known": 0.0, "zero_mm": z} for z in zeros]
+        result += [
+            {"turn": turn, "arm": float(arm), "known": 0.0, "zero_mm": z, "degree": d}
+            for z in zeros
+            for d in (1.0, 3.0, 5.0)
+        ]
     return result
 
 
-def columns(state: State, axis: str, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, degree: float = 5.0
+) -> np.ndarray:
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
     reach[int(arm)] = 1.0
     if known:
         turned[int(turn)] = state.angles[axis][int(turn)]
         return np.cross(turned, reach, axis=0)[None]
     out = _sense(axis, turn, arm) * (state.position[XYZ[int(arm)]] - zero_mm) * 1e-3
-    return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES))
+    return along(axis, *(out * legendre(state.share(axis), k) for k in DEGREES[: int(degree)]))
 
 
 def _sense(axis: str, turn: float, arm: float) -> float:
@@ -61,22 +71,24 @@ def _sense(axis: str, turn: float, arm: float) -> float:
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
     """What a rotation that nobody measured must be worth something beside: the same error of position on all lines."""
-    return None if shape["known"] else {**shape, "zero_mm": FAR}
+    return None if shape["known"] else {**shape, "zero_mm": FAR, "degree": 5.0}
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    of_map = bool(shape["known"])
+    of_map, count = bool(shape["known"]), int(shape["degree"])
     named = {"arm_mm": float(coefficients[0]) if of_map else 0.0}
     named |= {name: shape[name] for name in ("turn", "arm", "known", "zero_mm")}
-    return named | {f"c{k}_urad": 0.0 if of_map else float(coefficients[i]) for i, k in enumerate(DEGREES)}
+    drawn = np.zeros(len(DEGREES)) if of_map else np.concatenate([coefficients, np.zeros(len(DEGREES) - count)])
+    return named | {f"c{k}_urad": float(c) for k, c in zip(DEGREES, drawn, strict=True)} | {"degree": shape["degree"]}
 
 
 def coefficients(
     arm_mm: float, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, c1_urad: float = 0.0,
-    c2_urad: float = 0.0, c3_urad: float = 0.0, c4_urad: float = 0.0, c5_urad: float = 0.0,
+    c2_urad: float = 0.0, c3_urad: float = 0.0, c4_urad: float = 0.0, c5_urad: float = 0.0, degree: float = 5.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad]
-    return np.array([arm_mm] if known else drawn), {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm}
+    drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad][: int(degree)]
+    shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "degree": degree}
+    return np.array([arm_mm] if known else drawn), shape
 
 
 def by_angle(axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float):
