@@ -72,7 +72,9 @@ class Compensator:
         self.limit = approach.reach(self.mode, options.ramp or self._ramp())
 
     def _ramp(self) -> float:
-        """mm: ten times the largest reversal, half a millimetre at least."""
+        """mm: what the effect behind the largest reversal says, else ten times that reversal, half a millimetre at least."""
+        if self.machine.ramp:
+            return self.machine.ramp
         largest = 0.0
         for _, table in self.machine.every_table:
             largest = max(largest, 2 * float(np.abs(table.half[:3]).max()))

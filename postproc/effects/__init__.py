@@ -19,7 +19,8 @@ An effect that moves the tool the same way whenever the slides stand in the same
 holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies;
 where a second axis matters too grids(axis, travel of every axis, **parameters) -> list of (component, axis, other, nodes,
 others, values (K, L)); where it lives on the rotations that the machine's file holds by_angle(axis, nodes, forward, reverse,
-**parameters), as tables().
+**parameters), as tables(). ramp_mm(**parameters): over which travel after a turn its reversal is to be taken up, where that is
+not at once.
 """
 
 from __future__ import annotations

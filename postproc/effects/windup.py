@@ -17,7 +17,7 @@ KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool",)
 TEXT = (
     "The drive winds up before the slide follows. "
-    "A staircase of small reversals shows its length; the take-up must be that long."
+    "A staircase of small reversals shows its length; the compensator takes it up over three of them (reversal = ramp)."
 )
 
 
@@ -38,7 +38,13 @@ def coefficients(size_um: float, length_mm: float) -> tuple[np.ndarray, dict[str
     return np.array([size_um]), {"length_mm": length_mm}
 
 
+def ramp_mm(size_um: float, length_mm: float) -> float:
+    """mm of travel after a turn over which a compensator takes it up: 3 lengths, when 0.9 of it has come. Taken up at the turn
+    it would be all there before the slide asks for it, and leave twice what it leaves uncorrected."""
+    return 3.0 * length_mm
+
+
 def tables(axis: str, travel: tuple[float, float], size_um: float, length_mm: float):
-    """Fully built up: what is left right after a reversal is as long as length_mm says."""
+    """Fully built up; ramp_mm says over which way after a turn."""
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -188,6 +188,15 @@ class Machine:
         return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
 
     @cached_property
+    def ramp(self) -> float:
+        """mm of travel after a turn over which the largest reversal is to be taken up, if an effect says so; else 0."""
+        sizes = [(2 * float(np.abs(t.half[:3]).max()), 0.0) for t in self.tables.values()]
+        for term in self.effects:
+            way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
+            sizes += [(2 * float(np.abs(t.half[:3]).max()), way) for t in term.tables]
+        return max(sizes, default=(0.0, 0.0))[1]
+
+    @cached_property
     def turns(self) -> bool:
         """Whether any axis has a rotation, so that the tool's length matters."""
         tables = [t for axis in self.axes.values() for t in _tables(axis)]
