@@ -195,14 +195,23 @@ def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, 
         cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
         found = ""
         for other, q in state.position.items():
-            low, high = np.full(CELLS, np.inf), np.full(CELLS, -np.inf)
-            np.minimum.at(low, cell, q[own])
-            np.maximum.at(high, cell, q[own])
-            if other != x and np.count_nonzero(high - low >= APART) >= FEWEST_CELLS:
+            # In one set-up: a beam that is aligned anew has an error of its own, which looks like that of another line.
+            apart = [
+                _apart(cell[state.file[own] == f], q[own][state.file[own] == f]) for f in np.unique(state.file[own])
+            ]
+            if other != x and any(apart):
                 found += other
         if found:
             result[x] = found
     return result
+
+
+def _apart(cell: np.ndarray, place: np.ndarray) -> bool:
+    """Whether some readings in the same cells of one axis have places of another that lie APART."""
+    low, high = np.full(CELLS, np.inf), np.full(CELLS, -np.inf)
+    np.minimum.at(low, cell, place)
+    np.maximum.at(high, cell, place)
+    return bool(np.count_nonzero(high - low >= APART) >= FEWEST_CELLS)
 
 
 def predicted(rows: Rows, machine: Machine) -> np.ndarray:

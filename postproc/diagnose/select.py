@@ -187,6 +187,9 @@ class Selector:
         if plain is None:
             return True
         columns = library.read(self.rows, block.module, block.axis, plain)
+        # Every set-up may have such an error of its own: its beam, its temperature.
+        files = [columns * (self.rows.file == f)[:, None] for f in np.unique(self.rows.file)]
+        columns = np.concatenate([c for c in files if np.abs(c).max() > 0] or [columns], axis=1)
         columns = columns / max(1e-12, float(np.abs(columns).max()))
         u = np.concatenate([self.u, *(self.blocks[c].columns for c in chosen), columns], axis=1)
         free = np.full(u.shape[1] - self.u.shape[1], WIDE / 1e-6)
