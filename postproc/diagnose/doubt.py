@@ -13,7 +13,7 @@ from postproc.diagnose.unknown import Unknown, mapped
 
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
 HELPINGS = 3  # of one effect, on whatever axes
-MUCH_LEFT = 0.1  # of what was there: many names that leave so much are none
+MUCH_LEFT = 0.1  # of what the largest of them explains: many names that leave so much are none
 MOST_LEFT = 0.04  # of what was there: with more left, names are no answer
 CONCERNS = 0.3  # of what is left in a signal
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
@@ -70,9 +70,10 @@ def unknown(d: Diagnosis) -> Unknown | None:
     for f in false:
         f.status = "tentative"
     accepted = [f for f in d.findings if f.status == "accepted"]
-    if len(accepted) >= MANY and any(
-        there.share > MUCH_LEFT for there in left
-    ):  # what takes so many names and is not explained yet is not understood
+    signals = np.unique(d.rows.signal)
+    largest = max((float(np.std(f.contribution[d.rows.signal == s])) for f in accepted for s in signals), default=0.0)
+    # What takes so many names and is not explained yet is not understood.
+    if len(accepted) >= MANY and left and left[0].rms > MUCH_LEFT * largest:
         for f in accepted:
             f.status = "tentative"
     if left:

@@ -23,8 +23,8 @@ MOST = 6
 FORM, FORM_OF_LARGEST = 0.10, 0.03
 SWAP, ONE_FOR_TWO = 2.0, 15.0
 UNUSUAL = 4.0  # what an unusual sign costs; a module's ODD, if it has one, of the fall of chi squared
-RARE = {  # what is taken only where it is clearly better than its kin
-    "servo_mismatch": 1.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
+RARE = {  # what is taken only where it is clearly better than its kin; below zero: sooner (a circle alone shows no lag, only a difference)
+    "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
