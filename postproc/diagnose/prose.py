@@ -17,7 +17,7 @@ NO_HELP = 0.95  # of what is there: what a map takes off is nothing
 
 def as_text(d: Diagnosis) -> str:
     """What a person wants to know: what, where, how large, how sure, what to do next."""
-    lines = [_headline(d), ""]
+    lines = [headline(d), ""]
     lines += [f"DOUBT: {text}." for text in d.doubts]
     for f in d.findings:
         lines += _finding_lines(d, f)
@@ -26,10 +26,10 @@ def as_text(d: Diagnosis) -> str:
     if len(d.places) > WHERE:
         lines.append(f"WHERE: in {len(d.places) - WHERE} more, --json lists them")
     for one in d.drives:
-        lines += _drive_lines(one) if one.fitted else []
+        lines += drive_lines(one) if one.fitted else []
     if d.unknown:
         lines.append(f"UNKNOWN: {unknown_words(d)}")
-    lines += _faults(d)
+    lines += faults(d)
     lines += [f"NOTE: {text}." for text in d.notices]
     if shown := held_out_words(d):
         lines.append(f"HELD OUT: {shown}")
@@ -71,12 +71,17 @@ def sizes(d: Diagnosis, f: Finding) -> list[tuple[str, str, str]]:
 def worth(d: Diagnosis, f: Finding) -> str:
     """How much of the readings it explains, and how sure its name is."""
     part = (f.contribution - middle(d, f.contribution)) * UM
-    explained = rms(part)
-    share = (
-        f"explains {explained:.2f} um rms of all readings, {float(np.max(np.abs(part))):.1f} um at most"
-        if explained >= 0.005
-        else "explains no single reading, but their spread"
-    )
+    most = {int(s): rms(part[d.rows.signal == s]) for s in np.unique(d.rows.signal)}
+    best = max(most, key=lambda s: most[s])
+    if most[best] < 0.005:
+        share = "explains no single reading, but their spread"
+    else:
+        file = Path(d.recordings[int(d.rows.file[d.rows.signal == best][0])].file).name
+        others = f", {rms(part):.2f} of all readings" if len(most) > 1 else ""
+        share = (
+            f"explains {most[best]:.2f} um rms of {file}, {d.rows.signals[best]}{others}; "
+            f"{float(np.max(np.abs(part))):.1f} um at most"
+        )
     if f.status != "accepted":
         return f"{share}; not to be relied on: something else is there as well, see DOUBT, UNKNOWN and HELD OUT"
     if f.score <= d.least:
@@ -158,7 +163,7 @@ def next_steps(d: Diagnosis) -> list[str]:
     return steps
 
 
-def _faults(d: Diagnosis) -> list[str]:
+def faults(d: Diagnosis) -> list[str]:
     """A line for every row that was left out; of many alike in a file the first few and their number."""
     alike: dict[tuple[int, str], list[tuple[int, float]]] = {}
     for file, line, what, size in d.faults:
@@ -174,7 +179,8 @@ def _faults(d: Diagnosis) -> list[str]:
     return result
 
 
-def _headline(d: Diagnosis) -> str:
+def headline(d: Diagnosis) -> str:
+    """The verdict in one sentence."""
     if d.verdict == "left-out-physics":
         found = [words.named(f.block.key) for f in d.findings if f.status == "accepted"]
         found += [
@@ -189,7 +195,8 @@ def _headline(d: Diagnosis) -> str:
     return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
 
 
-def _drive_lines(one: Drive) -> list[str]:
+def drive_lines(one: Drive) -> list[str]:
+    """What one axis' force or current asks for, a line for each term."""
     lines = [
         f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves that took no part are told to "
         f"{one.plain:.3g} with inertia, viscous and dry friction, to {one.after:.3g} with all of this:"

@@ -41,8 +41,8 @@ def number(value: float, low: float, high: float) -> tuple[str, str, str]:
     if not math.isfinite(half) or half <= 1e-9 * max(abs(value), 1e-12):
         return f"{value:.4g}", "", ""
     decimals = min(max(1 - math.floor(math.log10(half)), 0), FINEST)
-    said = [f"{v:.{decimals}f}" for v in (value, low, high)]
-    first, second, third = (text.lstrip("-") if float(text) == 0 else text for text in said)
+    three = [f"{v:.{decimals}f}" for v in (value, low, high)]
+    first, second, third = (text.lstrip("-") if float(text) == 0 else text for text in three)
     return first, second, third
 
 
@@ -126,8 +126,8 @@ def limits(sizes_mm: dict[str, float], most_mm: float = 1.0) -> str:
             effect, _, axis = key.partition(":")
             groups.setdefault(f"{size * 1e3:.1g}", {}).setdefault(effect, []).append(axis)
     said = []
-    for size, effects in groups.items():
-        said.append(f"{float(size):g} um: " + ", ".join(_of_axes(name, axes) for name, axes in effects.items()))
+    for least, effects in groups.items():
+        said.append(f"{float(least):g} um: " + ", ".join(_of_axes(name, axes) for name, axes in effects.items()))
     return "; ".join(said)
 
 
@@ -135,15 +135,17 @@ def _of_axes(name: str, axes: list[str]) -> str:
     return f"{name} {' '.join(sorted(a for a in axes if a))}".strip()
 
 
-def blind(spots: Iterable[tuple[str, str, str]]) -> str:
-    """(effect, axis, why) with the names that share a reason."""
+def by_reason(spots: Iterable[tuple[str, str, str]]) -> list[tuple[str, str]]:
+    """(effect, axis, why) as (names, why), names that share a reason together."""
     groups: dict[str, dict[str, list[str]]] = {}
     for name, axis, why in spots:
         groups.setdefault(why, {}).setdefault(name, []).append(axis)
-    return "; ".join(
-        f"{', '.join(_of_axes(name, axes) for name, axes in effects.items())} ({why})"
-        for why, effects in groups.items()
-    )
+    return [(", ".join(_of_axes(name, axes) for name, axes in of.items()), why) for why, of in groups.items()]
+
+
+def blind(spots: Iterable[tuple[str, str, str]]) -> str:
+    """The same in one line."""
+    return "; ".join(f"{names} ({why})" for names, why in by_reason(spots))
 
 
 def stretch(axis: str, low: float, high: float) -> str:
