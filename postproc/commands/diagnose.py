@@ -27,7 +27,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects")
     parser.add_argument("--report", metavar="FILE", help="the answer as a page with figures, HTML")
     parser.add_argument(
-        "--holdout", metavar="run=N", default="", help="the run that takes no part (default: the last of three or more)"
+        "--holdout",
+        metavar="run=N",
+        default="",
+        help="the run that takes no part (default: the middle one of three or more)",
     )
     parser.add_argument("--force", action="store_true", help="overwrite files that exist")
     parser.add_argument("--quiet", action="store_true", help="no progress on standard error")

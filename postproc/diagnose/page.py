@@ -1,86 +1,116 @@
-"""The answer as one HTML page: the text, and figures of what was left before and after, by position and time."""
+"""The answer as one HTML page that needs no network: sentences, tables, and figures of what was left before and after."""
 
 from __future__ import annotations
 
-import html
-import io
+from collections.abc import Iterator
+from html import escape
 
-import numpy as np
+from postproc.diagnose import prose, words
+from postproc.diagnose.answer import Diagnosis, Finding
+from postproc.diagnose.summary import fit_of, next_test
 
-from postproc.diagnose.answer import Diagnosis
-from postproc.diagnose.report import as_text
-
-UM = 1e3
 HEAD = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Diagnosis of {name}</title>
-<style>body{{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}}pre{{white-space:pre-wrap;font:inherit}}
-figure{{margin:2em 0}}figcaption{{color:#555}}svg{{max-width:100%;height:auto}}</style><h1>Diagnosis of {name}</h1>"""
+<style>body{{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}}h2{{margin-top:1.6em}}
+figure{{margin:1.5em 0}}figcaption{{color:#555}}svg{{max-width:100%;height:auto}}table{{border-collapse:collapse}}
+th,td{{text-align:left;padding:.15em 1em .15em 0;vertical-align:top}}th{{border-bottom:1px solid #999}}
+td:first-child{{min-width:6em}}.verdict{{font-size:1.25em}}.tentative{{color:#777}}code{{background:#f2f2f2;padding:0 .2em}}</style>
+<h1>Diagnosis of {name}</h1>"""
+MATPLOTLIB = "<p>Figures need matplotlib: pip install 'gcomp[figures]'</p>"
+COMMAND = "gcomp simulate"
 
 
 def page(d: Diagnosis) -> str:
     """HTML with the figures in it; without matplotlib the text alone, and how to have figures."""
-    parts = [HEAD.format(name=html.escape(d.machine.name)), f"<pre>{html.escape(as_text(d))}</pre>"]
+    parts = [HEAD.format(name=escape(d.machine.name)), f'<p class="verdict">{escape(prose.headline(d))}</p>']
+    parts += [f"<p><b>Doubt:</b> {escape(text)}.</p>" for text in d.doubts]
+    for f in d.findings:
+        parts += _finding(d, f)
+    if d.places:
+        parts += ["<h2>Where it stands out</h2>", _list(prose.where(d, place) for place in d.places)]
+    if d.unknown:
+        parts += ["<h2>What no name explains</h2>", f"<p>{escape(prose.unknown_words(d))}</p>"]
+    parts += _held_out(d)
+    if steps := prose.next_steps(d):
+        parts += ["<h2>What to do next</h2>", _list(steps, "ol")]
+    parts.append("<h2>Figures</h2>")
     try:
-        figures = list(_figures(d))
+        from postproc.diagnose import plots
+
+        drawn = list(plots.figures(d))
     except ImportError:
-        figures = []
-        parts.append("<p>Figures need matplotlib: pip install 'gcomp[figures]'</p>")
-    for caption, svg in figures:
-        parts.append(f"<figure>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>")
+        drawn = []
+        parts.append(MATPLOTLIB)
+    parts += [f"<figure>{svg}<figcaption>{escape(caption)}</figcaption></figure>" for caption, svg in drawn]
+    parts += _drives(d)
+    parts += _limits(d)
     return "\n".join(parts) + "</html>\n"
 
 
-def _figures(d: Diagnosis):
-    """(caption, svg) of every signal, and of what each effect explains."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-
-    for signal in np.unique(d.rows.signal):
-        which = np.flatnonzero(d.rows.signal == signal)
-        if len(which) < 8 or d.rows.sees[which[0]] == "part":
-            continue
-        file = d.recordings[int(d.rows.file[which[0]])].file
-        axis = max(d.rows.state.position, key=lambda x: float(np.ptp(d.rows.state.position[x][which])))
-        place, time = d.rows.state.position[axis][which], d.rows.state.time[which]
-        side, held = d.rows.state.approach[axis][which], d.held[which]
-        figure, plots = plt.subplots(2, 2, figsize=(12, 6), sharey=True)
-        for row, (values, label) in enumerate(((d.before, "before"), (d.after, "after"))):
-            y = values[which] * UM
-            for way, colour, name in ((1, "tab:blue", "approached in +"), (-1, "tab:red", "in -"), (0, "tab:gray", "")):
-                some = np.sign(side) == way
-                plots[row, 0].plot(place[some], y[some], ".", ms=3, color=colour, label=name or None)
-            plots[row, 1].plot(time[~held], y[~held], ".", ms=3, color="tab:gray", label="fitted")
-            plots[row, 1].plot(time[held], y[held], ".", ms=3, color="tab:green", label="held out")
-            plots[row, 0].set_ylabel(f"{label}, um")
-            band = 1.96 * float(np.median(d.sigma[which])) * UM
-            for plot in plots[row]:
-                plot.axhspan(-band, band, color="0.9", zorder=0)
-        for found in (p for p in d.places if p.signal == signal):
-            plots[0, 0].axvspan(found.low, found.high, color="gold", alpha=0.25, zorder=0)
-        plots[1, 0].set_xlabel(f"{axis}, mm")
-        plots[1, 1].set_xlabel("time, s")
-        plots[0, 0].legend(loc="upper right", fontsize=8)
-        plots[0, 1].legend(loc="upper right", fontsize=8)
-        figure.tight_layout()
-        yield (
-            f"{file}, {d.rows.signals[signal]}: left by the machine's file (above) and by the diagnosed one (below); grey: noise",
-            _svg(figure),
-        )
-        plt.close(figure)
-    if d.findings:
-        figure, plot = plt.subplots(figsize=(12, 0.6 + 0.5 * len(d.findings)))
-        names = [f"{f.block.name} {f.block.axis}" for f in d.findings]
-        sizes = [float(np.std(f.contribution)) * UM for f in d.findings]
-        plot.barh(names, sizes, color="tab:blue")
-        plot.set_xlabel("explained, um rms")
-        figure.tight_layout()
-        yield "What each effect explains", _svg(figure)
-        plt.close(figure)
+def _finding(d: Diagnosis, f: Finding) -> Iterator[str]:
+    yield f'<section class="{escape(f.status)}"><h2>{escape(f.status.capitalize())}: {escape(words.named(f.block.key))}</h2>'
+    yield f"<p>{_sentence(prose.kind(f))} {escape(f.text or f.block.module.TEXT)}</p>"
+    yield _table(("size", "sure", "what it is"), prose.sizes(d, f))
+    yield f"<p>{_sentence(prose.worth(d, f))}</p>"
+    if f.equivalent:
+        yield f"<p>These readings are explained as well by: {escape(', '.join(map(words.named, f.equivalent)))}.</p>"
+        yield f"<p>To tell them apart: {_with_command(next_test(d, f) or '')}</p>"
+    yield "</section>"
 
 
-def _svg(figure) -> str:
-    out = io.StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
-    return text[text.index("<svg") :]
+def _with_command(text: str) -> str:
+    """A test in words, and its command as one to be copied."""
+    before, command, rest = text.partition(COMMAND)
+    return f"{escape(before)}<code>{escape(command + rest)}</code>" if command and COMMAND not in rest else escape(text)
+
+
+def _sentence(text: str) -> str:
+    return escape(f"{text[:1].upper()}{text[1:]}.")
+
+
+def _held_out(d: Diagnosis) -> Iterator[str]:
+    fit = fit_of(d)
+    yield "<h2>Shown on what took no part</h2>"
+    if not fit["held_out"]:
+        yield "<p>Nothing could be held out: every run was needed. How well the fit foretells another run is not known.</p>"
+        return
+    yield f"<p>{_sentence(prose.held_out_words(d))}</p>"
+
+
+def _drives(d: Diagnosis) -> Iterator[str]:
+    told = [one for one in d.drives if one.fitted]
+    if told:
+        yield "<h2>Forces and currents</h2>"
+    for one in told:
+        head, *terms = prose.drive_lines(one)
+        yield f"<p>{escape(head)}</p>"
+        yield _list(terms)
+
+
+def _limits(d: Diagnosis) -> Iterator[str]:
+    if d.limits:
+        yield "<h2>From which size on an effect would have been seen</h2>"
+        rows = [part.split(": ", 1) for part in words.limits(d.limits).split("; ") if part]
+        yield _table(("from", "effects"), rows)
+    if d.blind:
+        yield "<h2>What these recordings can not show</h2>"
+        yield _table(("effects", "why"), words.by_reason(d.blind))
+    if d.faults:
+        yield "<h2>Rows with faults</h2>"
+        yield _list(text.removeprefix("DATA: ") for text in prose.faults(d))
+    if d.notices:
+        yield "<h2>Notes</h2>"
+        yield _list(f"{text}." for text in d.notices)
+
+
+def _list(items, kind: str = "ul") -> str:
+    return (
+        f"<{kind}>"
+        + "".join(f"<li>{escape(text.strip()[:1].upper() + text.strip()[1:])}</li>" for text in items)
+        + f"</{kind}>"
+    )
+
+
+def _table(head: tuple[str, ...], rows) -> str:
+    said = ["<table><tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr>"]
+    said += ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
+    return "".join(said) + "</table>"

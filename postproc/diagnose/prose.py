@@ -1,0 +1,214 @@
+"""A diagnosis in sentences: what, where, how large, how sure, what to do next."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from postproc.diagnose import words
+from postproc.diagnose.answer import Diagnosis, Finding, felt
+from postproc.diagnose.drive import Drive
+from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms
+
+SHOWN, WHERE = 5, 3  # rows of a kind, and regions
+NO_HELP = 0.95  # of what is there: what a map takes off is nothing
+
+
+def as_text(d: Diagnosis) -> str:
+    """What a person wants to know: what, where, how large, how sure, what to do next."""
+    lines = [headline(d), ""]
+    lines += [f"DOUBT: {text}." for text in d.doubts]
+    for f in d.findings:
+        lines += _finding_lines(d, f)
+    for place in d.places[:WHERE]:
+        lines.append(f"WHERE: {where(d, place)}")
+    if len(d.places) > WHERE:
+        lines.append(f"WHERE: in {len(d.places) - WHERE} more, --json lists them")
+    for one in d.drives:
+        lines += drive_lines(one) if one.fitted else []
+    if d.unknown:
+        lines.append(f"UNKNOWN: {unknown_words(d)}")
+    lines += faults(d)
+    lines += [f"NOTE: {text}." for text in d.notices]
+    if shown := held_out_words(d):
+        lines.append(f"HELD OUT: {shown}")
+    lines += [f"NEXT: {text}" for text in next_steps(d)]
+    if seen := words.limits(d.limits):
+        lines.append(f"Would have been seen from {seen}")
+    if d.blind:
+        lines.append(f"Can not be seen in these recordings: {words.blind(d.blind)}")
+    return "\n".join(lines)
+
+
+def _finding_lines(d: Diagnosis, f: Finding) -> list[str]:
+    """What, how large, how sure, what to do."""
+    lines = [f"{f.status.upper()}: {words.named(f.block.key)} ({kind(f)})"]
+    for size, interval, meaning in sizes(d, f):
+        said = f"{size} ({interval})" if interval else size
+        lines.append(f"  {': '.join(part for part in (said, meaning) if part)}")
+    lines.append(f"  {worth(d, f)}")
+    lines.append(f"  {f.text or f.block.module.TEXT}")
+    if f.equivalent:
+        lines.append(f"  These readings are explained as well by: {', '.join(map(words.named, f.equivalent))}.")
+        lines.append(f"  To tell them apart: {next_test(d, f)}")
+    return lines
+
+
+def kind(f: Finding) -> str:
+    """Whose effect it is, and what may be done with it."""
+    module = f.block.module
+    return f"of the {module.KIND}; {words.use(module)}"
+
+
+def sizes(d: Diagnosis, f: Finding) -> list[tuple[str, str, str]]:
+    """(size, interval, meaning) of the parameters that say something to a person."""
+    t = d.rows.state.time
+    span = float(np.ptp(t)) if len(t) else 0.0
+    return words.parameters(f.block.module, f.value, f.ci95, [Path(r.file).name for r in d.recordings], span)
+
+
+def worth(d: Diagnosis, f: Finding) -> str:
+    """How much of the readings it explains, and how sure its name is."""
+    part = (f.contribution - middle(d, f.contribution)) * UM
+    most = {int(s): rms(part[d.rows.signal == s]) for s in np.unique(d.rows.signal)}
+    best = max(most, key=lambda s: most[s])
+    if most[best] < 0.005:
+        share = "explains no single reading, but their spread"
+    else:
+        file = Path(d.recordings[int(d.rows.file[d.rows.signal == best][0])].file).name
+        others = f", {rms(part):.2f} of all readings" if len(most) > 1 else ""
+        share = (
+            f"explains {most[best]:.2f} um rms of {file}, {d.rows.signals[best]}{others}; "
+            f"{float(np.max(np.abs(part))):.1f} um at most"
+        )
+    if f.status != "accepted":
+        return f"{share}; not to be relied on: something else is there as well, see DOUBT, UNKNOWN and HELD OUT"
+    if f.score <= d.least:
+        return f"{share}; evidence {f.score:.0f}"
+    return f"{share}; evidence {f.score:.0f}, noise alone reaches {d.least:.0f} in 1 % of such experiments"
+
+
+def where(d: Diagnosis, place) -> str:
+    """One region in which the mismatch stands out, before any effect was taken into account."""
+    way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[place.approach]
+    signal = d.rows.signals[place.signal]
+    part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
+    at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
+    return (
+        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * UM:.1f} um rms off there, "
+        f"{place.peak * UM:.1f} um at most (chance of noise alone: {words.chance(place.p)})"
+    )
+
+
+def unknown_words(d: Diagnosis) -> str:
+    """What no name explains: how large, where, what it goes with, and what its map is worth."""
+    u = d.unknown
+    if u is None:
+        return ""
+    file = Path(d.recordings[int(d.rows.file[d.rows.signal == u.signal][0])].file).name
+    said = (
+        f"{u.rms * UM:.1f} um rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
+        f"They go with {' and '.join(u.depends)}"
+    )
+    cells = [c for c in u.cells if abs(c.mean) > 2 * c.error]
+    if cells:
+        c = max(cells, key=lambda c: abs(c.mean))
+        unit, letter = ("s", "t") if u.along == "time" else ("mm", u.along)
+        at = (
+            f"{letter} = {c.low:.4g}"
+            if f"{c.low:.4g}" == f"{c.high:.4g}"
+            else f"{letter} from {c.low:.4g} to {c.high:.4g}"
+        )
+        way = {0: "", 1: ", approached in +", -1: ", approached in -"}[c.approach]
+        said += f"; most of it, {c.mean * UM:+.1f} um, at {at} {unit}{way}"
+    if u.before is None or u.after is None:
+        return f"{said}."
+    if u.after > NO_HELP * u.before:
+        return f"{said}. A map of it foretells nothing of what was held out ({u.before * UM:.2f} um rms): it does not repeat."
+    return f"{said}. A map of it takes what was held out from {u.before * UM:.2f} to {u.after * UM:.2f} um rms."
+
+
+def held_out_words(d: Diagnosis) -> str:
+    """Before and after on what took no part; "" where nothing was held out."""
+    fit = fit_of(d)
+    if not fit["held_out"]:
+        return ""
+    within = f"{100 * fit['coverage95']:.0f} % of its readings lie within their 95 % limits"
+    before, noise = f"{fit['rms_before_um']:.2f} um rms by the machine's file", f"noise {fit['noise_floor_um']:.2f}"
+    after = f", {fit['rms_after_um']:.2f} with the effects above" if d.findings else ""
+    return f"{fit['held_out']} took no part in this: {before}{after}, {noise}; {within}"
+
+
+def next_steps(d: Diagnosis) -> list[str]:
+    """What to do now, in order."""
+    accepted = [f for f in d.findings if f.status == "accepted"]
+    steps = []
+    if d.doubts:
+        steps.append("see to what DOUBT says and record again.")
+    if any(f.equivalent for f in accepted):
+        steps.append("run the test that tells the names apart before anything is changed.")
+    if at_fault := [words.named(f.block.key) for f in accepted if f.block.module.KIND != "machine"]:
+        steps.append(
+            f"correct the recording for {', '.join(at_fault)}, or record again without it; leave the machine as it is."
+        )
+    if any(f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients") for f in accepted):
+        steps.append(
+            "--write-machine FOLDER writes a machine with the accepted effects; record again and diagnose with it: nothing should be left."
+        )
+    if d.unknown:
+        steps.append(
+            "look at the map of what is unknown (--report draws it, --json holds it), and record the same again: does it come back?"
+        )
+    return steps
+
+
+def faults(d: Diagnosis) -> list[str]:
+    """A line for every row that was left out; of many alike in a file the first few and their number."""
+    alike: dict[tuple[int, str], list[tuple[int, float]]] = {}
+    for file, line, what, size in d.faults:
+        alike.setdefault((file, what), []).append((line, size))
+    result = []
+    for (file, what), rows in alike.items():
+        for line, size in rows[:SHOWN]:
+            off = f", {size * UM:.3g} um off" if size else ""
+            left = "" if what.endswith("not recorded") else "; left out"
+            result.append(f"DATA: {d.recordings[file].file}:{line}: {what}{off}{left}")
+        if len(rows) > SHOWN:
+            result.append(f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json lists them")
+    return result
+
+
+def headline(d: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    if d.verdict == "left-out-physics":
+        found = [words.named(f.block.key) for f in d.findings if f.status == "accepted"]
+        found += [
+            f"{t.term.name} of {one.axis} (in its {'force' if one.unit == 'N' else 'current'})" for one, t in felt(d)
+        ]
+        beyond = ", and something that the library can not name" if d.unknown else ""
+        return f"The model of {d.machine.name} leaves out: {', '.join(found)}{beyond}."
+    if d.doubts:
+        return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
+    if d.verdict == "unknown":
+        return f"The model of {d.machine.name} leaves something out that the library can not name."
+    return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
+
+
+def drive_lines(one: Drive) -> list[str]:
+    """What one axis' force or current asks for, a line for each term."""
+    lines = [
+        f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves that took no part are told to "
+        f"{one.plain:.3g} with inertia, viscous and dry friction, to {one.after:.3g} with all of this:"
+    ]
+    for f in one.fitted:
+        said = []
+        for name, v in f.value.items():
+            size, low, high = words.number(v, *f.ci95[name])
+            said.append(f"{name} = {size} (95 %: {low} to {high})" if low else f"{name} = {size}")
+        lines.append(
+            f"  {f.term.label} ({f.term.name}): {', '.join(said)}; held out {f.before:.3g} -> {f.after:.3g} {one.unit}"
+        )
+    if one.refused:
+        lines.append(f"  not asked for: {', '.join(one.refused)}")
+    return lines

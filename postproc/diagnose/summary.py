@@ -1,0 +1,60 @@
+"""The figures of a diagnosis that the document for programs and the words for a person share."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from postproc.diagnose.answer import Diagnosis, Finding, floor
+from postproc.diagnose.experiments import separating
+
+UM = 1e3
+
+
+def fit_of(d: Diagnosis) -> dict[str, Any]:
+    """Before, after and the noise floor, of runs that took no part; None where every run was needed."""
+    if not d.held.any():
+        return {
+            "held_out": None,
+            "rms_before_um": None,
+            "rms_after_um": None,
+            "noise_floor_um": None,
+            "coverage95": None,
+        }
+    which = d.held
+    return {
+        "held_out": d.held_name,
+        "rms_before_um": rounded(rms(d.before[which]) * UM),
+        "rms_after_um": rounded(rms(d.after[which]) * UM),
+        "noise_floor_um": rounded(rms(floor(d)[which]) * UM),
+        "coverage95": rounded(float(np.mean(np.abs(d.after[which]) <= 1.96 * d.sigma[which]))),
+    }
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+
+
+def next_test(d: Diagnosis, f: Finding) -> str | None:
+    """What tells a finding from what explains as well; None where nothing does."""
+    return (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None
+
+
+def middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
+    """(N,) each signal's mean: a set-up zero that explains nothing. A feature of a part has none."""
+    result = np.zeros(len(values))
+    for signal in np.unique(d.rows.signal):
+        which = (d.rows.signal == signal) & (d.rows.sees != "part")
+        if not which.any():
+            continue
+        result[which] = values[which].mean()
+    return result
+
+
+def rounded(value: float, digits: int = 4) -> float:
+    """So many significant digits; a number that JSON knows."""
+    if not math.isfinite(value):
+        return 0.0 if math.isnan(value) else math.copysign(1e300, value)
+    return float(f"{value:.{digits}g}")
