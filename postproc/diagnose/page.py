@@ -31,7 +31,7 @@ def page(d: Diagnosis) -> str:
         parts += ["<h2>What no name explains</h2>", f"<p>{escape(prose.unknown_words(d))}</p>"]
     parts += _held_out(d)
     if steps := prose.next_steps(d):
-        parts += ["<h2>What to do next</h2>", _list(steps, "ol")]
+        parts += ["<h2>What to do next</h2>", _list((step[:1].upper() + step[1:] for step in steps), "ol")]
     parts.append("<h2>Figures</h2>")
     try:
         from postproc.diagnose import plots
@@ -87,7 +87,7 @@ def _drives(d: Diagnosis) -> Iterator[str]:
 
 
 def _limits(d: Diagnosis) -> Iterator[str]:
-    if d.limits:
+    if words.limits(d.limits):
         yield "<h2>From which size on an effect would have been seen</h2>"
         rows = [part.split(": ", 1) for part in words.limits(d.limits).split("; ") if part]
         yield _table(("from", "effects"), rows)
@@ -103,11 +103,7 @@ def _limits(d: Diagnosis) -> Iterator[str]:
 
 
 def _list(items, kind: str = "ul") -> str:
-    return (
-        f"<{kind}>"
-        + "".join(f"<li>{escape(text.strip()[:1].upper() + text.strip()[1:])}</li>" for text in items)
-        + f"</{kind}>"
-    )
+    return f"<{kind}>" + "".join(f"<li>{escape(text.strip())}</li>" for text in items) + f"</{kind}>"
 
 
 def _table(head: tuple[str, ...], rows) -> str:

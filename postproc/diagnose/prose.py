@@ -9,7 +9,7 @@ import numpy as np
 from postproc.diagnose import words
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive
-from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms
+from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, scaled
 
 SHOWN, WHERE = 5, 3  # rows of a kind, and regions
 NO_HELP = 0.95  # of what is there: what a map takes off is nothing
@@ -83,7 +83,7 @@ def worth(d: Diagnosis, f: Finding) -> str:
             f"{float(np.max(np.abs(part))):.1f} um at most"
         )
     if f.status != "accepted":
-        return f"{share}; not to be relied on: something else is there as well, see DOUBT, UNKNOWN and HELD OUT"
+        return f"{share}; not to be relied on: something that it does not explain is there as well"
     if f.score <= d.least:
         return f"{share}; evidence {f.score:.0f}"
     return f"{share}; evidence {f.score:.0f}, noise alone reaches {d.least:.0f} in 1 % of such experiments"
@@ -95,9 +95,10 @@ def where(d: Diagnosis, place) -> str:
     signal = d.rows.signals[place.signal]
     part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
+    scale, unit = scaled(d, place.signal)
     return (
-        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * UM:.1f} um rms off there, "
-        f"{place.peak * UM:.1f} um at most (chance of noise alone: {words.chance(place.p)})"
+        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * scale:.1f} {unit} rms off there, "
+        f"{place.peak * scale:.1f} {unit} at most (chance of noise alone: {words.chance(place.p)})"
     )
 
 
@@ -107,12 +108,13 @@ def unknown_words(d: Diagnosis) -> str:
     if u is None:
         return ""
     file = Path(d.recordings[int(d.rows.file[d.rows.signal == u.signal][0])].file).name
+    scale, size = scaled(d, u.signal)
     said = (
-        f"{u.rms * UM:.1f} um rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
+        f"{u.rms * scale:.1f} {size} rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
         f"They go with {' and '.join(u.depends)}"
     )
     cells = [c for c in u.cells if abs(c.mean) > 2 * c.error]
-    if cells:
+    if cells and u.depends != ("direction",):
         c = max(cells, key=lambda c: abs(c.mean))
         unit, letter = ("s", "t") if u.along == "time" else ("mm", u.along)
         at = (
@@ -121,12 +123,14 @@ def unknown_words(d: Diagnosis) -> str:
             else f"{letter} from {c.low:.4g} to {c.high:.4g}"
         )
         way = {0: "", 1: ", approached in +", -1: ", approached in -"}[c.approach]
-        said += f"; most of it, {c.mean * UM:+.1f} um, at {at} {unit}{way}"
+        said += f"; most of it, {c.mean * scale:+.1f} {size}, at {at} {unit}{way}"
     if u.before is None or u.after is None:
         return f"{said}."
     if u.after > NO_HELP * u.before:
-        return f"{said}. A map of it foretells nothing of what was held out ({u.before * UM:.2f} um rms): it does not repeat."
-    return f"{said}. A map of it takes what was held out from {u.before * UM:.2f} to {u.after * UM:.2f} um rms."
+        return f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f} {size} rms): it does not repeat."
+    return (
+        f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to {u.after * scale:.2f} {size} rms."
+    )
 
 
 def held_out_words(d: Diagnosis) -> str:
