@@ -7,7 +7,7 @@ from html import escape
 
 from postproc.diagnose import prose, words
 from postproc.diagnose.answer import Diagnosis, Finding
-from postproc.diagnose.summary import fit_of, next_test
+from postproc.diagnose.summary import next_test
 
 HEAD = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Diagnosis of {name}</title>
 <style>body{{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}}h2{{margin-top:1.6em}}
@@ -68,11 +68,7 @@ def _sentence(text: str) -> str:
 
 
 def _held_out(d: Diagnosis) -> Iterator[str]:
-    fit = fit_of(d)
     yield "<h2>Shown on what took no part</h2>"
-    if not fit["held_out"]:
-        yield "<p>Nothing could be held out: every run was needed. How well the fit foretells another run is not known.</p>"
-        return
     yield f"<p>{_sentence(prose.held_out_words(d))}</p>"
 
 

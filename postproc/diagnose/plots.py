@@ -20,6 +20,7 @@ from postproc.diagnose.summary import UM, middle, rms, scaled
 SIDES = ((1, "tab:blue", "approached in +"), (-1, "tab:red", "approached in -"), (0, "tab:gray", "no direction"))
 DRAWN = 3000  # points of a signal: more can not be told apart
 DENSE = 400  # points: beyond it they are drawn as pixels, and the page stays small
+FEW = 200  # points: they are drawn larger
 FEWEST = 8  # readings of a figure
 STYLE: Any = {
     "savefig.dpi": 160,
@@ -28,7 +29,7 @@ STYLE: Any = {
     "font.size": 9,
     "font.family": "sans-serif",
 }
-RINGS = {"marker": "o", "ls": "", "ms": 6, "color": "gold", "alpha": 0.5, "zorder": 1}
+RINGS = {"marker": "o", "ls": "", "ms": 9, "color": "gold", "alpha": 0.5, "zorder": 1}
 
 
 def figures(d: Diagnosis) -> Iterator[tuple[str, str]]:
@@ -99,6 +100,7 @@ def _left(d: Diagnosis, signal: int, which: np.ndarray) -> tuple[str, str]:
     for found in (p for p in d.places if p.signal == signal and p.axis == axis):
         own = (place >= found.low) & (place <= found.high)
         region |= own & (True if found.approach == "both" else side == (1 if found.approach == "+" else -1))
+    size = 3 if len(which) > FEW else 6
     figure, plots = plt.subplots(2, 3, figsize=(12, 6), sharey=True, width_ratios=(5, 1.4, 5))
     for row, (values, label) in enumerate(((d.before, "before"), (d.after, "after"))):
         y = values[which] * scale
@@ -109,11 +111,12 @@ def _left(d: Diagnosis, signal: int, which: np.ndarray) -> tuple[str, str]:
         for k, (way, colour, name) in enumerate(SIDES):
             some = side == way
             if some.any():
-                at.plot(place[some], y[some], ".", ms=3, color=colour, label=name)
+                at.plot(place[some], y[some], ".", ms=size, color=colour, label=name)
                 ways.plot(k + np.linspace(-0.25, 0.25, int(some.sum())), y[some], ".", ms=2, color=colour, alpha=0.4)
                 ways.plot([k - 0.4, k + 0.4], [y[some].mean()] * 2, color="black", lw=1.5)
-        when.plot(time[~held], y[~held], ".", ms=3, color="tab:gray", label="fitted")
-        when.plot(time[held], y[held], ".", ms=3, color="tab:green", label="held out")
+        when.plot(time[~held], y[~held], ".", ms=size, color="tab:gray", label="fitted")
+        if held.any():
+            when.plot(time[held], y[held], ".", ms=size, color="tab:green", label="held out")
         at.set_ylabel(f"{label}: measured - model, {unit}")
         ways.set_xticks([k for k, (way, _, _) in enumerate(SIDES) if np.any(side == way)])
         ways.set_xticklabels([s for s, (way, _, _) in zip("+-0", SIDES, strict=True) if np.any(side == way)])

@@ -31,8 +31,7 @@ def as_text(d: Diagnosis) -> str:
         lines.append(f"UNKNOWN: {unknown_words(d)}")
     lines += faults(d)
     lines += [f"NOTE: {text}." for text in d.notices]
-    if shown := held_out_words(d):
-        lines.append(f"HELD OUT: {shown}")
+    lines.append(f"HELD OUT: {held_out_words(d)}.")
     lines += [f"NEXT: {text}" for text in next_steps(d)]
     if seen := words.limits(d.limits):
         lines.append(f"Would have been seen from {seen}")
@@ -134,10 +133,10 @@ def unknown_words(d: Diagnosis) -> str:
 
 
 def held_out_words(d: Diagnosis) -> str:
-    """Before and after on what took no part; "" where nothing was held out."""
+    """Before and after on what took no part."""
     fit = fit_of(d)
     if not fit["held_out"]:
-        return ""
+        return "nothing, every run was needed; how well this foretells another run is not known"
     within = f"{100 * fit['coverage95']:.0f} % of its readings lie within their 95 % limits"
     before, noise = f"{fit['rms_before_um']:.2f} um rms by the machine's file", f"noise {fit['noise_floor_um']:.2f}"
     after = f", {fit['rms_after_um']:.2f} with the effects above" if d.findings else ""
@@ -160,6 +159,8 @@ def next_steps(d: Diagnosis) -> list[str]:
         steps.append(
             "--write-machine FOLDER writes a machine with the accepted effects; record again and diagnose with it: nothing should be left."
         )
+    if d.verdict == "nothing-left-out" and d.places:
+        steps.append("record the same again: what comes back at the same places is no chance.")
     if d.unknown:
         steps.append(
             "look at the map of what is unknown (--report draws it, --json holds it), and record the same again: does it come back?"
@@ -196,6 +197,11 @@ def headline(d: Diagnosis) -> str:
         return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
     if d.verdict == "unknown":
         return f"The model of {d.machine.name} leaves something out that the library can not name."
+    if d.places:
+        return (
+            f"No effect is left out of the model of {d.machine.name} that these readings could name, yet they depart from it in places by "
+            "more than noise does, see WHERE."
+        )
     return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
 
 

@@ -176,3 +176,14 @@ def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):
         assert "from 2.00 to 0.50 um rms" in prose.unknown_words(found)
     finally:
         found.unknown = kept
+
+
+def test_a_mismatch_without_a_name_is_no_clean_bill(found):
+    findings, found.findings = found.findings, []
+    unknown, found.unknown = found.unknown, None
+    try:
+        assert found.verdict == "nothing-left-out" and found.places
+        text = prose.as_text(found)
+        assert "Nothing is left out" not in text and "see WHERE" in text.splitlines()[0] and "record the same again" in text
+    finally:
+        found.findings, found.unknown = findings, unknown
