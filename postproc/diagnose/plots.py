@@ -184,7 +184,7 @@ def _before_after(d: Diagnosis) -> tuple[str, str]:
     plot.invert_yaxis()
     plot.margins(x=0.08)
     plot.set_xlabel("rms of what took no part, um")
-    plot.legend(fontsize=8, loc="lower right")
+    plot.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize=8, frameon=False)
     figure.tight_layout()
     return f"Held out ({d.held_name}): before and after the effects found, and the noise of single readings", _svg(
         figure
