@@ -57,12 +57,14 @@ def run(options: argparse.Namespace) -> int:
     lenient = formats.ReadingOptions(strict=False)
     told = _Progress(options.quiet)
     read = []
-    for source in sources:
-        told(f"reading {source.name}")
-        read.append(formats.read(source, options=lenient))
-    found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+    try:
+        for source in sources:
+            told(f"reading {source.name}")
+            read.append(formats.read(source, options=lenient))
+        found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+    finally:
+        told("")  # a refusal has its line to itself
     found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
-    told("")
     answer = report.as_json(found, [s.data for s in sources])
     if options.residuals:
         _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
