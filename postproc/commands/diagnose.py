@@ -55,11 +55,16 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"there is no recording {path}")
         sources.append(formats.Source(path, file.read_bytes()))
     lenient = formats.ReadingOptions(strict=False)
-    read = [formats.read(source, options=lenient) for source in sources]
     told = _Progress(options.quiet)
-    found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+    read = []
+    try:
+        for source in sources:
+            told(f"reading {source.name}")
+            read.append(formats.read(source, options=lenient))
+        found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+    finally:
+        told("")  # a refusal has its line to itself
     found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
-    told("")
     answer = report.as_json(found, [s.data for s in sources])
     if options.residuals:
         _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
@@ -77,7 +82,9 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         from postproc.diagnose.page import page
 
+        told("drawing")
         _write(options.report, page(found))
+        told("")
     if options.json == "-":
         print(json.dumps(answer, indent=1))
     elif options.json:

@@ -7,7 +7,7 @@ from html import escape
 
 from postproc.diagnose import prose, words
 from postproc.diagnose.answer import Diagnosis, Finding
-from postproc.diagnose.summary import fit_of, next_test
+from postproc.diagnose.summary import next_test
 
 HEAD = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Diagnosis of {name}</title>
 <style>body{{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#222}}h2{{margin-top:1.6em}}
@@ -31,7 +31,7 @@ def page(d: Diagnosis) -> str:
         parts += ["<h2>What no name explains</h2>", f"<p>{escape(prose.unknown_words(d))}</p>"]
     parts += _held_out(d)
     if steps := prose.next_steps(d):
-        parts += ["<h2>What to do next</h2>", _list(steps, "ol")]
+        parts += ["<h2>What to do next</h2>", _list((step[:1].upper() + step[1:] for step in steps), "ol")]
     parts.append("<h2>Figures</h2>")
     try:
         from postproc.diagnose import plots
@@ -68,11 +68,7 @@ def _sentence(text: str) -> str:
 
 
 def _held_out(d: Diagnosis) -> Iterator[str]:
-    fit = fit_of(d)
     yield "<h2>Shown on what took no part</h2>"
-    if not fit["held_out"]:
-        yield "<p>Nothing could be held out: every run was needed. How well the fit foretells another run is not known.</p>"
-        return
     yield f"<p>{_sentence(prose.held_out_words(d))}</p>"
 
 
@@ -87,7 +83,7 @@ def _drives(d: Diagnosis) -> Iterator[str]:
 
 
 def _limits(d: Diagnosis) -> Iterator[str]:
-    if d.limits:
+    if words.limits(d.limits):
         yield "<h2>From which size on an effect would have been seen</h2>"
         rows = [part.split(": ", 1) for part in words.limits(d.limits).split("; ") if part]
         yield _table(("from", "effects"), rows)
@@ -103,11 +99,7 @@ def _limits(d: Diagnosis) -> Iterator[str]:
 
 
 def _list(items, kind: str = "ul") -> str:
-    return (
-        f"<{kind}>"
-        + "".join(f"<li>{escape(text.strip()[:1].upper() + text.strip()[1:])}</li>" for text in items)
-        + f"</{kind}>"
-    )
+    return f"<{kind}>" + "".join(f"<li>{escape(text.strip())}</li>" for text in items) + f"</{kind}>"
 
 
 def _table(head: tuple[str, ...], rows) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from postproc.diagnose import words
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive
-from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms
+from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, scaled
 
 SHOWN, WHERE = 5, 3  # rows of a kind, and regions
 NO_HELP = 0.95  # of what is there: what a map takes off is nothing
@@ -31,8 +31,7 @@ def as_text(d: Diagnosis) -> str:
         lines.append(f"UNKNOWN: {unknown_words(d)}")
     lines += faults(d)
     lines += [f"NOTE: {text}." for text in d.notices]
-    if shown := held_out_words(d):
-        lines.append(f"HELD OUT: {shown}")
+    lines.append(f"HELD OUT: {held_out_words(d)}.")
     lines += [f"NEXT: {text}" for text in next_steps(d)]
     if seen := words.limits(d.limits):
         lines.append(f"Would have been seen from {seen}")
@@ -83,7 +82,7 @@ def worth(d: Diagnosis, f: Finding) -> str:
             f"{float(np.max(np.abs(part))):.1f} um at most"
         )
     if f.status != "accepted":
-        return f"{share}; not to be relied on: something else is there as well, see DOUBT, UNKNOWN and HELD OUT"
+        return f"{share}; not to be relied on: something that it does not explain is there as well"
     if f.score <= d.least:
         return f"{share}; evidence {f.score:.0f}"
     return f"{share}; evidence {f.score:.0f}, noise alone reaches {d.least:.0f} in 1 % of such experiments"
@@ -95,9 +94,10 @@ def where(d: Diagnosis, place) -> str:
     signal = d.rows.signals[place.signal]
     part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
+    scale, unit = scaled(d, place.signal)
     return (
-        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * UM:.1f} um rms off there, "
-        f"{place.peak * UM:.1f} um at most (chance of noise alone: {words.chance(place.p)})"
+        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * scale:.1f} {unit} rms off there, "
+        f"{place.peak * scale:.1f} {unit} at most (chance of noise alone: {words.chance(place.p)})"
     )
 
 
@@ -107,12 +107,13 @@ def unknown_words(d: Diagnosis) -> str:
     if u is None:
         return ""
     file = Path(d.recordings[int(d.rows.file[d.rows.signal == u.signal][0])].file).name
+    scale, size = scaled(d, u.signal)
     said = (
-        f"{u.rms * UM:.1f} um rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
+        f"{u.rms * scale:.1f} {size} rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
         f"They go with {' and '.join(u.depends)}"
     )
     cells = [c for c in u.cells if abs(c.mean) > 2 * c.error]
-    if cells:
+    if cells and u.depends != ("direction",):
         c = max(cells, key=lambda c: abs(c.mean))
         unit, letter = ("s", "t") if u.along == "time" else ("mm", u.along)
         at = (
@@ -121,19 +122,21 @@ def unknown_words(d: Diagnosis) -> str:
             else f"{letter} from {c.low:.4g} to {c.high:.4g}"
         )
         way = {0: "", 1: ", approached in +", -1: ", approached in -"}[c.approach]
-        said += f"; most of it, {c.mean * UM:+.1f} um, at {at} {unit}{way}"
+        said += f"; most of it, {c.mean * scale:+.1f} {size}, at {at} {unit}{way}"
     if u.before is None or u.after is None:
         return f"{said}."
     if u.after > NO_HELP * u.before:
-        return f"{said}. A map of it foretells nothing of what was held out ({u.before * UM:.2f} um rms): it does not repeat."
-    return f"{said}. A map of it takes what was held out from {u.before * UM:.2f} to {u.after * UM:.2f} um rms."
+        return f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f} {size} rms): it does not repeat."
+    return (
+        f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to {u.after * scale:.2f} {size} rms."
+    )
 
 
 def held_out_words(d: Diagnosis) -> str:
-    """Before and after on what took no part; "" where nothing was held out."""
+    """Before and after on what took no part."""
     fit = fit_of(d)
     if not fit["held_out"]:
-        return ""
+        return "nothing, every run was needed; how well this foretells another run is not known"
     within = f"{100 * fit['coverage95']:.0f} % of its readings lie within their 95 % limits"
     before, noise = f"{fit['rms_before_um']:.2f} um rms by the machine's file", f"noise {fit['noise_floor_um']:.2f}"
     after = f", {fit['rms_after_um']:.2f} with the effects above" if d.findings else ""
@@ -156,6 +159,8 @@ def next_steps(d: Diagnosis) -> list[str]:
         steps.append(
             "--write-machine FOLDER writes a machine with the accepted effects; record again and diagnose with it: nothing should be left."
         )
+    if d.verdict == "nothing-left-out" and d.places:
+        steps.append("record the same again: what comes back at the same places is no chance.")
     if d.unknown:
         steps.append(
             "look at the map of what is unknown (--report draws it, --json holds it), and record the same again: does it come back?"
@@ -192,6 +197,11 @@ def headline(d: Diagnosis) -> str:
         return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
     if d.verdict == "unknown":
         return f"The model of {d.machine.name} leaves something out that the library can not name."
+    if d.places:
+        return (
+            f"No effect is left out of the model of {d.machine.name} that these readings could name, yet they depart from it in places by "
+            "more than noise does, see WHERE."
+        )
     return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
 
 

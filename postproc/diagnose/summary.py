@@ -37,6 +37,12 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
+def scaled(d: Diagnosis, signal: int) -> tuple[float, str]:
+    """What a signal is multiplied by to be read, and in which unit: um, of angles urad."""
+    seen = d.rows.sees[d.rows.signal == signal]
+    return (1e6, "urad") if len(seen) and seen[0] == "angle" else (UM, "um")
+
+
 def next_test(d: Diagnosis, f: Finding) -> str | None:
     """What tells a finding from what explains as well; None where nothing does."""
     return (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None

@@ -78,6 +78,8 @@ def parameters(
             result.append(("", "", "evenly with the time"))
             continue
         size, least, most = number(v, low, high)
+        if fixed and name.startswith("tau"):  # the best of a grid
+            size = f"about {v:.2g}" if v < 100 else f"about {v:.0f}"
         label = _label(name, unit)
         shown = f"{label} {size} {'' if unit in UNITLESS else unit}".strip()
         result.append((shown, f"95 %: {least} to {most}" if least else "", meaning))

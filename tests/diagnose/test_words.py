@@ -75,7 +75,7 @@ def test_a_drift_says_what_it_goes_with():
     assert bed[0].startswith("size 8 um per K |") and bed[1] == "by the recorded temperature of the bed"
     assert of("structure_drift", size_um=8.0, tau_s=-120.0)[1] == "by that of the air, 120 s late"
     came = of("structure_drift", size_um=8.0, tau_s=900.0, from_s=-1.0, file=-1.0, bend_um=0.0)
-    assert came == ["size 8 um | at the end of the recording", "tau 900 s | the time in which it comes"]
+    assert came == ["size 8 um | at the end of the recording", "tau about 900 s | the time in which it comes"]
     assert of("structure_drift", size_um=8.0, tau_s=1e6)[1] == "evenly with the time"
 
 
@@ -176,3 +176,14 @@ def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):
         assert "from 2.00 to 0.50 um rms" in prose.unknown_words(found)
     finally:
         found.unknown = kept
+
+
+def test_a_mismatch_without_a_name_is_no_clean_bill(found):
+    findings, found.findings = found.findings, []
+    unknown, found.unknown = found.unknown, None
+    try:
+        assert found.verdict == "nothing-left-out" and found.places
+        text = prose.as_text(found)
+        assert "Nothing is left out" not in text and "see WHERE" in text.splitlines()[0] and "record the same again" in text
+    finally:
+        found.findings, found.unknown = findings, unknown
