@@ -42,7 +42,7 @@ STEP = 0.5  # of an instrument's step: its rounding is the same in every run
 
 @dataclass(frozen=True)
 class Options:
-    """held_out: "run=3", or "" for the last run of every recording that has three at least; draws: nulls that calibrate the
+    """held_out: "run=3", or "" for the middle run of every recording that has three at least; draws: nulls that calibrate the
     threshold; told: called with a word on each step."""
 
     held_out: str = ""
