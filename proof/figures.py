@@ -90,7 +90,7 @@ def loop(plt, found: dict[str, Any]):
         xlabel="cases that a program can be corrected for, by what the map leaves",
     )
     axes.set_xticks([])
-    axes.legend(fontsize=8, frameon=False, ncols=2)
+    figure.legend(loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     axes.set_title(f"The loop closed\n{_title(found)}", fontsize=10, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
     return figure

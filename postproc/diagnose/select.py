@@ -27,6 +27,7 @@ RARE = {  # what is taken only where it is clearly better than its kin; below ze
     "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
+CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -73,7 +74,10 @@ class Selector:
         self.stack = np.concatenate([b.columns for b in self.blocks], axis=1) if self.blocks else np.zeros((n, 0))
         edges = np.cumsum([0] + [b.columns.shape[1] for b in self.blocks])
         self.slices = [slice(a, b) for a, b in pairwise(edges)]
-        self.penalty = np.array([_penalty(b, n) for b in self.blocks])
+        logged = "trace" in self.rows.kinds
+        self.penalty = np.array(
+            [_penalty(b, n) + (ALONE if logged and b.name == CIRCLES else 0.0) for b in self.blocks]
+        )
 
     def _look(self, chosen: list[int], sigma: np.ndarray) -> None:
         """Let in what is periodic in what the chosen leave."""

@@ -184,6 +184,10 @@ def test_a_mismatch_without_a_name_is_no_clean_bill(found):
     try:
         assert found.verdict == "nothing-left-out" and found.places
         text = prose.as_text(found)
-        assert "Nothing is left out" not in text and "see WHERE" in text.splitlines()[0] and "record the same again" in text
+        assert (
+            "Nothing is left out" not in text
+            and "see WHERE" in text.splitlines()[0]
+            and "record the same again" in text
+        )
     finally:
         found.findings, found.unknown = findings, unknown
