@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from postproc.streaming.events import Accepted, Altered, Busy, Event, Rejected, Restarted, Status, Stray, Told, Write
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller
+from postproc.streaming.protocols import UNLIMITED, Controller, _answers
 
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BAD = re.compile(rb"[^\x20-\x7e]|[*\\]")
@@ -29,7 +29,6 @@ EXPECTED = re.compile(r"expected line (\d+)", re.IGNORECASE)
 UNKNOWN = re.compile(r"unknown command:?\s*\"?([^\"]*)\"?", re.IGNORECASE)
 PLACE = re.compile(r"(?:[A-Z]+: )?X:\s*(-?\d+(?:\.\d+)?) +Y:\s*(-?\d+(?:\.\d+)?) +Z:\s*(-?\d+(?:\.\d+)?)(.*)")
 TEMPERATURE = re.compile(r"[TBC]\d?:\s*-?\d")
-LONGEST_ANSWER = 4096
 HISTORY = 64  # numbers whose lines are known when they are asked for
 PATIENCE_RESENDS = 10  # requests for one line, one after the other
 NUDGES = 3  # times that a line without an answer is sent again
@@ -203,14 +202,10 @@ class Numbered:
     # -- answers in ----------------------------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST_ANSWER:
-            lines, self._rest = [*lines, self._rest], b""
+        texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for line in lines:
-            text = line.strip(b"\r\0 \t").decode("latin-1")
-            if text:
-                events += self._meaning(text)
+        for text in texts:  # one after the other: what an answer means may follow from the one before
+            events += self._meaning(text)
         return events
 
     def _meaning(self, text: str) -> list[Event]:

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 from postproc.streaming.events import Accepted, Alarm, Altered, Busy, Event, Rejected, Restarted, Status, Stray, Told
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller
+from postproc.streaming.protocols import UNLIMITED, Controller, _answers
 
 TITLE = "TinyG"
 POKE = b'{"fv":null}\n'
@@ -25,7 +25,6 @@ COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BLANKS = re.compile(rb"[\x00-\x20]+")
 REALTIME = re.compile(rb"[!~%\x18]|[^\x20-\x7e]")
 XON, XOFF = 0x11, 0x13
-LONGEST_ANSWER = 4096
 STATES = {0: "start", 1: "idle", 2: "alarm", 3: "idle", 4: "idle", 5: "run", 6: "hold", 7: "run", 8: "run", 9: "home", 10: "jog",
           11: "door", 12: "alarm", 13: "alarm"}  # fmt: skip
 TAKEN = {0, 60, 61, 201, 202}  # ok, and moves too short to make
@@ -168,14 +167,10 @@ class TinyG:
             if byte in (XON, XOFF):
                 self._held = byte == XOFF
         data = data.translate(None, bytes((XON, XOFF)))
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST_ANSWER:
-            lines, self._rest = [*lines, self._rest], b""
+        texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for line in lines:
-            text = line.strip(b"\r\0 \t").decode("latin-1")
-            if text:
-                events += self._meaning(text)
+        for text in texts:  # one after the other: what an answer means may follow from the one before
+            events += self._meaning(text)
         return events
 
     def _meaning(self, text: str) -> list[Event]:
