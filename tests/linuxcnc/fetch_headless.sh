@@ -32,25 +32,7 @@ trap 'rm -rf "$work"' EXIT
 chmod 755 "$work"   # apt downloads as a user of its own where it may
 mkdir -p "$work/debs" "$work/tree"
 
-download() {    # package ...: into $work/debs, refreshing apt's lists only if they do not know a package
-    cd "$work/debs"
-    apt-get -qq download "$@" >"$work/log" 2>&1 \
-        || { apt-get -qq update >"$work/log" 2>&1 && apt-get -qq download "$@" >"$work/log" 2>&1; } \
-        || fail "apt-get cannot download $*: $(grep -m1 '^E:' "$work/log" || tail -n 1 "$work/log")"
-    cd - >/dev/null
-}
-
-unpack() {      # pattern ...: from every downloaded package, the members whose path holds one of the patterns
-    for deb in "$work"/debs/*.deb; do
-        dpkg-deb --fsys-tarfile "$deb" >"$work/files.tar" || fail "$(basename "$deb") is damaged"
-        tar -tf "$work/files.tar" >"$work/names"
-        : >"$work/take"
-        for pattern in "$@"; do grep -F -- "$pattern" "$work/names" >>"$work/take" || true; done
-        grep -v '/$' "$work/take" | sort -u | tar -xf "$work/files.tar" -C "$work/tree" -T - \
-            || fail "cannot unpack $(basename "$deb")"
-        rm "$deb"
-    done
-}
+. "$(dirname "$0")/packages.sh"   # download, unpack
 
 missing() {     # names of shared libraries that the loader does not find
     (
