@@ -19,6 +19,8 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
     result = []
     for name in effects.names():
         module = effects.load(name)
+        if getattr(module, "LISTED", False):
+            continue  # the rows themselves are looked at
         for axis in library.axes_of(rows, module):
             if name == "cyclic" and (even := _even(rows, axis)):
                 result.append(

@@ -45,7 +45,7 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = np.isin(rows.sees, kinds)
-    if "trace" in module.SEES or ("laser" in module.SEES and module.KIND == "instrument"):
+    if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
         files = np.array([k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds])
         seen &= files[rows.file]
     return seen

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from postproc.diagnose import order, stuck
+from postproc.diagnose import order, stuck, thermometers
 from postproc.errors import Place
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
@@ -183,11 +183,14 @@ class _Check:
                 self.told.faults.append(
                     (self.number, int(self.r.lines[first]), f"{name} = {value[first]:.4g}, which no sensor reads; {int(bad.sum())} such values are taken as not recorded", 0.0)
                 )  # fmt: skip
-        gone = [
-            n
-            for n in columns
-            if n.startswith("T_") and columns[n].dtype != object and not np.isfinite(columns[n]).any()
-        ]
+        warm = [n for n in columns if n.startswith("T_") and columns[n].dtype != object]
+        for name in warm if "t_s" in columns and self.r.kind != "features" else ():
+            order_of = np.argsort(columns["t_s"], kind="stable")
+            if found := thermometers.faulty(columns[name][order_of], columns["t_s"][order_of]):
+                line = int(self.r.lines[order_of[found[0]]])
+                self.told.faults.append((self.number, line, f"sensor_drift: {name} {found[1]}; it is taken as not recorded", 0.0))  # fmt: skip
+                columns[name] = np.full(len(self.r), np.nan)
+        gone = [n for n in warm if not np.isfinite(columns[n]).any()]
         self.r = replace(self.r, columns={n: v for n, v in columns.items() if n not in gone})
 
     def _ordered(self) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from scipy.interpolate import RegularGridInterpolator
 from postproc import effects
 from postproc.effects import State
 
+ROOT = Path(__file__).parents[2].parent / "shared"
 NAMES = effects.names()
 RNG = np.random.default_rng(5)
 N = 12
@@ -42,6 +45,8 @@ FOUND = {
     "encoder_cyclic": {"period_mm": 7.3},
     "vibration": {"frequency_hz": 11.0, "passages": 0.0},
     "step_loss": {"t_s": 3000.0},
+    "outlier": {"t_s": 3000.0},
+    "sensor_drift": {},
 }
 APPLIED = ("tables", "grids", "by_angle")
 ENDS = np.array([0.0, 100.0])
@@ -81,7 +86,7 @@ def test_columns_are_vectors_row_by_row(name):
     assert shapes
     for shape in shapes:
         value = module.columns(STATE, axis_of(module), **shape)
-        reading = module.KIND == "instrument" and "laser" in module.SEES
+        reading = module.USE == "recording" and "laser" in module.SEES
         assert value.ndim == (2 if reading else 3) and value.shape[-1] == N
         assert reading or value.shape[1] == 3
         assert np.isfinite(value).all() and np.abs(value).max() > 0
@@ -148,6 +153,22 @@ def test_an_instrument_never_reaches_a_program():
         module = effects.load(name)
         if module.USE != "compensate":
             assert not any(hasattr(module, how) for how in APPLIED)
+
+
+def test_every_name_of_the_contract_is_there():
+    contract = ROOT / "contracts" / "diagnosis.md"
+    if not contract.is_file():
+        pytest.skip("../shared is absent")
+    rows = [line for line in contract.read_text("utf-8").splitlines() if line.startswith("| `")]
+    wanted = {name for line in rows for name in re.findall(r"`(\w+)`", line.split("|")[1])}
+    assert len(wanted) > 30 and wanted <= set(NAMES)
+
+
+def test_what_is_listed_is_never_fitted():
+    for name in NAMES:
+        module = effects.load(name)
+        if getattr(module, "LISTED", False):
+            assert module.KIND == "data" and module.shapes(STATE, axis_of(module)) == []
 
 
 def test_zero_backlash_is_none():

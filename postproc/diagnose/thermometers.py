@@ -1,0 +1,51 @@
+"""Temperatures that no body can have: a thermometer that hangs, and one that jumps faster than metal warms.
+
+A channel that shows either is not used: what it stood for then counts as not recorded.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+LONG = 20  # readings in a row, equal to the last digit
+RESTLESS = 0.5  # of the readings elsewhere differ from the one before: a coarse or slow channel says nothing
+LEAST_K = 0.3  # K: by how much the channel varies where it does not hang
+JUMP_K = 0.8  # K between two readings in a row
+SPEED = 0.1  # K/s: 6 K a minute; metal that a sensor lies on and the air of a hall are slower
+USUAL = 10.0  # times the channel's usual step
+SETTLED = 3  # readings before and after that agree with themselves
+
+
+def faulty(value: np.ndarray, time: np.ndarray) -> tuple[int, str] | None:
+    """(row, what is wrong) of a channel in degrees Celsius, or None. value, time (N,), s, in the order of time; NaN where
+    there is no reading."""
+    known = np.flatnonzero(np.isfinite(value))
+    if len(known) < LONG:
+        return None
+    v, t = value[known], time[known]
+    return _hangs(v, known) or _jumps(v, t, known)
+
+
+def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[int, str] | None:
+    """A stretch without the noise that the rest of the channel has."""
+    start = np.concatenate([[0], np.flatnonzero(np.diff(v) != 0) + 1])
+    length = np.diff(np.append(start, len(v)))
+    longest = int(np.argmax(length))
+    others = np.delete(length, longest)
+    if length[longest] < LONG or np.ptp(v) < LEAST_K or len(others) < LONG or len(others) < RESTLESS * others.sum():
+        return None
+    first = int(rows[start[longest]])
+    return first, f"reads {v[start[longest]]:.4g} degrees {length[longest]} times in a row, and changed before or after"
+
+
+def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[int, str] | None:
+    """A step that stays."""
+    step, gap = np.abs(np.diff(v)), np.maximum(np.diff(t), 1e-3)
+    usual = float(np.quantile(step, 0.9))
+    for k in np.argsort(-step)[:3]:
+        if step[k] < max(JUMP_K, USUAL * usual) or step[k] / gap[k] < SPEED:
+            continue
+        before, after = v[max(0, k + 1 - SETTLED) : k + 1], v[k + 1 : k + 1 + SETTLED]
+        if min(len(before), len(after)) == SETTLED and max(np.ptp(before), np.ptp(after)) < step[k] / 3:
+            return int(rows[k + 1]), f"jumps by {v[k + 1] - v[k]:.2g} degrees in {gap[k]:.2g} s"
+    return None
