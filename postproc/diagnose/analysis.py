@@ -120,9 +120,12 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         before = before + columns @ value
         found.insert(0, findings.of_jump(jump, rows, columns, value, sigma, held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
+    spots = blind.spots(rows, every)
+    unseen = {f"{name}:{axis}" for name, axis, _ in spots}
+    limits = {key: size for key, size in findings.limits(selector, chosen).items() if key not in unseen}
     diagnosis = Diagnosis(
-        machine, recordings, rows, held, held_name, before, after, sigma, found, places, findings.limits(selector, chosen),
-        blind.spots(rows, every), usable.faults + faults, selector.least, alike, notices=notices, doubts=doubts,
+        machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
+        usable.faults + faults, selector.least, alike, notices=notices, doubts=doubts,
     )  # fmt: skip
     doubt.doubted(diagnosis)
     diagnosis.unknown = doubt.unknown(diagnosis)

@@ -104,6 +104,8 @@ def test_nothing_is_found_where_nothing_is(tmp_path, seed):
     assert not told["effects"] and told["unknown"] is None
     assert told["detection_limits_um"]["backlash:Z"] < 2.0  # it says what it would have seen
     assert all(size >= 0.7 for size in told["detection_limits_um"].values())
+    unseen = {f"{spot['effect']}:{spot['axis'] or ''}" for spot in told["not_visible"]}
+    assert unseen and not unseen & set(told["detection_limits_um"])  # what can not be seen has no limit
 
 
 def test_an_instrument_never_reaches_the_machine(tmp_path):
