@@ -23,6 +23,7 @@ PART = 5e-4  # mm
 ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
 FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
+WALK_RAD = 5e-7  # rad: the same of an angle
 SQUARE = 1.5e-6  # rad
 
 
@@ -63,8 +64,9 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
                 t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)  # times not recorded: in the order of rows
                 late = np.zeros(len(rows))
                 late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
-                add(which.astype(float), WALK)
-                add(late, WALK)
+                walk = WALK_RAD if rows.sees[which][0] == "angle" else WALK
+                add(which.astype(float), walk)
+                add(late, walk)
     for file, kind in enumerate(rows.kinds):
         if kind != "targets":
             continue

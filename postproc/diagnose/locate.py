@@ -15,8 +15,10 @@ from postproc.diagnose.fit import Projector
 from postproc.diagnose.rows import Rows
 
 CELLS = 12
+TARGETS = 30  # places of their own: no more of them than that are each a cell
 DRAWS = 199
 SIGNIFICANT = 0.01
+TIE = 1e-3  # of the highest score
 
 
 @dataclass(frozen=True)
@@ -56,16 +58,15 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         which = np.flatnonzero(rows.signal == signal)
         axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][which])))
         place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
-        cell = _cells(place, side)
-        windows = _windows(int(cell.max()) + 1)
+        cell, along = _cells(place, side)
+        windows = _windows(along, int(cell.max()) + 1)
         value, at, nulls = _scan(projector, evidence, which, cell, windows)
         p = (1 + int((nulls >= value).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
-        a, b = windows[at]
-        inside = which[(cell >= a) & (cell < b)]
-        half = (int(cell.max()) + 1) // 2
-        approach = "both" if (side == side[0]).all() or (a < half < b) else "-" if b <= half else "+"
+        inside = which[windows[at][cell]]
+        sides = np.unique(side[windows[at][cell]])
+        approach = "both" if len(np.unique(side)) == 1 or len(sides) > 1 else "-" if sides[0] < 0 else "+"
         pick = rows.state.position[axis][inside]
         found.append(
             Place(
@@ -79,27 +80,22 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     return sorted(found, key=lambda f: -f.rms)
 
 
-def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows):
+def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows: np.ndarray):
     """The highest score of a window, which it is, and the highest of each draw: by how much chi squared falls if the window
     had a mean of its own, beside all nuisances."""
-    n = int(cell.max()) + 1
+    n = windows.shape[1]
     member = np.zeros((len(evidence), n))
     member[which, cell] = 1.0
     normal = member.T @ projector(member)
-    sums = member.T @ evidence
-    along = np.concatenate([np.zeros((1, sums.shape[1])), np.cumsum(sums, axis=0)])
-    block = np.zeros((n + 1, n + 1))
-    block[1:, 1:] = normal.cumsum(axis=0).cumsum(axis=1)
-    best, where = np.zeros(sums.shape[1]), 0
-    for k, (a, b) in enumerate(windows):
-        power = block[b, b] - block[a, b] - block[b, a] + block[a, a]
-        if power <= 1e-9 * max(float(np.trace(normal)), 1e-30):
-            continue
-        score = (along[b] - along[a]) ** 2 / power
-        if score[0] > best[0]:
-            where = k
-        best = np.maximum(best, score)
-    return float(best[0]), where, best[1:]
+    wide = windows.astype(float)
+    power = np.einsum("wi,ij,wj->w", wide, normal, wide)
+    told = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
+    score = (wide @ (member.T @ evidence)) ** 2 / np.where(told, power, np.inf)[:, None]
+    # Beside a free zero a stretch and all the rest of the way tell the same: the shorter one is meant.
+    most = float(score[:, 0].max())
+    alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
+    size = (windows[alike] @ member.sum(axis=0)).astype(int)
+    return most, int(alike[np.argmin(size)]), score[:, 1:].max(axis=0)
 
 
 def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
@@ -107,21 +103,28 @@ def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
     return None if line is None else (int(np.floor(line[which].min())), int(np.ceil(line[which].max())))
 
 
-def _cells(place: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """(N,) cell of each row: along the position, first those approached in -, then the others."""
-    edges = np.unique(np.quantile(place, np.linspace(0, 1, CELLS + 1)))
-    cell = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, max(len(edges) - 2, 0))
-    return cell + np.where(side < 0, 0, CELLS)
+def _cells(place: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, int]:
+    """(N,) cell of each row: along the position, first those approached in -, then the others; and how many there are along."""
+    targets = np.unique(np.round(place, 1))
+    if len(targets) <= TARGETS:
+        edges = np.concatenate([[-np.inf], (targets[1:] + targets[:-1]) / 2, [np.inf]])
+    else:
+        edges = np.unique(np.quantile(place, np.linspace(0, 1, CELLS + 1)))
+    along = max(len(edges) - 1, 1)
+    cell = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, along - 1)
+    return cell + np.where(side < 0, 0, along), along
 
 
-def _windows(n: int) -> list[tuple[int, int]]:
-    """Windows of one cell to a whole direction, and of everything."""
-    result = [(0, n)]
-    for first, stop in ((0, min(CELLS, n)), (CELLS, n)):
-        for a in range(first, stop):
-            for b in range(a + 1, stop + 1):
-                result.append((a, b))
-    return result
+def _windows(along: int, n: int) -> np.ndarray:
+    """(W, n) bool: which cells are in a window: one cell to all of them along the way, of either direction or of both."""
+    result = [np.ones(n, bool)]
+    for a in range(along):
+        for b in range(a + 1, along + 1):
+            back, forth = np.zeros(n, bool), np.zeros(n, bool)
+            back[a:b] = True
+            forth[along + a : along + b] = True
+            result += [back | forth, back, forth] if forth.any() else [back]
+    return np.stack(result)
 
 
 def shared(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -> float:

@@ -13,7 +13,7 @@ from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import showing
 from postproc.diagnose.prose import as_text as as_text
-from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded
+from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
 
 FORMAT = "gcomp-diagnosis/1"
 MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
@@ -49,9 +49,11 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
 
 
 def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
+    """A place; of angles rms_um and peak_um hold urad, as unit says."""
+    scale, unit = scaled(d, place.signal)
     return {
-        "recording": d.recordings[place.file].file, "signal": d.rows.signals[place.signal], "rms_um": rounded(place.rms * UM),
-        "peak_um": rounded(place.peak * UM), "p_value": place.p,
+        "recording": d.recordings[place.file].file, "signal": d.rows.signals[place.signal], "rms_um": rounded(place.rms * scale),
+        "peak_um": rounded(place.peak * scale), "unit": unit, "p_value": place.p,
         "where": {
             "axis": place.axis, "from_mm": rounded(place.low), "to_mm": rounded(place.high), "approach": place.approach,
             "runs": list(place.runs), "t_from_s": rounded(place.times[0]), "t_to_s": rounded(place.times[1]),
@@ -73,7 +75,7 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         "parameters": {
             name: {"value": rounded(v, 6), "ci95": [rounded(e, 6) for e in f.ci95[name]]} for name, v in f.value.items()
         },
-        "rms_explained_um": rounded(rms(f.contribution - middle(d, f.contribution)) * UM),
+        "rms_explained_um": rounded(rms(shown(d, f.contribution - middle(d, f.contribution)))),
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
         "evidence": {"delta_chi2": rounded(f.delta_chi2), "score": rounded(f.score), "threshold": rounded(d.least)},
         "equivalent": f.equivalent,
@@ -128,12 +130,13 @@ def _unknown(d: Diagnosis) -> dict[str, Any] | None:
     u = d.unknown
     which = d.rows.signal == u.signal
     where = next((p for p in d.places if p.signal == u.signal), None)
+    scale, unit = scaled(d, u.signal)
     return {
         "recording": d.recordings[int(d.rows.file[which][0])].file, "signal": d.rows.signals[u.signal],
-        "rms_um": rounded(u.rms * UM), "share_left": rounded(u.share), "where": _mismatch(d, where)["where"] if where else None,
+        "rms_um": rounded(u.rms * scale), "unit": unit, "share_left": rounded(u.share), "where": _mismatch(d, where)["where"] if where else None,
         "map": map_name(d), "depends_on": list(u.depends), "along": u.along,
-        "held_out_rms_before_um": None if u.before is None else rounded(u.before * UM),
-        "held_out_rms_after_um": None if u.after is None else rounded(u.after * UM),
+        "held_out_rms_before_um": None if u.before is None else rounded(u.before * scale),
+        "held_out_rms_after_um": None if u.after is None else rounded(u.after * scale),
         "table": [dict(zip(MAP, row, strict=True)) for row in _map_rows(d)],
     }  # fmt: skip
 
@@ -144,8 +147,16 @@ def map_name(d: Diagnosis) -> str:
 
 
 def _map_rows(d: Diagnosis) -> Iterator[tuple]:
+    scale = scaled(d, d.unknown.signal)[0] if d.unknown else UM
     for c in d.unknown.cells if d.unknown else ():
-        yield rounded(c.low, 6), rounded(c.high, 6), c.approach, c.rows, rounded(c.mean * UM), rounded(c.error * UM)
+        yield (
+            rounded(c.low, 6),
+            rounded(c.high, 6),
+            c.approach,
+            c.rows,
+            rounded(c.mean * scale),
+            rounded(c.error * scale),
+        )
 
 
 def unknown_csv(d: Diagnosis) -> str:
@@ -156,12 +167,13 @@ def unknown_csv(d: Diagnosis) -> str:
 
 
 def residual_rows(d: Diagnosis) -> Iterator[str]:
-    """Lines of --residuals: every reading that was used."""
+    """Lines of --residuals: every reading that was used, um; of angles urad."""
+    measured, before, after = (shown(d, v) for v in (d.rows.y, d.before, d.after))
     yield "recording,row,signal,measured_um,before_um,after_um,held_out"
     for k in range(len(d.rows)):
         yield (
             f"{d.recordings[d.rows.file[k]].file},{d.rows.line[k]},{d.rows.signals[d.rows.signal[k]]},"
-            f"{d.rows.y[k] * UM:.4f},{d.before[k] * UM:.4f},{d.after[k] * UM:.4f},{int(d.held[k])}"
+            f"{measured[k]:.4f},{before[k]:.4f},{after[k]:.4f},{int(d.held[k])}"
         )
 
 

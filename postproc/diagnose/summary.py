@@ -26,9 +26,9 @@ def fit_of(d: Diagnosis) -> dict[str, Any]:
     which = d.held
     return {
         "held_out": d.held_name,
-        "rms_before_um": rounded(rms(d.before[which]) * UM),
-        "rms_after_um": rounded(rms(d.after[which]) * UM),
-        "noise_floor_um": rounded(rms(floor(d)[which]) * UM),
+        "rms_before_um": rounded(rms(shown(d, d.before)[which])),
+        "rms_after_um": rounded(rms(shown(d, d.after)[which])),
+        "noise_floor_um": rounded(rms(shown(d, floor(d))[which])),
         "coverage95": rounded(float(np.mean(np.abs(d.after[which]) <= 1.96 * d.sigma[which]))),
     }
 
@@ -41,6 +41,11 @@ def scaled(d: Diagnosis, signal: int) -> tuple[float, str]:
     """What a signal is multiplied by to be read, and in which unit: um, of angles urad."""
     seen = d.rows.sees[d.rows.signal == signal]
     return (1e6, "urad") if len(seen) and seen[0] == "angle" else (UM, "um")
+
+
+def shown(d: Diagnosis, values: np.ndarray) -> np.ndarray:
+    """(N,) um of readings in mm; of angles in rad urad, which are um at a metre's distance."""
+    return np.where(d.rows.sees == "angle", 1e6, UM) * values
 
 
 def next_test(d: Diagnosis, f: Finding) -> str | None:
