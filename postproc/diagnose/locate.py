@@ -12,12 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.diagnose.fit import Projector
-from postproc.diagnose.rows import Rows
+from postproc.diagnose.rows import XYZ, Rows
 
 CELLS = 12
 TARGETS = 30  # places of their own: no more of them than that are each a cell
 DRAWS = 199
 SIGNIFICANT = 0.01
+OWN = 0.9  # of the reading is taken along one axis: it is that axis'
+FAR = 0.1  # of what the farthest axis goes: it moves
 TIE = 1e-3  # of the highest score
 
 
@@ -56,7 +58,7 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     found = []
     for signal in np.unique(rows.signal):
         which = np.flatnonzero(rows.signal == signal)
-        axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][which])))
+        axis = axis_of(rows, which)
         place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
         cell, along = _cells(place, side)
         windows = _windows(along, int(cell.max()) + 1)
@@ -78,6 +80,18 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
             )
         )  # fmt: skip
     return sorted(found, key=lambda f: -f.rms)
+
+
+def axis_of(rows: Rows, which: np.ndarray) -> str:
+    """The axis along which a signal's rows are looked at: the one that it reads, where that moves, else the one that moves
+    most."""
+    went = {x: float(np.ptp(p[which])) for x, p in rows.state.position.items()}
+    most = max(went, key=lambda x: went[x])
+    if rows.sees[which[0]] == "angle":  # about an axis, and not along it
+        return most
+    reads = np.abs(rows.direction[which]).mean(axis=0)
+    own = XYZ[int(np.argmax(reads))]
+    return own if reads.max() > OWN and went.get(own, 0.0) > FAR * went[most] else most
 
 
 def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows: np.ndarray):

@@ -42,7 +42,11 @@ def test_an_angle_is_located_in_urad(tmp_path):
     (place,) = answer["mismatch"]
     assert place["recording"].endswith("angle.csv") and place["unit"] == "urad" and 6 < place["rms_um"] < 10
     where = place["where"]
-    assert where["axis"] == "X" and where["from_mm"] == pytest.approx(137.4, abs=0.1) and where["to_mm"] == pytest.approx(349)
+    assert (
+        where["axis"] == "X"
+        and where["from_mm"] == pytest.approx(137.4, abs=0.1)
+        and where["to_mm"] == pytest.approx(349)
+    )
     assert where["approach"] == "both"
     assert answer["unknown"]["unit"] == "urad" and 4 < answer["unknown"]["rms_um"] < 8
     rows = [line.split(",") for line in (tmp_path / "r.csv").read_text().splitlines()[1:]]
