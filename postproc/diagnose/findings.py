@@ -86,13 +86,11 @@ def limits(selector: Selector, chosen: list[int]) -> dict[str, float]:
     p = selector.projector(chosen, selector.sigma)
     result: dict[str, float] = {}
     wanted = selector.least + 2 * np.sqrt(selector.least)
-    first = selector.stack[:, [part.start for part in selector.slices]]
-    powers = p.powers(first)
-    for block, penalty, power, peak in zip(
-        selector.blocks, selector.penalty, powers, np.abs(first).max(axis=0, initial=0.0), strict=True
-    ):
+    _, _, power_of, _ = selector.stack.after(p, selector.sigma, selector.y)
+    for block, penalty, part in zip(selector.blocks, selector.penalty, selector.stack.parts, strict=True):
+        power, peak = power_of[part.start], float(np.abs(selector.stack.columns[part.start]).max(initial=0.0))
         if power <= 0:
             continue
-        size = np.sqrt((wanted + penalty) / power) * float(peak)
+        size = np.sqrt((wanted + penalty) / power) * peak
         result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
     return result

@@ -44,7 +44,7 @@ class Block:
 def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
-    seen = np.isin(rows.sees, kinds)
+    seen = rows.seen(kinds)
     if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
         files = np.array([k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds])
         seen &= files[rows.file]

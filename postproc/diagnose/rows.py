@@ -6,7 +6,9 @@ deviation along a direction, or of an axis' own scale; a feature of a part is th
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -50,6 +52,18 @@ class Rows:
     def residual(self) -> np.ndarray:
         """(N,) mm: measured minus predicted."""
         return self.y - self.known
+
+    @cached_property
+    def _of_kind(self) -> dict[str, np.ndarray]:
+        return {str(kind): self.sees == kind for kind in np.unique(self.sees)}
+
+    def seen(self, kinds: Iterable[str]) -> np.ndarray:
+        """(N,) bool: rows whose signal is of one of these kinds."""
+        result = np.zeros(len(self), bool)
+        for kind in kinds:
+            if kind in self._of_kind:
+                result |= self._of_kind[kind]
+        return result
 
     def pick(self, which: np.ndarray) -> Rows:
         """Some of the rows."""

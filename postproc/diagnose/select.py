@@ -8,7 +8,7 @@ finding. score = fall of chi squared - columns * ln(rows) - 2 * ln(shapes of the
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from postproc.diagnose import library
 from postproc.diagnose.fit import Projector, solve
 from postproc.diagnose.library import FOUND, Block, found, refined
 from postproc.diagnose.rows import Rows
+from postproc.diagnose.stacked import Stack
 
 LEAST_SCORE = 28.0
 MATERIAL = 7e-4  # mm
@@ -66,14 +67,13 @@ class Selector:
         self.rows, self.y, self.sigma, self.u, self.prior, self.blocks = rows, y, sigma, u, prior, blocks
         self.least = LEAST_SCORE
         self._made: list[tuple[tuple[int, ...], np.ndarray, Projector]] = []
+        self.stack = Stack(u)
         self._restack()
         self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
 
     def _restack(self) -> None:
         n = len(self.y)
-        self.stack = np.concatenate([b.columns for b in self.blocks], axis=1) if self.blocks else np.zeros((n, 0))
-        edges = np.cumsum([0] + [b.columns.shape[1] for b in self.blocks])
-        self.slices = [slice(a, b) for a, b in pairwise(edges)]
+        self.stack.add([b.columns for b in self.blocks[len(self.stack.parts) :]])
         logged = "trace" in self.rows.kinds
         self.penalty = np.array(
             [_penalty(b, n) + (ALONE if logged and b.name == CIRCLES else 0.0) for b in self.blocks]
@@ -105,23 +105,17 @@ class Selector:
         """(B,) score of every block given the chosen; implausible ones -inf. y may be (N, R): then (B, R), all plausible."""
         p = self.projector(chosen, sigma)
         values = self.y if y is None else y
-        after = self.stack.T @ p(values)
-        weighted = self.stack * p.w[:, None]
-        cross = p.u.T @ weighted
-        inside = p.inner @ cross
+        after, own, power, inner = self.stack.after(p, sigma, values)
         result = np.full((len(self.blocks), *after.shape[1:]), -np.inf)
-        own = np.einsum("ij,ij->j", self.stack, weighted)
-        power = own - np.einsum("ij,ij->j", cross, inside)
-        for k, part in enumerate(self.slices):
+        for k, part in enumerate(self.stack.parts):
             if np.any(power[part] < 1e-6 * own[part]):
                 continue  # the nuisances and the chosen say all that it could
             b = after[part]
             if part.stop - part.start == 1:
                 solved = b / power[part.start]
             else:
-                a = self.stack[:, part].T @ weighted[:, part] - cross[:, part].T @ inside[:, part]
                 try:
-                    solved = np.linalg.solve(a, b)
+                    solved = np.linalg.solve(inner[k], b)
                 except np.linalg.LinAlgError:
                     continue
             fall = np.einsum("i...,i...->...", b, solved)

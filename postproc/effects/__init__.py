@@ -33,6 +33,7 @@ import importlib
 import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from types import ModuleType
 
 import numpy as np
@@ -178,9 +179,10 @@ def one_way(
     return component, axis, nodes, value, value
 
 
-def names() -> list[str]:
+@cache
+def names() -> tuple[str, ...]:
     """The effects that there are."""
-    return sorted(module.name for module in pkgutil.iter_modules(__path__))
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
 
 
 def load(name: str) -> ModuleType:
