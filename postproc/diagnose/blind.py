@@ -78,10 +78,11 @@ def _one_sense(rows: Rows, pair: str, every: list[Block]) -> bool:
 
 
 def _alike(rows: Rows, one: np.ndarray, other: np.ndarray) -> bool:
-    both = []
-    for column in (one, other):
-        rest = column.copy()
-        for signal in np.unique(rows.signal):
-            rest[rows.signal == signal] -= column[rows.signal == signal].mean()
-        both.append(rest / max(float(np.linalg.norm(rest)), 1e-12))
-    return abs(float(both[0] @ both[1])) > SAME
+    """Beside what each set-up leaves open: a zero, and where the centre of a circle lies."""
+    both = np.stack([one, other], axis=1)
+    for signal in np.unique(rows.signal):
+        which = rows.signal == signal
+        free = np.column_stack([np.ones(which.sum()), rows.direction[which]])
+        both[which] -= free @ np.linalg.lstsq(free, both[which], rcond=1e-9)[0]
+    size = np.linalg.norm(both, axis=0)
+    return bool(abs(both[:, 0] @ both[:, 1]) > SAME * size[0] * size[1] > 0.0)
