@@ -13,7 +13,9 @@ from postproc.diagnose.rows import Rows
 TIME = ("structure_drift", "spindle_growth", "force_compliance", "dead_path", "screw_heat", "laser_air")
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
-DRIVERS = {"screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", "T_bed_C")}
+DRIVERS = {
+    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", "T_bed_C"), "laser_air": ("T_air_C",),
+}  # fmt: skip
 LOOKS = {
     "step_loss": TIME, "structure_drift": TIME, "spindle_growth": TIME, "force_compliance": TIME, "tool_wear": TIME,
     "dead_path": TIME, "screw_heat": TIME, "laser_air": LENGTH, "scale": LENGTH + PLACE, "cosine": LENGTH + PLACE,
