@@ -74,6 +74,7 @@ class Selector:
         self.stack = np.concatenate([b.columns for b in self.blocks], axis=1) if self.blocks else np.zeros((n, 0))
         edges = np.cumsum([0] + [b.columns.shape[1] for b in self.blocks])
         self.slices = [slice(a, b) for a, b in pairwise(edges)]
+        self.instead = np.array([_instead(b) for b in self.blocks], bool)
         logged = "trace" in self.rows.kinds
         self.penalty = np.array(
             [_penalty(b, n) + (ALONE if logged and b.name == CIRCLES else 0.0) for b in self.blocks]
@@ -138,7 +139,7 @@ class Selector:
         sized = np.where(self.prior < 0.005, self.prior, 0.0)
         nulls = (self.u * sized) @ rng.normal(size=(self.u.shape[1], draws))
         nulls += self.sigma[:, None] * rng.standard_t(6, size=(n, draws)) * np.sqrt(4 / 6)
-        best = self.scores([], self.sigma, nulls).max(axis=0)
+        best = self.scores([], self.sigma, nulls)[~self.instead].max(axis=0)
         self.least = max(LEAST_SCORE, float(np.quantile(best, 0.99)))
 
     # -- selection -----------------------------------------------------------------------------------------------------
@@ -167,7 +168,7 @@ class Selector:
 
     def _grow(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
         self._look(chosen, sigma)
-        score = self.scores(chosen, sigma)
+        score = np.where(self.instead, -np.inf, self.scores(chosen, sigma))
         for k in np.argsort(-score):
             if score[k] < self.least:
                 break
@@ -220,6 +221,7 @@ class Selector:
         for place in range(len(chosen) - 1):
             rest = chosen[:place] + chosen[place + 1 :]
             score = self.scores(rest, sigma)
+            score[self.instead & ~self.instead[chosen[place]]] = -np.inf
             good = np.flatnonzero(score > score[chosen[place]] + SWAP)
             for best in map(int, good[np.argsort(-score[good], kind="stable")]):
                 if not self._beside(rest, best, sigma):
@@ -317,6 +319,12 @@ class Selector:
 def _penalty(block: Block, rows: int) -> float:
     """What a block pays for its columns, for the shapes that it was chosen from, and for a second axis."""
     return block.columns.shape[1] * np.log(rows) + 2 * np.log(block.siblings) + RARE.get(block.name, 0.0)
+
+
+def _instead(block: Block) -> bool:
+    """Whether a shape stands for two causes of one kind, and is taken in their place only."""
+    instead = getattr(block.module, "instead", None)
+    return instead is not None and instead(dict(block.shape))
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

@@ -38,4 +38,6 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
             missing |= name == "abbe" and axis not in rows.state.angles and not rows.state.lines.get(axis)
             if name != block.name and missing:
                 result.append(f"{name}:{axis}")
+    if dict(block.shape).get("warm"):  # what was there from the first reading on may be no heat
+        result.append(f"scale:{block.axis}")
     return result

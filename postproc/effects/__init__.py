@@ -16,6 +16,7 @@ A module holds
   of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
 
+- instead(shape) -> True of a shape that is taken only in the place of two effects that it says as well; optional;
 - beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
