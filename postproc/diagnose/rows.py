@@ -125,9 +125,10 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         position=position, approach=approach, travel=_travels(machine, letters),
         velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
         distance={x: column(f"{x} distance", FAR) for x in letters}, since={x: column(f"{x} since", FAR) for x in letters},
-        time=column("time"), run=column("run"), channels={c: _filled(column(f"channel {c}", np.nan)) for c in channels},
+        time=column("time"), run=column("run"), channels={c: column(f"channel {c}", np.nan) for c in channels},
         angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"),
     )  # fmt: skip
+    state = replace(state, channels={c: _filled(c, state) for c in channels})
     angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
@@ -164,10 +165,28 @@ def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, flo
     return {x: machine.axes[x].travel for x in letters}
 
 
-def _filled(values: np.ndarray) -> np.ndarray:
-    """A channel with its mean where it was not recorded: there it tells nothing."""
-    known = np.isfinite(values)
-    return np.where(known, values, values[known].mean() if known.any() else 0.0)
+def _filled(name: str, state: State) -> np.ndarray:
+    """A channel where it was not recorded: a temperature as it went from reading to reading, else the mean, which tells nothing.
+    A machine begins its day as warm as its room."""
+    values, room = state.channels[name], state.channels.get("T_air_C")
+    known, timed = np.isfinite(values), _timed(state)
+    filled = np.where(known, values, values[known].mean() if known.any() else 0.0)
+    told = known & timed
+    if not name.startswith("T_") or not told.any():
+        return filled
+    order = np.argsort(state.time[told], kind="stable")
+    t, level = state.time[told][order], values[told][order]
+    if room is not None and (felt := np.isfinite(room) & timed).any():
+        first = np.flatnonzero(felt)[np.argmin(state.time[felt])]
+        if state.time[first] < t[0]:
+            t, level = np.append(state.time[first], t), np.append(room[first], level)
+    return np.where(timed & ~known, np.interp(state.time, t, level), filled)
+
+
+def _timed(state: State) -> np.ndarray:
+    """(N,) bool: rows of recordings whose times were recorded."""
+    files = [f for f in np.unique(state.file) if np.ptp(state.time[state.file == f]) > 0]
+    return np.isin(state.file, files)
 
 
 def _angles(machine: Machine, letter: str, state: State) -> np.ndarray | None:

@@ -74,6 +74,7 @@ class Selector:
     def _restack(self) -> None:
         n = len(self.y)
         self.stack.add([b.columns for b in self.blocks[len(self.stack.parts) :]])
+        self.instead = np.array([_instead(b) for b in self.blocks], bool)
         logged = "trace" in self.rows.kinds
         self.penalty = np.array(
             [_penalty(b, n) + (ALONE if logged and b.name == CIRCLES else 0.0) for b in self.blocks]
@@ -132,7 +133,7 @@ class Selector:
         sized = np.where(self.prior < 0.005, self.prior, 0.0)
         nulls = (self.u * sized) @ rng.normal(size=(self.u.shape[1], draws))
         nulls += self.sigma[:, None] * rng.standard_t(6, size=(n, draws)) * np.sqrt(4 / 6)
-        best = self.scores([], self.sigma, nulls).max(axis=0)
+        best = self.scores([], self.sigma, nulls)[~self.instead].max(axis=0)
         self.least = max(LEAST_SCORE, float(np.quantile(best, 0.99)))
 
     # -- selection -----------------------------------------------------------------------------------------------------
@@ -161,7 +162,7 @@ class Selector:
 
     def _grow(self, chosen: list[int], sigma: np.ndarray) -> list[int]:
         self._look(chosen, sigma)
-        score = self.scores(chosen, sigma)
+        score = np.where(self.instead, -np.inf, self.scores(chosen, sigma))
         for k in np.argsort(-score):
             if score[k] < self.least:
                 break
@@ -214,6 +215,7 @@ class Selector:
         for place in range(len(chosen) - 1):
             rest = chosen[:place] + chosen[place + 1 :]
             score = self.scores(rest, sigma)
+            score[self.instead & ~self.instead[chosen[place]]] = -np.inf
             good = np.flatnonzero(score > score[chosen[place]] + SWAP)
             for best in map(int, good[np.argsort(-score[good], kind="stable")]):
                 if not self._beside(rest, best, sigma):
@@ -311,6 +313,12 @@ class Selector:
 def _penalty(block: Block, rows: int) -> float:
     """What a block pays for its columns, for the shapes that it was chosen from, and for a second axis."""
     return block.columns.shape[1] * np.log(rows) + 2 * np.log(block.siblings) + RARE.get(block.name, 0.0)
+
+
+def _instead(block: Block) -> bool:
+    """Whether a shape stands for two causes of one kind, and is taken in their place only."""
+    instead = getattr(block.module, "instead", None)
+    return instead is not None and instead(dict(block.shape))
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

@@ -23,6 +23,7 @@ STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may
 SMOOTH = 0.02  # s
 TAKEN_UP = 8.0  # mm: after so much way lost motion is taken up, whatever was before
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
+TOUCHING = ("gauge", "probe", "indicator", "dial", "comparator", "micrometer", "coordinate measuring")
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -65,11 +66,17 @@ def _targets(recording: Recording, machine: Machine):
         columns[f"{x} position"], columns[f"{x} approach"] = p, recording.approach(x)
         columns[f"{x} distance"] = _since_turn(p, recording.approach(x), columns["run"])
         path += vector[XYZ.index(x)] * p
-    columns["beam"] = path - path.min() if not angle and recording.quantity == "displacement" else np.zeros(n)
+    lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
+    columns["beam"] = path - path.min() if lit else np.zeros(n)
     laser = "laser" if recording.quantity == "displacement" else "tool"
     yield "reading_urad" if angle else "reading_um", columns | {
         "y": recording.reading, "direction": np.repeat(vector[None], n, axis=0), "sees": "angle" if angle else laser,
     }  # fmt: skip
+
+
+def _touches(instrument: str) -> bool:
+    """Whether an instrument reads without a beam of light; where nobody wrote down what it was, it may have one."""
+    return any(word in instrument.lower() for word in TOUCHING)
 
 
 def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> np.ndarray:

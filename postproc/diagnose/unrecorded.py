@@ -13,7 +13,9 @@ from postproc.diagnose.rows import Rows
 TIME = ("structure_drift", "spindle_growth", "force_compliance", "dead_path", "screw_heat", "laser_air")
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
-DRIVERS = {"screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", "T_bed_C")}
+DRIVERS = {
+    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", "T_bed_C"), "laser_air": ("T_air_C",),
+}  # fmt: skip
 LOOKS = {
     "step_loss": TIME, "structure_drift": TIME, "spindle_growth": TIME, "force_compliance": TIME, "tool_wear": TIME,
     "dead_path": TIME, "screw_heat": TIME, "laser_air": LENGTH, "scale": LENGTH + PLACE, "cosine": LENGTH + PLACE,
@@ -36,4 +38,6 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
             missing |= name == "abbe" and axis not in rows.state.angles and not rows.state.lines.get(axis)
             if name != block.name and missing:
                 result.append(f"{name}:{axis}")
+    if dict(block.shape).get("warm"):  # what was there from the first reading on may be no heat
+        result.append(f"scale:{block.axis}")
     return result

@@ -17,6 +17,7 @@ A module holds
   of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
 
+- instead(shape) -> True of a shape that is taken only in the place of two effects that it says as well; optional;
 - beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
@@ -94,14 +95,19 @@ def along(axis: str, *values: np.ndarray) -> np.ndarray:
     return result
 
 
+def begun(state: State) -> int:
+    """The first row whose time was recorded (where none was, all are zero)."""
+    return int(np.argmin(np.where(state.time > 0, state.time, np.inf)))
+
+
 def warmth(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.ndarray:
     """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes with time, 0 to 1, or of
     what the axis' own travel makes and the room takes away again."""
     measured = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C")
     if tau_s == 0 and measured is not None:
-        return measured - measured[0]
+        return measured - measured[begun(state)]
     if not by_travel:
-        return 1.0 - np.exp(-(state.time - state.time.min()) / max(tau_s, 1.0))
+        return 1.0 - np.exp(-np.maximum(state.time - state.time[begun(state)], 0.0) / max(tau_s, 1.0))
     heat = late(state, travelled(state, axis), max(tau_s, 1.0))
     return heat / max(float(heat.max(initial=0.0)), 1e-12)
 

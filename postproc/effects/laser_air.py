@@ -1,42 +1,83 @@
-"""Laser air: the refractive index of the air changed along the beam (0.93 ppm per K, -0.27 ppm per hPa: Edlen)."""
+"""Laser air: light is faster in warm air, so a length reads short by 0.93 ppm per K and long by 0.27 ppm per hPa (Edlen).
+
+One cause in every set-up of a laser, along whatever axis: by the temperature of the air where it was recorded, else by what the
+air did while each recording lasted; and by what the laser was told wrong from the first reading on.
+"""
 
 import numpy as np
 
 from postproc.effects import State
 
+FILES = 8  # recordings of a laser whose air may change, each in its own way
 PARAMETERS = {
     "ppm_K": "um/(m K), reading over beam length and the air's temperature since the recording's first reading",
     "wrong_ppm": "um/m, by how much the air that the laser was told of is wrong from the first reading on",
     "told": "1, the laser was told of other air; 0, it was not",
+    "by": "1, the air changed with its recorded temperature; 0, it did not change; below zero: it changed with the time, in each of the laser's recordings in its own way",
+    **{f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}" for k in range(1, FILES + 1)},
 }
+EXPECTED = {"ppm_K": -1}
 PLAUSIBLE = {"ppm_K": (-30.0, 30.0), "wrong_ppm": (-150.0, 150.0)}  # beyond, it is something else
-OPTIONAL = {"told": 0.0, "wrong_ppm": 0.0}
+OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {f"ppm_h_{k}": 0.0 for k in range(1, FILES + 1)}
 KIND, USE, PER = "instrument", "recording", "all"
-NEEDS, SEES = ("time", "T_air_C"), ("laser",)
+NEEDS, SEES = (), ("laser",)
 TEXT = (
-    "The air along the beam warmed and the laser did not know. "
+    "The air along the beam changed, or was not the air that the laser had been told of. "
     "Use the laser's weather station; correct the recording, not the machine."
 )
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"told": 0.0}, {"told": 1.0}]
+    lit = _lit(state)
+    air = state.channel("T_air_C")
+    if air is not None and all(np.ptp(air[state.file == f]) > 0 for f in lit):
+        ways = [1.0]
+    else:
+        lasting = len(lit) and all(np.ptp(state.time[state.file == f]) > 0 for f in lit)
+        ways = [-float(len(lit))] if lasting and len(lit) <= FILES else []
+    return [{"told": t, "by": by} for by in ways for t in (0.0, 1.0)] + [{"told": 1.0, "by": 0.0}]
 
 
-def columns(state: State, axis: str, told: float = 0.0) -> np.ndarray:
-    air = state.channels["T_air_C"]
-    warmer = np.zeros(len(air))
-    for file in np.unique(state.file):
-        own = np.flatnonzero(state.file == file)
-        warmer[own] = air[own] - air[own[np.argmin(state.time[own])]]
-    grown = warmer * state.beam * 1e-6
-    return np.stack([grown, state.beam * 1e-6]) if told else grown[None]
+def _lit(state: State) -> np.ndarray:
+    """The recordings in which a beam grows longer."""
+    return np.unique(state.file[state.beam > 0])
+
+
+def columns(state: State, axis: str, told: float = 0.0, by: float = 1.0) -> np.ndarray:
+    found = []
+    if by > 0:
+        grown = np.zeros(len(state))
+        for file in np.unique(state.file):
+            grown += _since(state, state.channels["T_air_C"], file)
+        found.append(grown)
+    if by < 0:
+        lit = _lit(state)[: int(-by)]
+        found += [_since(state, state.time / 3600.0, file) for file in lit]
+        found += [np.zeros(len(state))] * (int(-by) - len(lit))
+    return np.stack([v * state.beam * 1e-6 for v in found] + ([state.beam * 1e-6] if told else []))
+
+
+def _since(state: State, driver: np.ndarray, file: float) -> np.ndarray:
+    """(N,) what a driver (N,) changed by since the first reading of a recording; elsewhere zero."""
+    own = np.flatnonzero(state.file == file)
+    changed = np.zeros(len(state))
+    changed[own] = driver[own] - driver[own[np.argmin(state.time[own])]]
+    return changed
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    wrong = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"ppm_K": float(coefficients[0]), "wrong_ppm": wrong, "told": shape["told"]}
+    value = [float(v) for v in coefficients]
+    wrong = value.pop() if shape["told"] else 0.0
+    by = shape.get("by", 1.0)
+    named = {"ppm_K": value[0] if by > 0 else 0.0, "wrong_ppm": wrong, "told": shape["told"], "by": by}
+    rates = (value if by < 0 else []) + [0.0] * FILES
+    return named | {f"ppm_h_{k}": rates[k - 1] for k in range(1, FILES + 1)}
 
 
-def coefficients(ppm_K: float, wrong_ppm: float = 0.0, told: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm_K, wrong_ppm] if told else [ppm_K]), {"told": told}
+def coefficients(
+    ppm_K: float = 0.0, wrong_ppm: float = 0.0, told: float = 0.0, by: float = 1.0, ppm_h_1: float = 0.0, ppm_h_2: float = 0.0,
+    ppm_h_3: float = 0.0, ppm_h_4: float = 0.0, ppm_h_5: float = 0.0, ppm_h_6: float = 0.0, ppm_h_7: float = 0.0, ppm_h_8: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    rates = [ppm_h_1, ppm_h_2, ppm_h_3, ppm_h_4, ppm_h_5, ppm_h_6, ppm_h_7, ppm_h_8]
+    value = [ppm_K] if by > 0 else rates[: int(-by)]
+    return np.array([*value, wrong_ppm] if told else value), {"told": told, "by": by}

@@ -14,8 +14,10 @@ PARAMETERS = {
     "by_travel": "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time",
     "held_at_mm": "mm, where the screw is held: it grows from there",
     "free": "1, what holds it grows too; 0, it does not",
+    "warm_ppm": "um/m, by how much it was longer already at the first reading than when the map was made",
+    "warm": "1, it was warm at the first reading, from a use that was not recorded; 0, it was not",
 }
-OPTIONAL = {"by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0}
+OPTIONAL = {"by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0, "warm_ppm": 0.0, "warm": 0.0}
 EXPECTED = {"alpha_ppm_K": 1}
 PLAUSIBLE = {"alpha_ppm_K": (-150.0, 150.0), "fixed_um_K": (-60.0, 60.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
@@ -34,25 +36,51 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ends = [(low, 0.0), (high, 0.0), (0.0, 1.0)]
     known = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C") is not None
     heats = [(0.0, 0.0)] if known else [(v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)]
-    return [{"tau_s": t, "by_travel": w, "held_at_mm": end, "free": free} for t, w in heats for end, free in ends]
+    cold = [(end, free, 0.0) for end, free in ends]
+    ways = cold if known else [*cold, *((end, free, 1.0) for end, free in ends)]
+    return [
+        {"tau_s": t, "by_travel": w, "held_at_mm": end, "free": free, "warm": warm}
+        for t, w in heats
+        for end, free, warm in ways
+    ]
+
+
+def instead(shape: dict[str, float]) -> bool:
+    """Warm from the beginning: said where heat and a scale error would both be needed. Where nobody recorded how warm the
+    screw was, the one cause says both."""
+    return bool(shape["warm"])
 
 
 def columns(
-    state: State, axis: str, tau_s: float, by_travel: float = 0.0, held_at_mm: float = 0.0, free: float = 1.0
+    state: State,
+    axis: str,
+    tau_s: float,
+    by_travel: float = 0.0,
+    held_at_mm: float = 0.0,
+    free: float = 1.0,
+    warm: float = 0.0,
 ) -> np.ndarray:
     heat = warmth(state, axis, tau_s, by_travel)
-    grown = heat * (state.position[axis] - held_at_mm) * 1e-3
-    return along(axis, grown, heat) if free else along(axis, grown)
+    place = (state.position[axis] - held_at_mm) * 1e-3
+    return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    fixed = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"alpha_ppm_K": float(coefficients[0]), "fixed_um_K": fixed} | shape
+    value = [float(v) for v in coefficients]
+    warm = value.pop() if shape.get("warm") else 0.0
+    fixed = value[1] if len(value) > 1 else 0.0
+    return {"alpha_ppm_K": value[0], "fixed_um_K": fixed} | shape | {"warm_ppm": warm, "warm": shape.get("warm", 0.0)}
 
 
 def coefficients(
     alpha_ppm_K: float, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0, held_at_mm: float = 0.0,
-    free: float = 1.0,
+    free: float = 1.0, warm_ppm: float = 0.0, warm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    value = np.array([alpha_ppm_K, fixed_um_K] if free else [alpha_ppm_K])
-    return value, {"tau_s": tau_s, "by_travel": by_travel, "held_at_mm": held_at_mm, "free": free}
+    value = [alpha_ppm_K, *([fixed_um_K] if free else []), *([warm_ppm] if warm else [])]
+    return np.array(value), {
+        "tau_s": tau_s,
+        "by_travel": by_travel,
+        "held_at_mm": held_at_mm,
+        "free": free,
+        "warm": warm,
+    }

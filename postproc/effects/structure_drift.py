@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, along, late
+from postproc.effects import State, along, begun, late
 
 PARAMETERS = {
     "size_um": "um per K, drift over the temperature of bed or room; where none is recorded um at the end",
@@ -25,8 +25,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if not len(state.time):
         return []
     files = np.unique(state.file)
+    first = float(state.time[begun(state)])
     starts = sorted({float(state.time[state.file == f].min()) for f in files})
-    begins = [-1.0, *(t for t in starts[1:] if t > starts[0])]
+    begins = [-1.0, *(t for t in starts if t > first)]
     ways = [(0.0, -1.0, -1.0)] if state.channel("T_bed_C") is not None else []
     if state.channel("T_air_C") is not None:
         ways += [(-v, -1.0, -1.0) for v in (1.0, 1000.0, 3000.0, 9000.0)]
@@ -44,11 +45,11 @@ def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: f
         gone[own] = (t - t.min()) / max(float(np.ptp(t)), 1.0) if own.any() else 0.0
         return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
-        return along(axis, late(state, air - air[0], -tau_s))
+        return along(axis, late(state, air - air[begun(state)], -tau_s))
     if tau_s == 0 and bed is not None:
-        return along(axis, bed - bed[0])
+        return along(axis, bed - bed[begun(state)])
     tau = max(tau_s, 1.0)
-    gone = np.maximum(state.time - (state.time.min() if from_s < 0 else from_s), 0.0)
+    gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
     return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))
 
 

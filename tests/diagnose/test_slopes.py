@@ -1,0 +1,115 @@
+"""Causes that are a slope along an axis are told apart: by the instruments in which they show, by time, by temperature."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import effects, recordings
+from postproc.cli import main
+from postproc.diagnose import rows
+from postproc.diagnose.signals import signals_of
+from postproc.effects import State
+from postproc.machine.file import read_machine
+
+STUDER = str(Path(__file__).resolve().parents[2] / "machines" / "studer-s36")
+HEAD = '# format = "gcomp-recording/1"\n# kind = "targets"\n# instrument = "{}"\n# quantity = "displacement"\n# sensitive = {{ Z = 1.0 }}\n'
+
+
+def targets(instrument: str) -> recordings.Recording:
+    table = "run,t_s,Z_mm,approach_Z,reading_um\n" + "".join(f"1,{10 * k},{50 * k},1,0.0\n" for k in range(8))
+    return recordings.read(recordings.Source("r.csv", (HEAD.format(instrument) + table).encode()))
+
+
+@pytest.mark.parametrize(
+    "instrument, longest",
+    [("laser interferometer", 350.0), ("", 350.0), ("in-process gauge", 0.0), ("dial gauge", 0.0)],
+)
+def test_only_light_has_a_beam(instrument, longest):
+    (_, columns), *_ = signals_of(targets(instrument), read_machine(Path(STUDER)))
+    assert columns["beam"].max() == longest
+
+
+def state(**channels: np.ndarray) -> State:
+    """Two recordings, one after the other, of six readings each."""
+    n = 12
+    return State(
+        {"Z": np.tile(np.linspace(0.0, 500.0, 6), 2)}, {"Z": np.ones(n)}, {"Z": (0.0, 500.0)},
+        time=np.concatenate([np.arange(6) * 600.0 + 60.0, np.arange(6) * 600.0 + 7200.0]), channels=channels,
+        beam=np.tile(np.linspace(0.0, 500.0, 6), 2), file=np.repeat([0.0, 1.0], 6), passage=-np.ones(n),
+    )  # fmt: skip
+
+
+def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
+    module, s = effects.load("laser_air"), state()
+    assert module.shapes(s, "") == [{"told": 0.0, "by": -2.0}, {"told": 1.0, "by": -2.0}, {"told": 1.0, "by": 0.0}]
+    first, second, told = module.columns(s, "", told=1.0, by=-2.0)
+    assert first[5] == pytest.approx(500e-6 * 3000 / 3600) and not first[6:].any()  # 1 ppm/h over 500 mm and 50 min
+    assert not second[:6].any() and second[11] == pytest.approx(first[5])
+    assert told == pytest.approx(s.beam * 1e-6)
+    named = module.parameters(np.array([2.0, -3.0, 7.0]), {"told": 1.0, "by": -2.0})
+    assert (named["ppm_h_1"], named["ppm_h_2"], named["ppm_h_3"], named["wrong_ppm"]) == (2.0, -3.0, 0.0, 7.0)
+    value, shape = module.coefficients(**named)
+    assert list(value) == [2.0, -3.0, 7.0] and shape == {"told": 1.0, "by": -2.0}
+
+
+def test_recorded_air_is_what_the_laser_follows():
+    s = state(T_air_C=np.linspace(20.0, 22.0, 12))
+    assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {1.0, 0.0}
+
+
+def test_a_screw_that_may_have_been_warm_is_offered_only_without_its_temperature():
+    module = effects.load("screw_heat")
+    assert any(module.instead(shape) for shape in module.shapes(state(), "Z"))
+    known = state(T_screw_Z_C=np.linspace(20.0, 22.0, 12))
+    assert not any(module.instead(shape) for shape in module.shapes(known, "Z"))
+
+
+def test_a_temperature_goes_from_reading_to_reading_and_begins_as_the_room():
+    air = np.where(np.arange(12) < 6, 19.0, np.nan)
+    screw = np.where(np.arange(12) < 6, np.nan, 25.0)
+    filled = rows._filled("T_screw_Z_C", state(T_air_C=air, T_screw_Z_C=screw))
+    assert filled[0] == 19.0 and list(filled[6:]) == [25.0] * 6
+    assert filled[3] == pytest.approx(19.0 + 6.0 * 1800.0 / 7140.0)
+    untimed = replace(state(T_screw_Z_C=screw), time=np.zeros(12))
+    assert list(rows._filled("T_screw_Z_C", untimed)) == [25.0] * 12
+
+
+def changed(file: Path, wrong_ppm: float, ppm_h: float) -> None:
+    """A laser's recording whose air was not recorded, was told wrong, and changed while it lasted."""
+    lines = file.read_text().splitlines(keepends=True)
+    head = "".join(line for line in lines if line.startswith("#"))
+    table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    letter = max("XZ", key=lambda x: np.ptp([float(r[f"{x}_mm"]) for r in table]))
+    p, t = (np.array([float(r[name]) for r in table]) for name in (f"{letter}_mm", "t_s"))
+    more = (wrong_ppm + ppm_h * (t - t[0]) / 3600.0) * (p - p[0]) * 1e-3
+    out = io.StringIO()
+    names = [n for n in table[0] if not n.startswith("T_")]
+    writer = csv.DictWriter(out, names, extrasaction="ignore")
+    writer.writeheader()
+    for row, add in zip(table, more, strict=True):
+        writer.writerow(row | {"reading_um": f"{float(row['reading_um']) + add:.2f}"})
+    file.write_text(head + out.getvalue())
+
+
+def test_one_air_says_the_slopes_of_all_lasers(tmp_path):
+    files = []
+    for number, test in enumerate(("positioning:Z", "positioning:X", "ballbar:XZ")):
+        file = tmp_path / f"r{number}.csv"
+        asked = ["simulate", "--test", test, "--machine", STUDER, "--noise", "0.4", "--seed", str(number + 5)]
+        assert main([*asked, "-o", str(file), "--quiet"]) == 0
+        files.append(file)
+    changed(files[0], 25.0, -20.0)
+    changed(files[1], 25.0, 30.0)
+    out = tmp_path / "answer.json"
+    assert main(["diagnose", *map(str, files), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
+    told = json.loads(out.read_text())
+    found = [(e["effect"], e["axis"]) for e in told["effects"] if e["status"] == "accepted"]
+    assert found == [("laser_air", None)]
+    assert told["effects"][0]["parameters"]["wrong_ppm"]["value"] == pytest.approx(25.0, rel=0.2)
