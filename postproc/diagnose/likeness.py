@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.diagnose.rows import Rows, of
+from postproc.diagnose.rows import XYZ, Rows, of
 from postproc.errors import Place
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
@@ -58,6 +58,10 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> list[st
                 )  # fmt: skip
         if share > HALF:
             continue  # an effect that looks like a detail of the map, and is larger: for others to name
+        if recording.kind == "ballbar":  # a lag, a give, a scale of one axis make an ellipse; so may the map
+            finer, its_error = _share(rows.pick(rows.file == number), ellipses=True)
+            if its_error > SURE * max(1.0, abs(finer)) or finer + WIDE * its_error >= HALF:
+                continue
         result.append(
             f"{recording.file}: what the map of {machine.name} says is not in these readings: they hold {share:.2f} of it "
             f"({share - 2 * error:.2f} to {share + 2 * error:.2f}). Another machine, rows mixed up, or a table of the control that the machine's "
@@ -113,8 +117,9 @@ def _places(recording: Recording, machine: Machine, share: float, error: float) 
     return ""
 
 
-def _share(rows: Rows) -> tuple[float, float]:
-    """How much of the map's details the readings hold, and its standard error; (1, inf) where the map has none."""
+def _share(rows: Rows, ellipses: bool = False) -> tuple[float, float]:
+    """How much of the map's details the readings hold, and its standard error; (1, inf) where the map has none. ellipses: what
+    goes with the place, the speed or the side of an axis, as a circle shows it, is no detail either."""
     columns = []
     for signal in np.unique(rows.signal):
         which = (rows.signal == signal).astype(float)
@@ -124,6 +129,10 @@ def _share(rows: Rows) -> tuple[float, float]:
         for x, p in rows.state.position.items():
             side = rows.state.approach[x]
             columns += [which * p, which * side, which * side * p]
+            if ellipses:
+                along = which * rows.direction[:, XYZ.index(x)]
+                columns += [along * q for q in rows.state.position.values()]
+                columns += [along * side, along * rows.state.velocity[x]]
         columns += (
             [which * rows.direction[:, i] for i in range(3)]
             if rows.state.passage[rows.signal == signal][0] >= 0
