@@ -13,7 +13,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from postproc.diagnose import library, waves
-from postproc.diagnose.fit import Projector, solve
+from postproc.diagnose.fit import Projector, inverse, solve
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 
@@ -28,6 +28,7 @@ RARE = {  # what is taken only where it is clearly better than its kin; below ze
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
+NOTHING = 1e-6  # of a column's power: with less left, the nuisances and the chosen say all that it could
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -113,17 +114,14 @@ class Selector:
         own = np.einsum("ij,ij->j", self.stack, weighted)
         power = own - np.einsum("ij,ij->j", cross, inside)
         for k, part in enumerate(self.slices):
-            if np.any(power[part] < 1e-6 * own[part]):
-                continue  # the nuisances and the chosen say all that it could
+            if np.any(power[part] < NOTHING * own[part]):
+                continue
             b = after[part]
             if part.stop - part.start == 1:
                 solved = b / power[part.start]
             else:
                 a = self.stack[:, part].T @ weighted[:, part] - cross[:, part].T @ inside[:, part]
-                try:
-                    solved = np.linalg.solve(a, b)
-                except np.linalg.LinAlgError:
-                    continue
+                solved = inverse(a, own[part], NOTHING) @ b
             fall = np.einsum("i...,i...->...", b, solved)
             if y is None and not plausible(self.blocks[k], solved):
                 continue
