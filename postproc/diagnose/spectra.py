@@ -43,8 +43,8 @@ def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[fl
     if span < 1.0 or not len(steps):
         return []
     finest = min(0.5 / float(np.quantile(steps, SMALL_STEPS)), 1 / FINEST, MOST_BINS / (span * FINE * 2))
-    bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 2)))
-    step = span * 2 / bins
+    bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 4)))
+    step = span * 4 / bins  # a quarter of what the span resolves: between two frequencies nothing is lost
     at, each, own = _samples(place)
     sums = np.fft.rfft(np.bincount(((at - at.min()) / step).astype(int), weighted[own] * each, bins)[:bins])
     frequencies = np.fft.rfftfreq(bins, step)
