@@ -1,5 +1,5 @@
-"""A wave that was found in a spectrum, as well as the readings tell it: its period, a second wave of half the period, a swing that
-grows along the travel."""
+"""Shapes as well as the readings tell them: between the values of the grid, and of a wave that was found in a spectrum its period, a
+second wave of half the period, a swing that grows along the travel."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from postproc.diagnose.select import Selector
 
 WORTH = 2.0  # score that what comes with a wave must add
+FIRST, HALVINGS, FAR = (
+    1.4,
+    5,
+    1.5,
+)  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
 WITHIN, TRIED, ROUNDS = 0.6, 5, 3  # of what the span resolves; periods tried each time
 
 
@@ -23,7 +28,7 @@ def polished(selector: Selector, chosen: list[int], k: int, sigma: np.ndarray) -
     """The number of the block, or of one at a likelier period, or with what comes with such a wave."""
     block = selector.blocks[k]
     if block.name not in FOUND:
-        return k
+        return _best(selector, chosen, k, _between(selector, chosen, block, sigma), sigma, 0.0)
     better = refined(selector.rows, block, selector.projector(chosen, sigma)(selector.y), sigma)
     if better.columns.shape[1] == block.columns.shape[1]:
         k = _best(selector, chosen, k, better, sigma, 0.0)
@@ -64,6 +69,30 @@ def _nearby(selector: Selector, chosen: list[int], block: Block, sigma: np.ndarr
             if tried is not None and (fall := _fall(p, tried, selector.y)) > most:
                 best, most = tried, fall
         within /= (TRIED - 1) / 2
+    return best
+
+
+def continuous(block: Block) -> dict[str, tuple[float, float]]:
+    """What of its shape has a value between those of the grid, with the range."""
+    named = getattr(block.module, "CONTINUOUS", {})
+    shape = dict(block.shape)
+    return {name: ends for name, ends in named.items() if shape[name] > 0 and shape[name] < ends[1] * FAR}
+
+
+def _between(selector: Selector, chosen: list[int], block: Block, sigma: np.ndarray) -> Block:
+    """The block at the likeliest values of its shape near those of the grid."""
+    p = selector.projector(chosen, sigma)
+    best, most = block, _fall(p, block, selector.y)
+    for name, (low, high) in continuous(block).items():
+        factor = FIRST
+        for _ in range(HALVINGS):
+            middle = dict(best.shape)[name]
+            for value in (middle / factor, middle * factor):
+                shape = {**dict(best.shape), name: float(np.clip(value, low, high))}
+                tried = _at(selector, block, shape)
+                if tried is not None and (fall := _fall(p, tried, selector.y)) > most:
+                    best, most = tried, fall
+            factor = float(np.sqrt(factor))
     return best
 
 

@@ -16,6 +16,8 @@ A module holds
   of instruments (K, N) mm of the reading;
 - parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
 
+- CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with their range; optional. At 0 or below they
+  mean something else and are not moved;
 - beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also

@@ -19,6 +19,7 @@ PARAMETERS = {
 }
 OPTIONAL = {"second_um": 0.0, "second_deg": 0.0, "grows_um": 0.0, "grows_deg": 0.0}
 SECOND, GROWS = 0.5, 0.5  # of the amplitude: beyond, it is another wave
+CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (

@@ -1,6 +1,7 @@
 """Cyclic reading error of a sensor: the scale says so, the table does not move so."""
 
 from postproc.effects.cyclic import (
+    CONTINUOUS,
     NEEDS,
     OPTIONAL,
     PARAMETERS,
@@ -13,7 +14,7 @@ from postproc.effects.cyclic import (
 )
 
 __all__ = [  # the same shape, seen elsewhere
-    "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible", "shapes",
+    "CONTINUOUS", "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible", "shapes",
 ]  # fmt: skip
 
 KIND, USE, PER = "instrument", "recording", "axis"

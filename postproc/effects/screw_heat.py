@@ -8,16 +8,21 @@ import numpy as np
 from postproc.effects import State, along, warmth
 
 PARAMETERS = {
-    "alpha_ppm_K": "um/(m K), expansion; where no temperature is recorded um/m at the end",
+    "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
+    "grown_ppm": "um/m, expansion at the end where no temperature is recorded",
     "fixed_um_K": "um per K, growth of what holds the screw",
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
     "by_travel": "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time",
     "held_at_mm": "mm, where the screw is held: it grows from there",
     "free": "1, what holds it grows too; 0, it does not",
 }
-OPTIONAL = {"by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0}
-EXPECTED = {"alpha_ppm_K": 1}
-PLAUSIBLE = {"alpha_ppm_K": (-150.0, 150.0), "fixed_um_K": (-60.0, 60.0)}  # beyond, it is something else
+OPTIONAL = {"alpha_ppm_K": 0.0, "grown_ppm": 0.0, "by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0}
+EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
+PLAUSIBLE = {
+    "alpha_ppm_K": (-150.0, 150.0),
+    "grown_ppm": (-150.0, 150.0),
+    "fixed_um_K": (-60.0, 60.0),
+}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "time"), ("tool", "part")
 WALLS = True  # features are wider where both their walls are farther apart
@@ -47,12 +52,15 @@ def columns(
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     fixed = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"alpha_ppm_K": float(coefficients[0]), "fixed_um_K": fixed} | shape
+    slope = float(coefficients[0])
+    alpha, grown = (0.0, slope) if shape["tau_s"] > 0 else (slope, 0.0)
+    return {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed} | shape
 
 
 def coefficients(
-    alpha_ppm_K: float, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0, held_at_mm: float = 0.0,
-    free: float = 1.0,
+    alpha_ppm_K: float = 0.0, grown_ppm: float = 0.0, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0,
+    held_at_mm: float = 0.0, free: float = 1.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    value = np.array([alpha_ppm_K, fixed_um_K] if free else [alpha_ppm_K])
+    slope = alpha_ppm_K + grown_ppm
+    value = np.array([slope, fixed_um_K] if free else [slope])
     return value, {"tau_s": tau_s, "by_travel": by_travel, "held_at_mm": held_at_mm, "free": free}

@@ -14,6 +14,7 @@ PARAMETERS = {
     "passages": "1, every passage has a phase of its own; 0, one for all",
 }
 OPTIONAL = {"passages": 0.0, "phase_deg": 0.0}
+CONTINUOUS = {"frequency_hz": (0.0, 1e5)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time", "velocity"), ("tool", "scale")
 TEXT = (
