@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.diagnose import restless, shared_jump, unrecorded
+from postproc.diagnose import intervals, restless, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
@@ -33,12 +33,11 @@ def of_jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, hel
 
 
 def of_block(rows: Rows, selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
-    block, part = model.blocks[k], model.part(k)
-    value = model.coefficients[part]
-    covariance = model.covariance[part, part]
-    named, ci = _intervals(block, value, covariance)
+    block = model.blocks[k]
+    value = model.coefficients[model.part(k)]
     rest = [c for j, c in enumerate(chosen) if j != k]
     scores = selector.scores(rest, model.sigma)
+    named, ci = intervals.of(selector, model, k, chosen, scores)
     own = float(scores[chosen[k]]) if np.isfinite(scores[chosen[k]]) else float(model.scores[k])
     best: dict[str, tuple[float, int]] = {}
     for other, score in enumerate(scores):
@@ -61,24 +60,6 @@ def of_creep(creep: restless.Creep, n: int) -> Finding:
     module, shape, value = restless.named(creep)
     block = Block(module, creep.axis, tuple(sorted(shape.items())), np.zeros((n, 1)))
     return Finding(block, value, {name: (v, v) for name, v in value.items()}, np.zeros(n), creep.fall, creep.fall, [])
-
-
-def _intervals(block: Block, value: np.ndarray, covariance: np.ndarray):
-    """Named parameters and their 95 % intervals, through the derivative of each by the coefficients."""
-    shape = dict(block.shape)
-    named = block.module.parameters(value, shape)
-    step = 1e-4 * np.maximum(np.sqrt(np.diag(covariance)), 1e-9)
-    slopes = {name: np.zeros(len(value)) for name in named}
-    for i in range(len(value)):
-        moved = value.copy()
-        moved[i] += step[i]
-        for name, v in block.module.parameters(moved, shape).items():
-            slopes[name][i] = (v - named[name]) / step[i]
-    ci = {}
-    for name, v in named.items():
-        sd = float(np.sqrt(max(slopes[name] @ covariance @ slopes[name], 0.0)))
-        ci[name] = (v - 1.96 * sd, v + 1.96 * sd)
-    return named, ci
 
 
 def limits(selector: Selector, chosen: list[int]) -> dict[str, float]:

@@ -13,6 +13,7 @@ import numpy as np
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
 
+SAME = 1e-9  # of a column's power: what is left of one that says the same as others
 FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
 TOLD, FEWEST_TERMS, WORSE, MOST_WORSE = 0.3, 8, 1.25, 4.0
@@ -147,12 +148,17 @@ def map_worse(u: np.ndarray, prior: np.ndarray, sigma: np.ndarray, y: np.ndarray
     return min(spread, MOST_WORSE) if spread > WORSE else 1.0
 
 
-def solve(
-    projector: Projector, columns: np.ndarray, y: np.ndarray, ridge: float = 1e-9
-) -> tuple[np.ndarray, np.ndarray]:
+def solve(projector: Projector, columns: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(K,) coefficients and (K, K) covariance of columns (N, K)."""
     after = projector(columns)
-    a = columns.T @ after
-    a = a + ridge * np.diag(np.maximum(np.diag(a), 1e-30))
-    covariance = np.linalg.pinv(a, rcond=1e-12, hermitian=True)
+    covariance = inverse(columns.T @ after, np.einsum("ij,ij,i->j", columns, columns, projector.w), SAME)
     return covariance @ (after.T @ y), covariance
+
+
+def inverse(a: np.ndarray, own: np.ndarray, least: float) -> np.ndarray:
+    """(K, K) inverse of D'P D without the directions of which less than that share of the columns' own power, (K,) D'W D, is left:
+    there is nothing but the rounding of numbers in them."""
+    size = np.sqrt(np.maximum(own, 1e-30))
+    power, way = np.linalg.eigh(a / np.outer(size, size))
+    keep = power > least
+    return (way[:, keep] / power[keep]) @ way[:, keep].T / np.outer(size, size)

@@ -9,13 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 MOST_DIGITS = 6  # significant digits that are still a rounding worth to be looked for
+FEW = 3  # values: fewer tell no rounding, an axis that stands at 205 mm may be known to 0.1 um
 COARSE = 2e-3  # mm: finer rounding is lost in what else scatters
 
 
 def step(values: np.ndarray) -> np.ndarray:
     """(N,) by how much each value is rounded, in its unit; 0 where values have more than six significant digits."""
     known = np.abs(values[np.isfinite(values) & (values != 0)])
-    if not len(known):
+    if len(np.unique(known)) < FEW:
         return np.zeros(len(values))
     for digits in range(1, MOST_DIGITS + 1):
         scale = 10.0 ** (np.floor(np.log10(known) + 1e-12) - digits + 1)

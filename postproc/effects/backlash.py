@@ -14,6 +14,7 @@ PARAMETERS = {
 OPTIONAL = {"play_mm": 0.0}
 SMALL = 0.02  # mm
 EXPECTED = {"size_um": 1}
+CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach",), ("tool",)
 TEXT = (

@@ -17,6 +17,7 @@ PARAMETERS = {
 }
 OPTIONAL = {"b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
 SMALL = 0.02  # mm
+CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool",)
 TEXT = (

@@ -8,7 +8,8 @@ import numpy as np
 from postproc.effects import State, along, warmth
 
 PARAMETERS = {
-    "alpha_ppm_K": "um/(m K), expansion; where no temperature is recorded um/m at the end",
+    "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
+    "grown_ppm": "um/m, expansion at the end where no temperature is recorded",
     "fixed_um_K": "um per K, growth of what holds the screw",
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
     "by_travel": "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time",
@@ -17,9 +18,13 @@ PARAMETERS = {
     "warm_ppm": "um/m, by how much it was longer already at the first reading than when the map was made",
     "warm": "1, it was warm at the first reading, from a use that was not recorded; 0, it was not",
 }
-OPTIONAL = {"by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0, "warm_ppm": 0.0, "warm": 0.0}
-EXPECTED = {"alpha_ppm_K": 1}
-PLAUSIBLE = {"alpha_ppm_K": (-150.0, 150.0), "fixed_um_K": (-60.0, 60.0)}  # beyond, it is something else
+OPTIONAL = {
+    "alpha_ppm_K": 0.0, "grown_ppm": 0.0, "by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0, "warm_ppm": 0.0, "warm": 0.0,
+}  # fmt: skip
+EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
+PLAUSIBLE = {  # beyond, it is something else
+    "alpha_ppm_K": (-150.0, 150.0), "grown_ppm": (-150.0, 150.0), "fixed_um_K": (-60.0, 60.0),
+}  # fmt: skip
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "time"), ("tool", "part")
 WALLS = True  # features are wider where both their walls are farther apart
@@ -69,14 +74,16 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     value = [float(v) for v in coefficients]
     warm = value.pop() if shape.get("warm") else 0.0
     fixed = value[1] if len(value) > 1 else 0.0
-    return {"alpha_ppm_K": value[0], "fixed_um_K": fixed} | shape | {"warm_ppm": warm, "warm": shape.get("warm", 0.0)}
+    alpha, grown = (0.0, value[0]) if shape["tau_s"] > 0 else (value[0], 0.0)
+    sizes = {"alpha_ppm_K": alpha, "grown_ppm": grown, "fixed_um_K": fixed}
+    return sizes | shape | {"warm_ppm": warm, "warm": shape.get("warm", 0.0)}
 
 
 def coefficients(
-    alpha_ppm_K: float, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0, held_at_mm: float = 0.0,
-    free: float = 1.0, warm_ppm: float = 0.0, warm: float = 0.0,
+    alpha_ppm_K: float = 0.0, grown_ppm: float = 0.0, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0,
+    held_at_mm: float = 0.0, free: float = 1.0, warm_ppm: float = 0.0, warm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    value = [alpha_ppm_K, *([fixed_um_K] if free else []), *([warm_ppm] if warm else [])]
+    value = [alpha_ppm_K + grown_ppm, *([fixed_um_K] if free else []), *([warm_ppm] if warm else [])]
     return np.array(value), {
         "tau_s": tau_s,
         "by_travel": by_travel,

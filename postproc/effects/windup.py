@@ -13,6 +13,7 @@ PARAMETERS = {
 }
 PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 EXPECTED = {"size_um": 1}
+CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool",)
 TEXT = (

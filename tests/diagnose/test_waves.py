@@ -1,0 +1,85 @@
+"""Waves in rows that are means of samples, and how sure a named parameter is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from postproc.diagnose import fit, intervals, rounding, spectra
+from postproc.effects import State, cyclic, waves_of
+
+RNG = np.random.default_rng(11)
+
+
+def sampled(step: np.ndarray, each: int = 4) -> np.ndarray:
+    """(W, N) mm: places of samples that are so far apart, each four a row."""
+    return np.cumsum(np.repeat(step, each)).reshape(-1, each).T
+
+
+def test_a_row_shows_the_mean_of_its_samples():
+    """Samples a third of a mm apart of a wave of nearly that length stand in nearly one phase: their mean keeps most of it, where
+    an even average over 1.33 mm would keep 0.05 of it."""
+    place = np.arange(4)[:, None] / 3 + np.zeros((1, 1))
+    state = State(
+        position={"X": place.mean(axis=0)}, approach={"X": np.ones(1)}, travel={"X": (0.0, 9.0)}, inside={"X": place}
+    )
+    swing = np.hypot(*waves_of(state, "X", 1 / 0.313))
+    phase = np.pi / 3 / 0.313
+    assert swing == pytest.approx(abs(np.sin(4 * phase) / (4 * np.sin(phase))))  # the sum of a geometric series
+    assert swing > 0.85 > 0.06 > abs(np.sinc(4 / 3 / 0.313))
+
+
+def test_samples_beyond_the_number_of_a_row_count_for_nothing():
+    place = np.array([[1.0], [2.0], [np.nan]])
+    state = State(
+        position={"X": np.array([1.5])}, approach={"X": np.ones(1)}, travel={"X": (0.0, 9.0)}, inside={"X": place}
+    )
+    assert waves_of(state, "X", 0.2)[0] == pytest.approx(np.mean(np.cos(2 * np.pi * 0.2 * np.array([1.0, 2.0]))))
+
+
+@pytest.mark.parametrize("period", [0.12, 0.313, 1.7])
+def test_periods_shorter_than_a_row_are_found_in_its_samples(period):
+    """Fast, slow and turning: rows reach over 0.04 to 1.6 mm."""
+    place = sampled(np.concatenate([np.full(400, 0.01), np.full(500, 0.33), np.full(300, 0.4), np.full(400, 0.013)]))
+    row = np.mean(np.cos(2 * np.pi * place / period + 0.7), axis=0) + RNG.normal(0, 0.3, place.shape[1])
+    best, *_ = spectra._fine(place, row, np.ones(len(row)))
+    assert 1 / best == pytest.approx(1 / period, abs=0.5 / np.ptp(place))
+
+
+def test_what_comes_with_a_wave_is_small_beside_it():
+    assert cyclic.sensible(amplitude_um=4.0, second_um=1.0, grows_um=0.5)
+    assert not cyclic.sensible(amplitude_um=4.0, second_um=3.0, grows_um=0.0)
+    assert not cyclic.sensible(amplitude_um=4.0, second_um=0.0, grows_um=3.0)
+
+
+def test_the_interval_of_one_shape_is_that_of_a_normal_distribution():
+    assert intervals._ends([(1.0, 5.0, 2.0)]) == pytest.approx((5 - 1.96 * 2, 5 + 1.96 * 2))
+
+
+def test_two_shapes_as_likely_hold_half_of_the_rest_each():
+    """Far apart, each has 5 % of its own beyond the interval: 1.645 standard deviations."""
+    low, high = intervals._ends([(3.0, 0.0, 1.0), (3.0, 100.0, 2.0)])
+    assert (low, high) == pytest.approx((-1.645, 100 + 2 * 1.645), abs=0.01)
+
+
+def test_a_shape_that_is_unlikely_widens_little():
+    low, high = intervals._ends([(1.0, 0.0, 1.0), (0.001, 3.0, 1.0)])
+    assert -1.97 < low < -1.95 and 1.96 <= high < 2.0
+
+
+def test_columns_that_say_the_same_are_one():
+    """Of two columns that differ by less than the rounding of numbers the fit is that of one, not one that is torn apart."""
+    column = RNG.normal(size=200)
+    columns = np.stack([column, column * (1 + 1e-13)], axis=1)
+    p = fit.Projector.of(np.ones(200), np.ones((200, 1)), np.array([fit.FREE]))
+    value, covariance = fit.solve(p, columns, 3.0 * column)
+    assert value == pytest.approx([1.5, 1.5], rel=1e-6)
+    assert np.abs(covariance).max() < 1.0
+
+
+def test_an_axis_that_stands_tells_no_rounding():
+    """Commanded 205.0000 all the time is no log that is rounded to 1 mm; positions that change in whole mm are."""
+    still, noisy = np.full(50, 205.0), 205.0 + RNG.integers(-9, 9, 50) * 1e-4
+    assert rounding.noise(still, noisy) == pytest.approx(np.full(50, 1e-4 / np.sqrt(12)))
+    whole = np.arange(150.0, 200.0)
+    assert rounding.step(whole) == pytest.approx(np.ones(50))
