@@ -17,6 +17,7 @@ MUCH_LEFT = 0.1  # of what the largest of them explains: many names that leave s
 MOST_LEFT = 0.04  # of what was there: with more left, names are no answer
 CONCERNS = 0.3  # of what is left in a signal
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
+BREAKAWAY = 0.5  # of the friction in motion: so much more may hold a slide when it starts
 FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
 
 
@@ -101,6 +102,25 @@ def _curves(d: Diagnosis) -> list[Finding]:
     ]  # fmt: skip
 
 
+def _turns(d: Diagnosis) -> list[Finding]:
+    """Excursions after a turn that are how the friction of that axis turns round, not another cause: with them the axis never lags
+    by much more than that friction makes it lag."""
+    friction: dict[str, float] = {}
+    for f in d.findings:
+        if f.block.name == "coulomb_friction":
+            friction[f.block.axis] = friction.get(f.block.axis, 0.0) + f.value["size_um"] / 2
+    q = np.linspace(0.0, 8.0, 81)
+    found = []
+    for f in d.findings:
+        level = friction.get(f.block.axis, 0.0)
+        if f.block.name == "reversal_spike" and level > 0:
+            excursion = (f.value["size_um"] + f.value["slope_um"] * q) * np.exp(-q)
+            # from minus the friction, before it has turned, to the friction of a slide that starts
+            if excursion.min() > -(2 + BREAKAWAY) * level and excursion.max() < BREAKAWAY * level:
+                found.append(f)
+    return found
+
+
 def _around_steps(d: Diagnosis) -> np.ndarray:
     """(N,) bool: rows held out between the last reading before a lost step and the first after it: nobody knows when it was."""
     result = np.zeros(len(d.rows), bool)
@@ -122,9 +142,8 @@ def _borne_out(d: Diagnosis, f: Finding, rows: np.ndarray) -> bool:
 
 def doubted(d: Diagnosis) -> None:
     """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear it out."""
-    if d.doubts:
-        for f in d.findings:
-            f.status = "tentative"
+    for f in d.findings if d.doubts else _turns(d):
+        f.status = "tentative"
     # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
     swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
     swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
