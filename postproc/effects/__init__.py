@@ -100,8 +100,11 @@ def along(axis: str, *values: np.ndarray) -> np.ndarray:
 
 
 def begun(state: State) -> int:
-    """The first row whose time was recorded (where none was, all are zero)."""
-    return int(np.argmin(np.where(state.time > 0, state.time, np.inf)))
+    """The first row of the recordings whose times were recorded; in the others all are zero."""
+    timed = state.time != 0
+    if len(state.file) == len(timed):
+        timed = np.isin(state.file, state.file[timed])
+    return int(np.argmin(np.where(timed, state.time, np.inf)))
 
 
 def warmth(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.ndarray:
