@@ -15,6 +15,7 @@ import numpy as np
 from postproc.diagnose import library, waves
 from postproc.diagnose.fit import Projector, inverse, solve
 from postproc.diagnose.library import Block, found
+from postproc.diagnose.parted import parted
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.stacked import Stack
 
@@ -148,6 +149,7 @@ class Selector:
             if key in seen or len(chosen) >= MOST:
                 break
             seen.add(key)
+        chosen = parted(self, chosen, sigma, MOST)
         for _ in range(MOST):
             pruned = self._drop(chosen, self._reweighed(chosen))
             if pruned == chosen:
@@ -161,10 +163,14 @@ class Selector:
         for k in np.argsort(-score):
             if score[k] < self.least:
                 break
-            fits = self._counts([*chosen, int(k)]) and self._beside(chosen, int(k), sigma)
-            if fits and self._material(chosen, int(k), sigma):
+            if self.fits(chosen, int(k), sigma):
                 return [*chosen, waves.polished(self, chosen, int(k), sigma)]
         return chosen
+
+    def fits(self, chosen: list[int], k: int, sigma: np.ndarray) -> bool:
+        """Whether a block may stand beside the chosen, whatever its score."""
+        alone = not self.instead[k] and self._counts([*chosen, k])
+        return alone and self._beside(chosen, k, sigma) and self._material(chosen, k, sigma)
 
     def let_in(self, block: Block) -> int:
         """The number of a block, which is added where it is new."""
