@@ -61,7 +61,11 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
         if need == "velocity" and not any(np.any(state.velocity[x]) for x in letters):
             return False
         # Two axes are compared where both move at once: a circle in another plane says nothing of the pair.
-        if need == "velocity" and module.PER == "pair" and not np.any(state.velocity[axis[0]] * state.velocity[axis[1]]):
+        if (
+            need == "velocity"
+            and module.PER == "pair"
+            and not np.any(state.velocity[axis[0]] * state.velocity[axis[1]])
+        ):
             return False
         if need == "acceleration" and not any(np.any(state.acceleration[x]) for x in letters):
             return False

@@ -85,6 +85,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
         of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
         of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
         of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which], state.lines,
+        of_each(state.inside),
     )  # fmt: skip
 
 
@@ -126,7 +127,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
         distance={x: column(f"{x} distance", FAR) for x in letters}, since={x: column(f"{x} since", FAR) for x in letters},
         time=column("time"), run=column("run"), channels={c: column(f"channel {c}", np.nan) for c in channels},
-        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"),
+        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"), inside=_inside(parts, letters),
     )  # fmt: skip
     state = replace(state, channels={c: _filled(c, state) for c in channels})
     angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
@@ -143,6 +144,25 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         column("rounding"),
     )  # fmt: skip
     return replace(rows, known=predicted(rows, machine))
+
+
+def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
+    """Axis, or "time", to (W, N): where, and when, the samples of each row were taken."""
+    most = max((len(p["inside"]["time"]) for p in parts if "inside" in p), default=0)
+    if most == 0:
+        return {}
+    result = {}
+    for name in ("time", *letters):
+        columns = []
+        for p in parts:
+            one = np.full((most, len(p["y"])), np.nan)
+            one[0] = p.get("time" if name == "time" else f"{name} position", 0.0)
+            own = p.get("inside", {}).get(name)
+            if own is not None:
+                one[: len(own)] = own
+            columns.append(one)
+        result[name] = np.concatenate(columns, axis=1)
+    return result
 
 
 def _passages(parts: list[dict]) -> np.ndarray:

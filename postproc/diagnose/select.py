@@ -12,9 +12,9 @@ from itertools import combinations
 
 import numpy as np
 
-from postproc.diagnose import library
+from postproc.diagnose import library, waves
 from postproc.diagnose.fit import Projector, solve
-from postproc.diagnose.library import FOUND, Block, found, refined
+from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.stacked import Stack
 
@@ -168,22 +168,17 @@ class Selector:
                 break
             fits = self._counts([*chosen, int(k)]) and self._beside(chosen, int(k), sigma)
             if fits and self._material(chosen, int(k), sigma):
-                return [*chosen, self._polished(chosen, int(k), sigma)]
+                return [*chosen, waves.polished(self, chosen, int(k), sigma)]
         return chosen
 
-    def _polished(self, chosen: list[int], k: int, sigma: np.ndarray) -> int:
-        """The number of the block, or of one at a likelier period."""
-        if self.blocks[k].name not in FOUND:
-            return k
-        better = refined(self.rows, self.blocks[k], self.projector(chosen, sigma)(self.y), sigma)
-        if better.shape == self.blocks[k].shape or better.columns.shape[1] != self.blocks[k].columns.shape[1]:
-            return k
-        if (better.key, better.shape) in {(b.key, b.shape) for b in self.blocks}:
-            return k
-        self.blocks = [*self.blocks, better]
+    def let_in(self, block: Block) -> int:
+        """The number of a block, which is added where it is new."""
+        for k, known in enumerate(self.blocks):
+            if (known.key, known.shape) == (block.key, block.shape):
+                return k
+        self.blocks = [*self.blocks, block]
         self._restack()
-        new = len(self.blocks) - 1
-        return new if self.worth(chosen, new, sigma) > self.worth(chosen, k, sigma) else k
+        return len(self.blocks) - 1
 
     def _counts(self, chosen: list[int]) -> bool:
         """The same effect and axis twice is refinement of a shape: twice, no more, and no shape twice; an axis that lost its

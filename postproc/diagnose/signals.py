@@ -17,6 +17,7 @@ from postproc.recordings import Recording
 XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
+MOST_INSIDE = 64  # samples of a row whose places are kept
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
@@ -278,7 +279,17 @@ def _means(columns: dict, edges: np.ndarray) -> dict:
         elif name != "width":
             mean = np.add.reduceat(value, edges, axis=0)
             result[name] = mean / (size if value.ndim == 1 else size[:, None])
+    result["inside"] = _inside(columns, edges, size)
     return result
+
+
+def _inside(columns: dict, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
+    """Where and when the samples of each row were taken, (W, N); of very many, so many at equal distances."""
+    stride = np.maximum(1, -(-size // MOST_INSIDE))
+    number = np.arange(int(np.max(-(-size // stride), initial=1)))[:, None] * stride
+    index = np.minimum(edges + number, len(columns["y"]) - 1)
+    names = {"time": "time"} | {n.removesuffix(" position"): n for n in columns if n.endswith(" position")}
+    return {short: np.where(number < size, columns[name][index], np.nan) for short, name in names.items()}
 
 
 def _growing(width: int) -> np.ndarray:

@@ -12,11 +12,13 @@ from postproc.diagnose.rows import Rows
 
 TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
 PEAKS = 3
-SHARP = (0.12, 0.03)  # mm that an average may reach over
+STILL, SMALL_STEPS = 1e-4, 0.1  # mm between samples: an axis stands; which share of them tells the finest wave
+FINEST, MOST_PAIRS = 0.02, 2_000_000  # mm, of a scale's signal; distances of samples that are looked at
 LOWEST_HZ = 2.0  # slower, it is drift
 PLACES = 24  # of targets in all from which on steps that are no part of each other show what is finer than their gaps
 SHORTEST = 2.0  # mm: leads of machines' screws are longer
 MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-way
+ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FINE = 4  # bins per period of the highest frequency
 ROUGHLY, MOST_STEPS, FINE_STEP = 0.04, 160, 0.4  # of a frequency; tried; of what the span resolves
@@ -24,18 +26,49 @@ MOST_BINS = 1 << 17
 
 
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
-    """mm: the likeliest periods along an axis; of rows that are averages also by those alone that saw little way."""
+    """mm: the likeliest periods along an axis; of rows that are averages also by the places of their samples."""
     found = _in_place(rows, axis, weighted, power)
-    if len(rows.state.width) == len(rows) and axis in rows.state.velocity and (power > 0).any():
-        reach = np.abs(rows.state.velocity[axis]) * rows.state.width
-        for least in SHARP:
-            sharp = (reach < least) & (reach > 0)
-            if 0.05 < float(np.mean(sharp[power > 0])) < 0.95:
-                found += _in_place(rows, axis, weighted * sharp, power * sharp, 0.5 / least)
+    if axis in rows.state.inside:
+        sampled = (power > 0) & (rows.state.passage >= 0)
+        found += _fine(rows.state.inside[axis][:, sampled], weighted[sampled], power[sampled])
     return found
 
 
-def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, finest: float = 0.0) -> list[float]:
+def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[float]:
+    """mm: the likeliest periods of rows that are means over samples at places (W, N): a wave shows in them as the mean over its
+    samples, however short it is."""
+    span = float(np.nanmax(place) - np.nanmin(place)) if place.size else 0.0
+    steps = np.abs(np.diff(place, axis=0))
+    steps = steps[np.isfinite(steps) & (steps > STILL)]
+    if span < 1.0 or not len(steps):
+        return []
+    finest = min(0.5 / float(np.quantile(steps, SMALL_STEPS)), 1 / FINEST, MOST_BINS / (span * FINE * 2))
+    bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 2)))
+    step = span * 2 / bins
+    at, each, own = _samples(place)
+    sums = np.fft.rfft(np.bincount(((at - at.min()) / step).astype(int), weighted[own] * each, bins)[:bins])
+    frequencies = np.fft.rfftfreq(bins, step)
+    # What the means leave of a wave's power: from the distances of the samples in a row, of some rows.
+    some = slice(None, None, 1 + int(place.shape[1] * len(place) ** 2 / MOST_PAIRS))
+    apart = np.abs(place[:, None, some] - place[None, :, some])
+    known = np.isfinite(apart)
+    share = np.broadcast_to(power[some] / known.sum(axis=(0, 1)), apart.shape)[known]
+    left = np.fft.rfft(np.bincount(np.minimum(apart[known] / step, bins - 1).astype(int), share, bins)).real
+    left *= float(power.sum()) / max(float(power[some].sum()), 1e-30)
+    enough = (left > ENOUGH * float(power.sum())) & (frequencies >= 3.0 / span) & (frequencies <= finest)
+    total = np.where(enough, np.abs(sums) ** 2 / np.maximum(left / 2, 1e-30), 0.0)
+    parts = [(at, weighted[own] * each, max(float(power.sum()) / 2, 1e-30))]
+    return [1 / _polished(f, 0.7 / span, parts) for f in _best(frequencies, total, 0.7 / span)]
+
+
+def _samples(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of (W, N), NaN where there is none: the samples one after the other, each one's share of its row, and its row."""
+    known = np.isfinite(place)
+    own = np.nonzero(known)[1]
+    return place[known], (1.0 / known.sum(axis=0))[own], own
+
+
+def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     place = rows.state.position[axis]
     use = power > 0
     span = float(np.ptp(place[use])) if use.any() else 0.0
@@ -43,7 +76,8 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, fi
         return []
     gaps: list[float] = []
     places = 0
-    for signal in np.unique(rows.signal[use]) if finest == 0 else ():
+    finest = 0.0
+    for signal in np.unique(rows.signal[use]):
         which = use & (rows.signal == signal)
         p = np.unique(np.round(place[which], 4))
         if len(p) > 6:
@@ -79,20 +113,23 @@ def refined(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, peri
     """mm: the likeliest period near one that was found, with what averages leave of each: of short stretches a spectrum tells a period
     only roughly."""
     use = power > 0
-    place = rows.state.position[axis][use]
-    span = float(np.ptp(place))
-    if span <= 0 or not len(rows.state.width):
+    place = rows.state.inside[axis][:, use] if axis in rows.state.inside else np.zeros((0, 0))
+    if not place.size:
         return period
-    reach = rows.state.velocity[axis][use] * rows.state.width[use]
+    span = float(np.nanmax(place) - np.nanmin(place))
+    if span <= 0:
+        return period
+    at, each, own = _samples(place)
     f = 1 / period
     for within in (min(ROUGHLY * f, MOST_STEPS / 2 * FINE_STEP / span), 3 * FINE_STEP / span):
         steps = max(9, min(MOST_STEPS, int(2 * within * span / FINE_STEP)))
         tried = f + within * np.linspace(-1.0, 1.0, steps)
         value = []
         for g in tried:
-            left = np.sinc(g * reach)
-            swing = np.exp(-2j * np.pi * g * (place - place[0]))
-            value.append(abs((weighted[use] * left) @ swing) ** 2 / max(float((power[use] * left**2).sum()) / 2, 1e-30))
+            angle = 2 * np.pi * g * at
+            real, imaginary = (np.bincount(own, each * wave(angle)) for wave in (np.cos, np.sin))
+            left = max(float(power[use] @ (real**2 + imaginary**2)) / 2, 1e-30)
+            value.append(((weighted[use] @ real) ** 2 + (weighted[use] @ imaginary) ** 2) / left)
         f = float(tried[int(np.argmax(value))])
     return 1 / f
 

@@ -53,7 +53,8 @@ class State:
     recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
     (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
     -1 for rows at rest; file (N,): number of the recording. width (N,) s: over
-    which samples were averaged to a row. lines: axis to the other axes across which readings along it were taken on lines
+    which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or when, the samples of a row were taken, NaN
+    beyond their number. lines: axis to the other axes across which readings along it were taken on lines
     that lie apart.
     """
 
@@ -73,6 +74,7 @@ class State:
     file: np.ndarray = field(default_factory=lambda: np.zeros(0))
     width: np.ndarray = field(default_factory=lambda: np.zeros(0))
     lines: dict[str, str] = field(default_factory=dict)
+    inside: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))
@@ -150,9 +152,14 @@ def sampled(state: State) -> np.ndarray:
     return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)
 
 
-def blurred(state: State, per_second: np.ndarray | float) -> np.ndarray:
-    """(N,) how much of an oscillation is left in rows that are averages over some time; per_second: its cycles."""
-    return np.sinc(per_second * state.width) if len(state.width) == len(state) else np.ones(len(state))
+def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
+    """(N,) cosine and sine, so many a mm of the place of an axis or a second of the "time", as rows that are means of samples show
+    them: the samples of an instrument are moments, so waves shorter than their distance are in a mean too."""
+    samples = state.inside.get(name)
+    if samples is None:
+        samples = (state.time if name == "time" else state.position[name])[None]
+    angle = 2 * np.pi * per_unit * samples
+    return [np.asarray(np.nanmean(wave(angle), axis=0)) for wave in (np.cos, np.sin)]
 
 
 def swing(coefficients: np.ndarray) -> dict[str, float]:

@@ -1,8 +1,20 @@
 """Cyclic reading error of a sensor: the scale says so, the table does not move so."""
 
-from postproc.effects.cyclic import NEEDS, PARAMETERS, coefficients, columns, parameters, shapes
+from postproc.effects.cyclic import (
+    NEEDS,
+    OPTIONAL,
+    PARAMETERS,
+    coefficients,
+    columns,
+    fuller,
+    parameters,
+    sensible,
+    shapes,
+)
 
-__all__ = ["NEEDS", "PARAMETERS", "coefficients", "columns", "parameters", "shapes"]  # the same shape, seen elsewhere
+__all__ = [  # the same shape, seen elsewhere
+    "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible", "shapes",
+]  # fmt: skip
 
 KIND, USE, PER = "instrument", "recording", "axis"
 SEES = ("scale",)

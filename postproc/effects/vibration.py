@@ -5,7 +5,7 @@ What swings by itself does so in another phase at every passage: with `passages`
 
 import numpy as np
 
-from postproc.effects import State, along, blurred, swing, swing_coefficients
+from postproc.effects import State, along, swing, swing_coefficients, waves_of
 
 PARAMETERS = {
     "frequency_hz": "Hz, its frequency",
@@ -27,14 +27,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str, frequency_hz: float, passages: float = 0.0) -> np.ndarray:
-    angle = 2 * np.pi * frequency_hz * state.time
-    left = blurred(state, frequency_hz)
+    swings = waves_of(state, "time", frequency_hz)
     if not passages:
-        return along(axis, left * np.cos(angle), left * np.sin(angle))
+        return along(axis, *swings)
     moves = state.since[axis] < 1e9 if axis in state.since else np.ones(len(state), bool)
     number = np.where(moves, state.passage, -1)
     parts = [number == p for p in np.unique(number[number >= 0])]
-    return along(axis, *(left * f(angle) * part for part in parts for f in (np.cos, np.sin)))
+    return along(axis, *(swing * part for part in parts for swing in swings))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
