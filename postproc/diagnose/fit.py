@@ -100,6 +100,13 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     return np.stack(columns, axis=1), np.array(size)
 
 
+def set_ups(u: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """(N, M) orthonormal columns of what nobody knows beforehand: zeros, centres, the lines of optics."""
+    q, r = np.linalg.qr(u[:, prior >= CENTRE])
+    size = np.abs(np.diag(r))
+    return q[:, size > 1e-9 * size.max(initial=0.0)]
+
+
 @dataclass
 class Projector:
     """What is left of columns when the nuisances, and what was chosen before, are taken out. w (N,) 1/sigma^2; u (N, Q);

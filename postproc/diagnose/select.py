@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from postproc.diagnose import library, waves
-from postproc.diagnose.fit import Projector, solve
+from postproc.diagnose.fit import Projector, set_ups, solve
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.stacked import Stack
@@ -70,6 +70,7 @@ class Selector:
         self.stack = Stack(u)
         self._restack()
         self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
+        self._open = set_ups(u, prior)
 
     def _restack(self) -> None:
         n = len(self.y)
@@ -283,6 +284,7 @@ class Selector:
         extra = np.zeros(len(self.y))
         for k in range(len(chosen)):
             part = model.contribution(k)
+            part = part - self._open @ (self._open.T @ part)  # what a zero takes has no form
             extra += (FORM * part) ** 2
             for which in self.signals:
                 middle = part[which] - np.median(part[which])
