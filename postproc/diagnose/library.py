@@ -18,6 +18,7 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",),
 }  # fmt: skip
 MOST_STEPS = 200
+PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # from the spectrum of what is left
 
 
@@ -145,9 +146,13 @@ def _steps(rows: Rows) -> list[float]:
     """s: between two readings at rest, and at some moments of motions that were sampled."""
     rest = rows.state.passage < 0
     t = np.unique(rows.state.time[rest & (rows.sees != "part")])
-    gaps = list((t[1:] + t[:-1]) / 2)
-    if len(gaps) > MOST_STEPS:
-        gaps = [gaps[int(k)] for k in np.linspace(0, len(gaps) - 1, MOST_STEPS)]
+    middle, wait = (t[1:] + t[:-1]) / 2, np.diff(t)
+    gaps = list(middle)
+    if len(gaps) > MOST_STEPS:  # every pause: most of the time is in them; of the others as many as are left
+        pause = wait > PAUSE * np.median(wait)
+        others = middle[~pause]
+        some = np.linspace(0, len(others) - 1, min(len(others), max(MOST_STEPS - int(pause.sum()), MOST_STEPS // 4)))
+        gaps = [*middle[pause], *others[some.astype(int)]]
     for passage in np.unique(rows.state.passage[~rest]):
         moment = rows.state.time[rows.state.passage == passage]
         gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
