@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.diagnose import wander
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
 
@@ -57,14 +58,14 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     for file, kind in enumerate(rows.kinds):
         if kind != "targets":
             continue
-        for run in np.unique(rows.run[rows.file == file]):  # an instrument's zero wanders
-            which = (rows.file == file) & (rows.run == run)
+        own = rows.file == file
+        usual = WALK_RAD if rows.sees[own][:1] == "angle" else WALK
+        walk = wander.of_runs(rows.residual[own], rows.run[own], _places(rows, own), usual)
+        for run in np.unique(rows.run[own]):  # an instrument's zero wanders
+            which = own & (rows.run == run)
             if which.sum() >= 4:
-                t = rows.state.time[which]
-                t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)  # times not recorded: in the order of rows
                 late = np.zeros(len(rows))
-                late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
-                walk = WALK_RAD if rows.sees[which][0] == "angle" else WALK
+                late[which] = _share(rows.state.time[which]) / 2
                 add(which.astype(float), walk)
                 add(late, walk)
     for file, kind in enumerate(rows.kinds):
@@ -105,6 +106,19 @@ def set_ups(u: np.ndarray, prior: np.ndarray) -> np.ndarray:
     q, r = np.linalg.qr(u[:, prior >= CENTRE])
     size = np.abs(np.diag(r))
     return q[:, size > 1e-9 * size.max(initial=0.0)]
+
+
+def _share(t: np.ndarray) -> np.ndarray:
+    """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the order of rows."""
+    t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)
+    return 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
+
+
+def _places(rows: Rows, own: np.ndarray) -> np.ndarray:
+    """(N,) number of the target at which each of these rows was read."""
+    columns = [np.round(p[own], 3) for p in rows.state.position.values()]
+    columns += [np.sign(s[own]) for s in rows.state.approach.values()]
+    return np.unique(np.stack(columns), axis=1, return_inverse=True)[1].ravel()
 
 
 @dataclass

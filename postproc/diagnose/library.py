@@ -15,7 +15,7 @@ from postproc.diagnose import spectra
 from postproc.diagnose.rows import XYZ, Rows, second_place
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
-    "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",),
+    "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",), "gauge": (),
 }  # fmt: skip
 MOST_STEPS = 200
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
@@ -46,6 +46,8 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = rows.seen(kinds)
+    if "gauge" in module.SEES:  # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
+        seen = seen | (rows.seen(SIGNALS["tool"]) & (rows.state.channels["gauged"] > 0))
     if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
         files = np.array([k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds])
         seen &= files[rows.file]
@@ -76,6 +78,8 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "force" and np.ptp(state.channels.get(f"force_{axis}_N", np.zeros(1))) == 0:
             return False
+        if need == "part" and "gauge" in module.SEES and np.any(state.channels.get("gauged", 0.0)):
+            continue
         if need in ("part", "T_air_C", "spindle_rpm") and np.ptp(state.channels.get(need, np.zeros(1))) == 0:
             return False
         if need == "angles" and axis not in state.angles:
