@@ -13,7 +13,7 @@ PARAMETERS = {
     "housing_s": "s, the time in which the housing follows; 0, it does not",
 }
 OPTIONAL = {"housing_um": 0.0, "housing_s": 0.0}
-PLAUSIBLE = {"um_per_1000_rpm": (-30.0, 30.0), "housing_um": (-30.0, 30.0)}  # beyond, it is something else
+PLAUSIBLE = {"um_per_1000_rpm": (-100.0, 100.0), "housing_um": (-100.0, 100.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
 TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed and time."

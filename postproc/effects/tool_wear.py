@@ -15,13 +15,15 @@ PARAMETERS = {
     "worn_um": "um, wear of the first tool before the first part",
     "bores": "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does",
     "life": "runs of the gauge after which the tool is changed every time; 0, it is seen on parts",
+    "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
 }
-OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0}
+OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
 FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
 QUICK = 0.1  # of its life: in which the edge breaks in
+OF_REST = 0.3  # of the rest: by so much the quick wear may come out with the other sign
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
@@ -32,13 +34,25 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         result += [{"change": float(p), "bores": w} for p in (0.0, *parts[1:]) for w in ways]
     most = max((len(np.unique(state.run[own])) for own in _gauged(state)), default=0)
     if most >= FEWEST_RUNS:
-        result += [{"change": 0.0, "life": float(n)} for n in range(SHORTEST, most - AFTER + 1)]
+        lives = range(SHORTEST, most - AFTER + 1)
+        result += [{"change": 0.0, "life": float(n), "older": old} for n in lives for old in (0.0, 1.0)]
     return result
 
 
-def columns(state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0) -> np.ndarray:
+def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: float) -> bool:
+    """A tool only loses: the quick wear of a new edge, and what it had lost before, are of one sign with the rest and the
+    quick wear is the smaller part."""
+    if life <= 0:
+        return True
+    return start_um * rate_um > -OF_REST * rate_um**2 and abs(start_um) < abs(rate_um) and worn_um * rate_um >= 0
+
+
+def columns(
+    state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0
+) -> np.ndarray:
     if life > 0:
-        return along(axis, *_of_runs(state, life))
+        age, quick, first = _of_runs(state, life)
+        return along(axis, age, quick, first) if older else along(axis, age, quick)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
@@ -48,9 +62,10 @@ def columns(state: State, axis: str, change: float, bores: float = 1.0, life: fl
     return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
 
 
-def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) age of the edge as a share of its life, and (N,) how far it has broken in, of runs of a gauge; elsewhere 0."""
-    age, quick = np.zeros(len(state)), np.zeros(len(state))
+def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(N,) age of the edge as a share of its life, how far it has broken in, and 1 for the first tool, of runs of a gauge;
+    elsewhere 0."""
+    age, quick, old = np.zeros(len(state)), np.zeros(len(state)), np.zeros(len(state))
     rpm = _channel(state, "spindle_rpm")
     for own in _gauged(state):
         _, number = np.unique(state.run[own], return_inverse=True)
@@ -61,8 +76,8 @@ def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray]:
         first = (np.arange(len(cut)) // life * life).astype(int)  # the tool is new at these
         gone = np.cumsum(cut)
         share = (gone - gone[first])[number] / life
-        age[own], quick[own] = share, 1.0 - np.exp(-share / QUICK)
-    return age, quick
+        age[own], quick[own], old[own] = share, 1.0 - np.exp(-share / QUICK), number < life
+    return age, quick, old
 
 
 def _gauged(state: State) -> list[np.ndarray]:
@@ -78,11 +93,17 @@ def _channel(state: State, name: str) -> np.ndarray:
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [*(float(c) for c in coefficients), 0.0][:3]
     named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {"change": shape["change"], "bores": shape.get("bores", 1.0), "life": shape.get("life", 0.0)}
+    return named | {"bores": 1.0, "life": 0.0, "older": 0.0} | shape
 
 
 def coefficients(
-    rate_um: float, start_um: float, change: float, worn_um: float = 0.0, bores: float = 1.0, life: float = 0.0
+    rate_um: float,
+    start_um: float,
+    change: float,
+    worn_um: float = 0.0,
+    bores: float = 1.0,
+    life: float = 0.0,
+    older: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    values = [rate_um, start_um, worn_um] if change > 0 else [rate_um, start_um]
-    return np.array(values), {"change": change, "bores": bores, "life": life}
+    values = [rate_um, start_um, worn_um] if change > 0 or older else [rate_um, start_um]
+    return np.array(values), {"change": change, "bores": bores, "life": life, "older": older}
