@@ -24,6 +24,8 @@ def of_runs(residual: np.ndarray, run: np.ndarray, place: np.ndarray, usual: flo
         residual = np.where(same, residual - np.median(residual[same]), residual)
     count = np.bincount(number)
     mean = np.bincount(number, residual) / count
-    scatter = MAD * float(np.median(np.abs(residual - mean[number]))) * np.sqrt(count.mean() / max(count.mean() - 1, 1.0))
+    scatter = (
+        MAD * float(np.median(np.abs(residual - mean[number]))) * np.sqrt(count.mean() / max(count.mean() - 1, 1.0))
+    )
     step = MAD * float(np.median(np.abs(np.diff(mean, 2)))) / np.sqrt(6.0)
     return float(np.clip(np.sqrt(max(step**2 - scatter**2 / count.mean(), 0.0)), LEAST * usual, usual))
