@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from postproc.diagnose import (
+    arbiter,
     blind,
     doubt,
     drive,
@@ -105,6 +106,9 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     for b in selector.blocks[len(blocks) :]:
         columns = library.read(rows, b.module, b.axis, dict(b.shape))
         every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
+    verdict = arbiter.asked(rows, sigma, u, prior, held, selector, model, every)
+    chosen, model = verdict.chosen, verdict.model
+    notices += verdict.said
     options.told("showing")
     before, after, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     found = [findings.of_block(rows, selector, model, k, chosen, every) for k in range(len(chosen))]
@@ -124,7 +128,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(selector, chosen).items() if key not in unseen}
     diagnosis = Diagnosis(
-        machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
+        machine, recordings, rows, verdict.held, held_name, before, after, sigma, found, places, limits, spots,
         usable.faults + faults, selector.least, alike, notices=notices, doubts=doubts,
     )  # fmt: skip
     doubt.doubted(diagnosis)

@@ -167,7 +167,7 @@ class Selector:
         for k in np.argsort(-score):
             if score[k] < self.least:
                 break
-            fits = self._counts([*chosen, int(k)]) and self._beside(chosen, int(k), sigma)
+            fits = self.counts([*chosen, int(k)]) and self._beside(chosen, int(k), sigma)
             if fits and self._material(chosen, int(k), sigma):
                 return [*chosen, waves.polished(self, chosen, int(k), sigma)]
         return chosen
@@ -181,7 +181,7 @@ class Selector:
         self._restack()
         return len(self.blocks) - 1
 
-    def _counts(self, chosen: list[int]) -> bool:
+    def counts(self, chosen: list[int]) -> bool:
         """The same effect and axis twice is refinement of a shape: twice, no more, and no shape twice; an axis that lost its
         place again and again has drifted."""
         keys = [self.blocks[k].key for k in chosen]
@@ -216,7 +216,7 @@ class Selector:
             for best in map(int, good[np.argsort(-score[good], kind="stable")]):
                 if not self._beside(rest, best, sigma):
                     continue  # a plainer shape of the same may do
-                if self._counts([*rest, best]) and self._material(rest, best, sigma):
+                if self.counts([*rest, best]) and self._material(rest, best, sigma):
                     chosen = [*chosen[:place], best, *chosen[place + 1 :]]
                 break
         return chosen
@@ -231,7 +231,7 @@ class Selector:
             worth = both - float(self.penalty[a] + self.penalty[b])
             score = self.scores(rest, sigma)
             best = int(np.argmax(score))
-            if score[best] < worth - ONE_FOR_TWO or best in rest or not self._counts([*rest, best]):
+            if score[best] < worth - ONE_FOR_TWO or best in rest or not self.counts([*rest, best]):
                 continue
             if self._beside(rest, best, sigma) and self._material(rest, best, sigma):
                 return [*rest, best]

@@ -22,6 +22,7 @@ KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
 FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
+NEVER = 1000.0  # runs
 QUICK = 0.1  # of its life: in which the edge breaks in
 OF_REST = 0.3  # of the rest: by so much the quick wear may come out with the other sign
 
@@ -45,6 +46,11 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
     if life <= 0:
         return True
     return start_um * rate_um > -OF_REST * rate_um**2 and abs(start_um) < abs(rate_um) and worn_um * rate_um >= 0
+
+
+def beside(shape: dict[str, float]) -> dict[str, float] | None:
+    """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
+    return {"change": 0.0, "life": NEVER, "older": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
 
 
 def columns(
