@@ -45,7 +45,9 @@ def asked(
         rest = chosen[:place] + chosen[place + 1 :]
         score = selector.scores(rest, model.sigma)
         own = float(score[chosen[place]])
-        alike = [int(k) for k in np.flatnonzero(score >= min(ALIKE * own, own) - MARGIN) if k not in rest and k < len(every)]
+        alike = [
+            int(k) for k in np.flatnonzero(score >= min(ALIKE * own, own) - MARGIN) if k not in rest and k < len(every)
+        ]
         if not np.isfinite(own) or len(alike) < 2 or not half.any():
             continue
         noise = _noise(rows, sigma, model, chosen, every, held)[both]

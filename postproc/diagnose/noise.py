@@ -168,7 +168,9 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                 for part, p in passages:
                     times, size[part] = slips.departures(p, residual[part], sigma[part])
                     result[part] = np.abs(times)
-                    end, off = slips.at_ends(p, residual[part], _elsewhere(rows, residual, which, part, place), sigma[part])
+                    end, off = slips.at_ends(
+                        p, residual[part], _elsewhere(rows, residual, which, part, place), sigma[part]
+                    )
                     result[part], size[part] = np.where(end > 0, end, result[part]), np.where(end > 0, off, size[part])
                 continue
         y = residual[which].copy()

@@ -42,7 +42,9 @@ def departures(place: np.ndarray, value: np.ndarray, sigma: np.ndarray) -> tuple
     return result, size
 
 
-def at_ends(place: np.ndarray, value: np.ndarray, other: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def at_ends(
+    place: np.ndarray, value: np.ndarray, other: np.ndarray, sigma: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(N,) how many times its noise each reading at the ends of a passage, where `departures` can not judge, is off both from
     another run at its place and from the readings beside it, and (N,) by how much; 0 elsewhere. other (N,): what other runs
     read at these places, nan where there were none."""
