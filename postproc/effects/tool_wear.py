@@ -57,14 +57,14 @@ def columns(
     state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0
 ) -> np.ndarray:
     if life > 0:
-        age, quick, first = _of_runs(state, life)
-        return along(axis, age, quick, first) if older else along(axis, age, quick)
+        age, quick, old = _of_runs(state, life)
+        return along(axis, age, quick, old) if older else along(axis, age, quick)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
-    age = np.where((part >= change) & (change > 0), part - change, part - first)
-    parts = [wall * age, wall * (1.0 - np.exp(-age))]
+    cut = np.where((part >= change) & (change > 0), part - change, part - first)
+    parts = [wall * cut, wall * (1.0 - np.exp(-cut))]
     return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
 
 
