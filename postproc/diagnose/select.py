@@ -29,6 +29,7 @@ RARE = {  # what is taken only where it is clearly better than its kin; below ze
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
+SHORT = 8  # readings of a run
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -71,6 +72,7 @@ class Selector:
         self._restack()
         self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
         self._open = set_ups(u, prior)
+        self.short = _short_runs(rows)
 
     def _restack(self) -> None:
         n = len(self.y)
@@ -286,6 +288,8 @@ class Selector:
             part = model.contribution(k)
             part = part - self._open @ (self._open.T @ part)  # what a zero takes has no form
             extra += (FORM * part) ** 2
+            for run in self.short:  # what comes with time is wrong by the same in all readings of a short run
+                extra[run] += (FORM * part[run].mean()) ** 2 * (len(run) - 1)
             for which in self.signals:
                 middle = part[which] - np.median(part[which])
                 extra[which] += (FORM_OF_LARGEST * np.abs(middle).max()) ** 2
@@ -305,6 +309,14 @@ class Selector:
         if sigma is None:
             model.scores = [self.worth([c for c in chosen if c != k], k, model.sigma) for k in chosen]
         return model
+
+
+def _short_runs(rows: Rows) -> list[np.ndarray]:
+    """The rows of each run of SHORT readings or fewer at rest."""
+    still = np.flatnonzero(np.isin(rows.file, [f for f, kind in enumerate(rows.kinds) if kind == "targets"]))
+    _, number = np.unique(np.stack([rows.file[still], rows.run[still]]), axis=1, return_inverse=True)
+    runs = [still[number.ravel() == k] for k in range(int(number.max(initial=-1)) + 1)]
+    return [run for run in runs if len(run) <= SHORT]
 
 
 def _penalty(block: Block, rows: int) -> float:
