@@ -56,7 +56,12 @@ def columns(
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     housing = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"um_per_1000_rpm": float(coefficients[0]), "housing_um": housing, "power": 1.0, "fastest_rpm": 1000.0} | shape
+    return {
+        "um_per_1000_rpm": float(coefficients[0]),
+        "housing_um": housing,
+        "power": 1.0,
+        "fastest_rpm": 1000.0,
+    } | shape
 
 
 def coefficients(
