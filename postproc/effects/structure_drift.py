@@ -48,9 +48,9 @@ def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: f
             gone[own] = np.nan_to_num((t - np.nanmin(t)) / max(float(np.nanmax(t) - np.nanmin(t)), 1.0))
         return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
-        return along(axis, late(state, air - air[begun(state)], -tau_s))
+        return along(axis, late(state, air - air[begun(state)], -tau_s) * _timed(state))
     if tau_s == 0 and bed is not None:
-        return along(axis, bed - bed[begun(state)])
+        return along(axis, (bed - bed[begun(state)]) * _timed(state))
     tau = max(tau_s, 1.0)
     gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
     return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))

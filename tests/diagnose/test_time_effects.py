@@ -101,13 +101,11 @@ def test_a_step_may_be_in_every_pause():
     assert np.any((gaps > 480) & (gaps < 1000)) and np.any((gaps > 1480) & (gaps < 3000))
 
 
-def test_a_temperature_goes_on_between_recordings_and_a_spindle_does_not():
-    time, nothing = np.array([0.0, 10.0, 20.0, 30.0, 40.0]), np.nan
-    told = np.array([20.0, nothing, nothing, 23.0, nothing])
-    assert np.allclose(rows._filled("T_air_C", told, time), [20.0, 21.0, 22.0, 23.0, 23.0])
-    assert np.allclose(rows._filled("spindle_rpm", told, time), [20.0, 0.0, 0.0, 23.0, 0.0])
-    assert np.allclose(rows._filled("force_X_N", told, time), [20.0, 21.5, 21.5, 23.0, 21.5])
-    assert np.allclose(rows._filled("T_air_C", told, np.zeros(5)), [20.0, 21.5, 21.5, 23.0, 21.5])
+def test_a_spindle_of_which_nobody_says_that_it_turned_stood_still():
+    told = np.array([1500.0, np.nan, np.nan, 750.0])
+    at = replace(state(np.zeros(4)), channels={"spindle_rpm": told, "part": told, "force_X_N": told})
+    assert rows._filled("spindle_rpm", at).tolist() == rows._filled("part", at).tolist() == [1500.0, 0.0, 0.0, 750.0]
+    assert rows._filled("force_X_N", at).tolist() == [1500.0, 1125.0, 1125.0, 750.0]
 
 
 def test_a_slip_at_the_end_of_a_passage_is_seen_by_another_run():
