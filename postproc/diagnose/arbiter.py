@@ -41,6 +41,7 @@ def asked(
     half = _half(rows, held)
     both = ~held | half
     said = []
+    untouched = held
     for place in range(len(chosen)):
         rest = chosen[:place] + chosen[place + 1 :]
         score = selector.scores(rest, model.sigma)
@@ -66,9 +67,9 @@ def asked(
                 "every second reading of the runs that took no part says so"
             )
         chosen[place] = best
-        held = held & ~half
+        untouched = held & ~half
         model = selector.fitted(chosen)
-    return Asked(chosen, model, held, said)
+    return Asked(chosen, model, untouched, said)
 
 
 def _half(rows: Rows, held: np.ndarray) -> np.ndarray:
