@@ -60,15 +60,18 @@ def asked(
         best = max(worth, key=lambda k: worth[k])
         if worth[best] < worth[chosen[place]] + CLEAR or not selector.counts([*rest, best]):
             continue
+        exchanged = [*chosen[:place], best, *chosen[place + 1 :]]
+        fitted = selector.fitted(exchanged)
+        if min(fitted.scores) < selector.least:  # beside it another name is no finding any more, or not plausible
+            continue
         before, after = every[chosen[place]].key, every[best].key
         if before != after:
             said.append(
                 f"{after} is named in the place of {before}, which explains the rest as well: "
                 "every second reading of the runs that took no part says so"
             )
-        chosen[place] = best
         untouched = held & ~half
-        model = selector.fitted(chosen)
+        chosen, model = exchanged, fitted
     return Asked(chosen, model, untouched, said)
 
 
