@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.diagnose import wander
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
 
@@ -21,8 +22,9 @@ DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
+STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
 ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
-FEATURE = 1e-3  # mm: what two places of a map are off by together
+FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 WALK_RAD = 5e-7  # rad: the same of an angle
 SQUARE = 1.5e-6  # rad
@@ -58,14 +60,14 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     for file, kind in enumerate(rows.kinds):
         if kind != "targets":
             continue
-        for run in np.unique(rows.run[rows.file == file]):  # an instrument's zero wanders
-            which = (rows.file == file) & (rows.run == run)
+        own = rows.file == file
+        usual = WALK_RAD if rows.sees[own][:1] == "angle" else WALK
+        walk = wander.of_runs(rows.residual[own], rows.run[own], _places(rows, own), usual)
+        for run in np.unique(rows.run[own]):  # an instrument's zero wanders
+            which = own & (rows.run == run)
             if which.sum() >= 4:
-                t = rows.state.time[which]
-                t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)  # times not recorded: in the order of rows
                 late = np.zeros(len(rows))
-                late[which] = (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
-                walk = WALK_RAD if rows.sees[which][0] == "angle" else WALK
+                late[which] = _share(rows.state.time[which]) / 2
                 add(which.astype(float), walk)
                 add(late, walk)
     for file, kind in enumerate(rows.kinds):
@@ -78,7 +80,7 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
     part = rows.sees == "part"
     for file, kind in enumerate(rows.kinds):
         if kind == "features":
-            add(np.where(part & (rows.file == file), rows.state.channels.get("wall", np.ones(len(rows))), 0.0), PART)
+            add(np.where(part & (rows.file == file), rows.state.channels.get("wall", np.ones(len(rows))), 0.0), STYLUS)
     for number in np.unique(rows.run[part]):  # every part lies a little differently in its fixture
         for i in range(3):
             add(
@@ -95,10 +97,44 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
             enters = np.where(seen, rows.direction[:, along], 0.0)
             for degree in DEGREES:
                 if along == XYZ.index(x) or degree > 1:
-                    add(enters * legendre(u, degree), map_um * 1e-3)
+                    shape = enters * legendre(u, degree)
+                    if along == XYZ.index(x):  # features see the same map, at the two places of their walls
+                        shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
+                    add(shape, map_um * 1e-3)
             if along != XYZ.index(x):
                 add(enters * rows.state.position[x], SQUARE)
     return np.stack(columns, axis=1), np.array(size)
+
+
+def set_ups(u: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """(N, M) orthonormal columns of what nobody knows beforehand: zeros, centres, the lines of optics."""
+    q, r = np.linalg.qr(u[:, prior >= CENTRE])
+    size = np.abs(np.diag(r))
+    return q[:, size > 1e-9 * size.max(initial=0.0)]
+
+
+def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:
+    """(N,) difference of a smooth term of the map at the two walls of features; of a diameter on a lathe, at its radius."""
+    here = legendre(np.clip(rows.state.share(axis), -1.2, 1.2), degree)
+    if axis not in rows.other:
+        return here
+    low, high = rows.state.travel[axis]
+    other = rows.other[axis]
+    there = legendre(np.clip(2 * (np.nan_to_num(other) - low) / (high - low) - 1, -1.2, 1.2), degree)
+    return here - np.where(np.isnan(other), 0.0, there)
+
+
+def _share(t: np.ndarray) -> np.ndarray:
+    """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the order of rows."""
+    t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)
+    return 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
+
+
+def _places(rows: Rows, own: np.ndarray) -> np.ndarray:
+    """(N,) number of the target at which each of these rows was read."""
+    columns = [np.round(p[own], 3) for p in rows.state.position.values()]
+    columns += [np.sign(s[own]) for s in rows.state.approach.values()]
+    return np.unique(np.stack(columns), axis=1, return_inverse=True)[1].ravel()
 
 
 @dataclass

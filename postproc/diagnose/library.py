@@ -15,9 +15,10 @@ from postproc.diagnose import spectra
 from postproc.diagnose.rows import XYZ, Rows, second_place
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
-    "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",),
+    "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",), "gauge": (),
 }  # fmt: skip
 MOST_STEPS = 200
+PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # from the spectrum of what is left
 
 
@@ -45,6 +46,8 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = rows.seen(kinds)
+    if "gauge" in module.SEES:  # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
+        seen = seen | (rows.seen(SIGNALS["tool"]) & (rows.state.channels["gauged"] > 0))
     if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
         files = np.array([k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds])
         seen &= files[rows.file]
@@ -75,6 +78,8 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "force" and np.ptp(state.channels.get(f"force_{axis}_N", np.zeros(1))) == 0:
             return False
+        if need == "part" and "gauge" in module.SEES and np.any(state.channels.get("gauged", 0.0)):
+            continue
         if need in ("part", "T_air_C", "spindle_rpm") and np.ptp(state.channels.get(need, np.zeros(1))) == 0:
             return False
         if need == "angles" and axis not in state.angles:
@@ -145,9 +150,13 @@ def _steps(rows: Rows) -> list[float]:
     """s: between two readings at rest, and at some moments of motions that were sampled."""
     rest = rows.state.passage < 0
     t = np.unique(rows.state.time[rest & (rows.sees != "part")])
-    gaps = list((t[1:] + t[:-1]) / 2)
-    if len(gaps) > MOST_STEPS:
-        gaps = [gaps[int(k)] for k in np.linspace(0, len(gaps) - 1, MOST_STEPS)]
+    middle, wait = (t[1:] + t[:-1]) / 2, np.diff(t)
+    gaps = list(middle)
+    if len(gaps) > MOST_STEPS:  # every pause: most of the time is in them; of the others as many as are left
+        pause = wait > PAUSE * np.median(wait)
+        others = middle[~pause]
+        some = np.linspace(0, len(others) - 1, min(len(others), max(MOST_STEPS - int(pause.sum()), MOST_STEPS // 4)))
+        gaps = [*middle[pause], *others[some.astype(int)]]
     for passage in np.unique(rows.state.passage[~rest]):
         moment = rows.state.time[rows.state.passage == passage]
         gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]

@@ -168,6 +168,10 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                 for part, p in passages:
                     times, size[part] = slips.departures(p, residual[part], sigma[part])
                     result[part] = np.abs(times)
+                    end, off = slips.at_ends(
+                        p, residual[part], _elsewhere(rows, residual, which, part, place), sigma[part]
+                    )
+                    result[part], size[part] = np.where(end > 0, end, result[part]), np.where(end > 0, off, size[part])
                 continue
         y = residual[which].copy()
         for p in np.unique(place):  # what all runs share at a place is no outlier
@@ -179,6 +183,17 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
             result[which[k]] = abs(y[k] - around) / sigma[which[k]]
             size[which[k]] = y[k] - around
     return result, np.abs(size)
+
+
+def _elsewhere(rows: Rows, residual: np.ndarray, which: np.ndarray, part: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """(M,) median of what other runs read at the places of the rows `part`, nan where there were none; place: of the rows `which`."""
+    number = dict(zip(which.tolist(), place.tolist(), strict=True))
+    found = np.full(len(part), np.nan)
+    for k, row in enumerate(part.tolist()):
+        others = which[(place == number[row]) & (rows.run[which] != rows.run[row])]
+        if len(others):
+            found[k] = float(np.median(residual[others]))
+    return found
 
 
 def _passages(rows: Rows, which: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]] | None:

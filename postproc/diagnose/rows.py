@@ -20,6 +20,7 @@ from postproc.recordings import Recording, RecordingError
 APART = 20.0  # mm between two lines: nearer, a rotation of 10 urad differs by less than 0.2 um
 ENTERS = 0.2  # of a reading
 CELLS, FEWEST_CELLS = 24, 4  # of a travel; those in which lines lie apart
+NONE_ELSEWHERE = ("spindle_rpm", "part", "wall", "material", "bore")
 
 
 @dataclass(frozen=True)
@@ -187,10 +188,12 @@ def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, flo
 
 def _filled(name: str, state: State) -> np.ndarray:
     """A channel where it was not recorded: a temperature as it went from reading to reading, else the mean, which tells nothing.
-    A machine begins its day as warm as its room."""
+    A machine begins its day as warm as its room. A spindle of which nobody says that it turned stood still, and what is no part
+    has no walls."""
     values, room = state.channels[name], state.channels.get("T_air_C")
     known, timed = np.isfinite(values), _timed(state)
-    filled = np.where(known, values, values[known].mean() if known.any() else 0.0)
+    mean = known.any() and name not in NONE_ELSEWHERE
+    filled = np.where(known, values, values[known].mean() if mean else 0.0)
     told = known & timed
     if not name.startswith("T_") or not told.any():
         return filled

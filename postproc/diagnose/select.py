@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from postproc.diagnose import library, waves
-from postproc.diagnose.fit import Projector, inverse, solve
+from postproc.diagnose.fit import Projector, inverse, set_ups, solve
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.parted import parted
 from postproc.diagnose.rows import Rows
@@ -31,6 +31,7 @@ RARE = {  # what is taken only where it is clearly better than its kin; below ze
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
 NOTHING = 1e-6  # of a column's power: with less left, the nuisances and the chosen say all that it could
+SHORT = 8  # readings of a run
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -72,6 +73,8 @@ class Selector:
         self.stack = Stack(u)
         self._restack()
         self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
+        self._open = set_ups(u, prior)
+        self.short = _short_runs(rows)
 
     def _restack(self) -> None:
         n = len(self.y)
@@ -284,7 +287,10 @@ class Selector:
         extra = np.zeros(len(self.y))
         for k in range(len(chosen)):
             part = model.contribution(k)
+            part = part - self._open @ (self._open.T @ part)  # what a zero takes has no form
             extra += (FORM * part) ** 2
+            for run in self.short:  # what comes with time is wrong by the same in all readings of a short run
+                extra[run] += (FORM * part[run].mean()) ** 2 * (len(run) - 1)
             for which in self.signals:
                 middle = part[which] - np.median(part[which])
                 extra[which] += (FORM_OF_LARGEST * np.abs(middle).max()) ** 2
@@ -304,6 +310,14 @@ class Selector:
         if sigma is None:
             model.scores = [self.worth([c for c in chosen if c != k], k, model.sigma) for k in chosen]
         return model
+
+
+def _short_runs(rows: Rows) -> list[np.ndarray]:
+    """The rows of each run of SHORT readings or fewer at rest."""
+    still = np.flatnonzero(np.isin(rows.file, [f for f, kind in enumerate(rows.kinds) if kind == "targets"]))
+    _, number = np.unique(np.stack([rows.file[still], rows.run[still]]), axis=1, return_inverse=True)
+    runs = [still[number.ravel() == k] for k in range(int(number.max(initial=-1)) + 1)]
+    return [run for run in runs if len(run) <= SHORT]
 
 
 def _penalty(block: Block, rows: int) -> float:

@@ -41,6 +41,9 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         "time": recording.columns.get("t_s", np.zeros(n)),  # not recorded: nothing can be told by it
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
+        "channel gauged": np.full(
+            n, float("gauge" in recording.instrument.lower())
+        ),  # workpieces are, between two cuts
     }
     for name, values in recording.columns.items():
         if name.startswith(("T_", "force_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:

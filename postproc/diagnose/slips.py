@@ -42,6 +42,27 @@ def departures(place: np.ndarray, value: np.ndarray, sigma: np.ndarray) -> tuple
     return result, size
 
 
+def at_ends(
+    place: np.ndarray, value: np.ndarray, other: np.ndarray, sigma: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) how many times its noise each reading at the ends of a passage, where `departures` can not judge, is off both from
+    another run at its place and from the readings beside it, and (N,) by how much; 0 elsewhere. other (N,): what other runs
+    read at these places, nan where there were none."""
+    result, size = np.zeros(len(place)), np.zeros(len(place))
+    order = np.argsort(place)
+    y, gap, noise = value[order], (value - other)[order], sigma[order]
+    ends = [*range(min(BESIDE, len(y))), *range(max(BESIDE, len(y) - BESIDE), len(y))]
+    for k in ends:
+        near = np.array([j for j in range(max(0, k - 3), min(len(y), k + 4)) if j != k])
+        if np.isnan(gap[k]) or np.isnan(gap[near]).all():
+            continue
+        runs, beside = gap[k] - np.nanmedian(gap[near]), y[k] - np.median(y[near])
+        if runs * beside > 0:
+            size[order[k]] = min(abs(runs), abs(beside))
+            result[order[k]] = size[order[k]] / (np.sqrt(2.0) * noise[k])
+    return result, size
+
+
 def _without(pattern: np.ndarray, off: np.ndarray) -> tuple[float, np.ndarray]:
     """How much of a pattern there is in departures, and what they are without it."""
     size = float(pattern @ off / (pattern @ pattern))

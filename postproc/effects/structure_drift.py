@@ -14,7 +14,7 @@ PARAMETERS = {
 OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0}
 PLAUSIBLE = {"size_um": (-300.0, 300.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("time",), ("tool",)
+NEEDS, SEES = ("time",), ("tool", "part")
 TEXT = (
     "The frame moves with the room's temperature or with time. "
     "A steady room, a warm-up, probing of the zero between cuts."
@@ -41,16 +41,30 @@ def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: f
     if file >= 0:
         own = state.file == file
         t = state.time[own]
+        if not np.ptp(t):  # parts that were turned one after the other
+            t = np.where(_turned(state)[own], state.channels.get("part", state.time)[own], np.nan)
         gone = np.zeros(len(own))
-        gone[own] = (t - t.min()) / max(float(np.ptp(t)), 1.0) if own.any() else 0.0
+        if np.isfinite(t).any():
+            gone[own] = np.nan_to_num((t - np.nanmin(t)) / max(float(np.nanmax(t) - np.nanmin(t)), 1.0))
         return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
-        return along(axis, late(state, air - air[begun(state)], -tau_s))
+        return along(axis, late(state, air - air[begun(state)], -tau_s) * _timed(state))
     if tau_s == 0 and bed is not None:
-        return along(axis, bed - bed[begun(state)])
+        return along(axis, (bed - bed[begun(state)]) * _timed(state))
     tau = max(tau_s, 1.0)
     gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
     return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))
+
+
+def _timed(state: State) -> np.ndarray:
+    """(N,) bool: all but parts, of which nobody knows how warm it was when they were cut."""
+    return state.channels.get("wall", np.zeros(len(state))) == 0
+
+
+def _turned(state: State) -> np.ndarray:
+    """(N,) bool: diameters of a lathe, which are twice what its slide is off by; what lies between two walls keeps its size."""
+    wall, material = (state.channels.get(name, np.zeros(len(state))) for name in ("wall", "material"))
+    return (wall != 0) & (material == 0)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

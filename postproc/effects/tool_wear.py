@@ -1,46 +1,115 @@
-"""Tool wear: a ramp with the length that was cut, set back when the tool is changed."""
+"""Tool wear: a ramp with the length that was cut, set back when the tool is changed.
+
+It shows on measured parts, and at a gauge that measures the workpiece between two cuts. There tools are changed after a number
+of parts, and parts are cut while the spindle runs.
+"""
 
 import numpy as np
 
 from postproc.effects import State, along
 
 PARAMETERS = {
-    "rate_um": "um, wear of the edge from part to part",
+    "rate_um": "um, wear of the edge from part to part; at a gauge, of its whole life",
     "start_um": "um, the quick wear of a new edge",
     "change": "number of the part before which the tool was changed, 0: never",
     "worn_um": "um, wear of the first tool before the first part",
     "bores": "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does",
+    "life": "runs of the gauge after which the tool is changed every time; 0, it is seen on parts",
+    "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
 }
-OPTIONAL = {"bores": 1.0, "worn_um": 0.0}
+OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("part",), ("part",)
+NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
+FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
+NEVER = 1000.0  # runs
+QUICK = 0.1  # of its life: in which the edge breaks in
+OF_REST = 0.3  # of the rest: by so much the quick wear may come out with the other sign
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    parts = np.unique(state.channels["part"][state.channels["wall"] != 0])
-    ways = (1.0, -1.0) if state.channels.get("bore", np.zeros(1)).any() else (1.0,)
-    return [{"change": float(p), "bores": w} for p in (0.0, *parts[1:]) for w in ways]
+    result = []
+    parts = np.unique(_channel(state, "part")[_channel(state, "wall") != 0])
+    if len(parts) > 1:
+        ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
+        result += [{"change": float(p), "bores": w} for p in (0.0, *parts[1:]) for w in ways]
+    most = max((len(np.unique(state.run[own])) for own in _gauged(state)), default=0)
+    if most >= FEWEST_RUNS:
+        lives = range(SHORTEST, most - AFTER + 1)
+        result += [{"change": 0.0, "life": float(n), "older": old} for n in lives for old in (0.0, 1.0)]
+    return result
 
 
-def columns(state: State, axis: str, change: float, bores: float = 1.0) -> np.ndarray:
-    part, wall = state.channels["part"], state.channels["wall"]
-    wall = np.where(state.channels.get("bore", np.zeros(len(wall))) > 0, bores * wall, wall)
+def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: float) -> bool:
+    """A tool only loses: the quick wear of a new edge, and what it had lost before, are of one sign with the rest and the
+    quick wear is the smaller part."""
+    if life <= 0:
+        return True
+    return start_um * rate_um > -OF_REST * rate_um**2 and abs(start_um) < abs(rate_um) and worn_um * rate_um >= 0
+
+
+def beside(shape: dict[str, float]) -> dict[str, float] | None:
+    """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
+    return {"change": 0.0, "life": NEVER, "older": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
+
+
+def columns(
+    state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0
+) -> np.ndarray:
+    if life > 0:
+        age, quick, old = _of_runs(state, life)
+        return along(axis, age, quick, old) if older else along(axis, age, quick)
+    part, wall = _channel(state, "part"), _channel(state, "wall")
+    wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
-    age = np.where((part >= change) & (change > 0), part - change, part - first)
-    parts = [wall * age, wall * (1.0 - np.exp(-age))]
+    cut = np.where((part >= change) & (change > 0), part - change, part - first)
+    parts = [wall * cut, wall * (1.0 - np.exp(-cut))]
     return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
+
+
+def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(N,) age of the edge as a share of its life, how far it has broken in, and 1 for the first tool, of runs of a gauge;
+    elsewhere 0."""
+    age, quick, old = np.zeros(len(state)), np.zeros(len(state)), np.zeros(len(state))
+    rpm = _channel(state, "spindle_rpm")
+    for own in _gauged(state):
+        _, number = np.unique(state.run[own], return_inverse=True)
+        cut = np.ones(number.max() + 1)
+        if rpm[own].any():
+            cut = (np.bincount(number, rpm[own]) > 0).astype(float)
+        cut[0] = 0.0
+        first = (np.arange(len(cut)) // life * life).astype(int)  # the tool is new at these
+        gone = np.cumsum(cut)
+        share = (gone - gone[first])[number] / life
+        age[own], quick[own], old[own] = share, 1.0 - np.exp(-share / QUICK), number < life
+    return age, quick, old
+
+
+def _gauged(state: State) -> list[np.ndarray]:
+    """(N,) bool of each recording of a gauge."""
+    gauged = _channel(state, "gauged") > 0
+    return [gauged & (state.file == f) for f in np.unique(state.file[gauged])] if gauged.any() else []
+
+
+def _channel(state: State, name: str) -> np.ndarray:
+    return state.channels.get(name, np.zeros(len(state)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [*(float(c) for c in coefficients), 0.0][:3]
     named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {"change": shape["change"], "bores": shape.get("bores", 1.0)}
+    return named | {"bores": 1.0, "life": 0.0, "older": 0.0} | shape
 
 
 def coefficients(
-    rate_um: float, start_um: float, change: float, worn_um: float = 0.0, bores: float = 1.0
+    rate_um: float,
+    start_um: float,
+    change: float,
+    worn_um: float = 0.0,
+    bores: float = 1.0,
+    life: float = 0.0,
+    older: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    values = [rate_um, start_um, worn_um] if change > 0 else [rate_um, start_um]
-    return np.array(values), {"change": change, "bores": bores}
+    values = [rate_um, start_um, worn_um] if change > 0 or older else [rate_um, start_um]
+    return np.array(values), {"change": change, "bores": bores, "life": life, "older": older}

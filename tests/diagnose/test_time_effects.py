@@ -1,0 +1,134 @@
+"""What comes with time, with the tool or at once: wear between changes, jumps between runs, channels between recordings."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from postproc.diagnose import fit, library, rows, slips, wander
+from postproc.effects import State, structure_drift, tool_wear
+
+USUAL = 5e-4
+
+
+def runs(step: float, extra: np.ndarray, seed: int = 1):
+    """residual, run and place of 40 runs at five targets: noise 0.5 um, run zeros of `step`, and extra (40,)."""
+    rng = np.random.default_rng(seed)
+    number, place = np.repeat(np.arange(40), 5), np.tile(np.arange(5), 40)
+    zero = step * rng.normal(size=40) + extra
+    return 5e-4 * rng.normal(size=200) + zero[number] + 1e-2 * place, number, place
+
+
+def test_few_runs_tell_nothing_of_how_far_a_zero_wanders():
+    residual, run, place = runs(0.0, np.zeros(40))
+    few = run < 9
+    assert wander.of_runs(residual[few], run[few], place[few], USUAL) == USUAL
+
+
+@pytest.mark.parametrize("extra", [np.zeros(40), np.linspace(0, 0.05, 40), 0.02 * (np.arange(40) > 17)])
+def test_neither_a_drift_nor_a_jump_is_the_wander_of_a_zero(extra):
+    assert wander.of_runs(*runs(0.0, extra), USUAL) < 0.6 * USUAL
+    assert wander.of_runs(*runs(2e-3, extra), USUAL) == USUAL
+
+
+def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
+    n = len(rpm)
+    channels = {"spindle_rpm": rpm, "gauged": np.full(n, gauged)}
+    return State(
+        position={"X": np.zeros(n)}, approach={"X": np.ones(n)}, travel={"X": (0.0, 100.0)}, time=np.arange(n) * 200.0,
+        run=np.arange(n) + 1.0, channels=channels, file=np.zeros(n),
+    )  # fmt: skip
+
+
+def test_wear_at_a_gauge_begins_again_after_each_life():
+    shown = tool_wear.columns(state(np.full(12, 1500.0)), "X", change=0.0, life=4.0)
+    assert shown.shape == (2, 3, 12)
+    assert np.allclose(shown[0, 0] * 1e3, np.tile([0.0, 0.25, 0.5, 0.75], 3))
+    assert not shown[:, 1:].any()
+
+
+def test_no_edge_wears_while_the_spindle_stands():
+    rpm = np.array([0.0, 1500.0, 0.0, 0.0, 1500.0, 1500.0])
+    shown = tool_wear.columns(state(rpm), "X", change=0.0, life=5.0)[0, 0] * 1e3
+    assert np.allclose(shown, [0.0, 0.2, 0.2, 0.2, 0.4, 0.0])
+
+
+def test_wear_is_not_in_what_a_mirror_shows():
+    assert not tool_wear.shapes(state(np.full(20, 1500.0), gauged=0.0), "X")
+    assert tool_wear.shapes(state(np.full(20, 1500.0)), "X")
+
+
+def test_a_tool_only_loses():
+    sensible = {"rate_um": 5.0, "start_um": 1.0, "worn_um": 2.0, "life": 8.0}
+    assert tool_wear.sensible(**sensible)
+    assert not tool_wear.sensible(**sensible | {"worn_um": -2.0})
+    assert not tool_wear.sensible(**sensible | {"start_um": -4.0})
+    assert not tool_wear.sensible(**sensible | {"start_um": 9.0})
+
+
+@pytest.mark.parametrize("shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}])
+def test_wear_names_its_coefficients_and_takes_them_back(shape):
+    shape = {"change": 0.0, "bores": 1.0, "older": 0.0} | shape
+    values = np.array([3.0, 1.0, 2.0][: 3 if shape["older"] else 2])
+    back, same = tool_wear.coefficients(**tool_wear.parameters(values, shape))
+    assert np.array_equal(back, values) and same == shape
+
+
+def test_parts_that_were_turned_drift_from_part_to_part():
+    part = np.array([0.0, 1.0, 2.0, 3.0, 1.0, 3.0])
+    channels = {"part": part, "wall": np.array([0, 1, 1, 1, -1, -1.0]), "material": np.array([0, 0, 0, 0, 1, 1.0])}
+    at = replace(state(np.zeros(6)), channels=channels, time=np.zeros(6), file=np.array([0, 1, 1, 1, 1, 1.0]))
+    shown = structure_drift.columns(at, "X", tau_s=1e6, file=1.0)[0, 0] * 1e3
+    assert np.allclose(shown, [0.0, 0.0, 0.5, 1.0, 0.0, 0.0])  # what lies between two walls keeps its size
+
+
+def test_a_step_may_be_in_every_pause():
+    t = np.concatenate([start + 4.0 * np.arange(120) for start in (0.0, 1000.0, 3000.0)])
+    readings = SimpleNamespace(
+        state=SimpleNamespace(passage=np.full(len(t), -1), time=t), sees=np.full(len(t), "laser")
+    )
+    gaps = np.array(library._steps(readings))
+    assert len(gaps) <= library.MOST_STEPS + 2
+    assert np.any((gaps > 480) & (gaps < 1000)) and np.any((gaps > 1480) & (gaps < 3000))
+
+
+def test_a_spindle_of_which_nobody_says_that_it_turned_stood_still():
+    told = np.array([1500.0, np.nan, np.nan, 750.0])
+    at = replace(state(np.zeros(4)), channels={"spindle_rpm": told, "part": told, "force_X_N": told})
+    assert rows._filled("spindle_rpm", at).tolist() == rows._filled("part", at).tolist() == [1500.0, 0.0, 0.0, 750.0]
+    assert rows._filled("force_X_N", at).tolist() == [1500.0, 1125.0, 1125.0, 750.0]
+
+
+def test_a_slip_at_the_end_of_a_passage_is_seen_by_another_run():
+    place = np.arange(10.0)
+    other = 1e-3 * np.sin(place)
+    value = other + 0.02  # another zero
+    value[1] += 0.04
+    times, size = slips.at_ends(place, value, other, np.full(10, 1e-3))
+    assert times[1] > 20 and np.isclose(size[1], 0.04, atol=2e-3)
+    assert (np.delete(times, 1) < 2).all()
+    assert not slips.at_ends(place, value, np.full(10, np.nan), np.full(10, 1e-3))[0].any()
+
+
+def test_a_zero_has_no_form():
+    u = np.stack([np.ones(6), np.array([1, 1, 1, 0, 0, 0.0]), np.arange(6.0)], axis=1)
+    open_ = fit.set_ups(u, np.array([fit.FREE, fit.FREE, 1e-3]))
+    assert np.allclose(open_.T @ open_, np.eye(2))
+    step = np.array([5.0, 5.0, 5.0, 2.0, 2.0, 2.0])
+    assert np.allclose(step - open_ @ (open_.T @ step), 0.0)
+
+
+def with_jump(file: str, jump_um: float, run: int) -> None:
+    """A recording to which something is added from one of its runs on."""
+    lines = Path(file).read_text().splitlines()
+    head = [line for line in lines if line.startswith("#")]
+    table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    for row in table:
+        row["reading_um"] = f"{float(row['reading_um']) + jump_um * (int(row['run']) >= run):.3f}"
+    body = [",".join(table[0]), *(",".join(row.values()) for row in table)]
+    Path(file).write_text("\n".join(head + body) + "\n")
