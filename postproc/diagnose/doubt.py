@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 
-from postproc.diagnose import structure
+from postproc.diagnose import again, structure
 from postproc.diagnose.answer import Diagnosis, Finding, floor
 from postproc.diagnose.unknown import Unknown, mapped
 
@@ -57,7 +57,9 @@ def unknown(d: Diagnosis) -> Unknown | None:
     """What is left that no name explains, with its map. Names become tentative where they are no answer: something like what
     they explain is left, a curve takes many of them, or one effect is needed again and again."""
     false = _curves(d)
-    left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held) + _of_parts(d)
+    left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held)
+    left += again.left(d.rows, d.before, d.after, d.sigma, d.held, _foretold(d))
+    left = sorted(left, key=lambda there: -there.rms) + _of_parts(d)
     rough = max((f.value["size_um"] for f in d.findings if f.block.name == "stick_slip"), default=0.0) / np.sqrt(12.0)
     left = [
         there for there in left if there.rms > rough * 1e-3
@@ -112,6 +114,14 @@ def _around_steps(d: Diagnosis) -> np.ndarray:
     return result
 
 
+def _foretold(d: Diagnosis) -> np.ndarray:
+    """(N,) bool: readings of which the findings tell what they are in a run that took no part, too. The phase of an oscillation is
+    not known there, nor is the moment of a lost step."""
+    swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
+    swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
+    return ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
+
+
 def _borne_out(d: Diagnosis, f: Finding, rows: np.ndarray) -> bool:
     """Whether these other rows that took no part (N,) bool agree better with a finding than without it."""
     if not rows.any() or float(np.std(f.contribution[rows])) < float(np.sqrt(np.mean(floor(d)[rows] ** 2))):
@@ -125,10 +135,7 @@ def doubted(d: Diagnosis) -> None:
     if d.doubts:
         for f in d.findings:
             f.status = "tentative"
-    # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
-    swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
-    swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
-    told = d.held & ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
+    told = d.held & _foretold(d)
     off = []
     for signal in np.unique(d.rows.signal[told]):
         own = told & (d.rows.signal == signal)
