@@ -25,6 +25,7 @@ FEATURE = 1e-3  # mm: what two places of a map are off by together
 WALK = 5e-4  # mm: by how much the zero of a laser or a probe wanders during a run
 WALK_RAD = 5e-7  # rad: the same of an angle
 SQUARE = 1.5e-6  # rad
+SAID = 1e-7  # of what columns are by themselves: what P leaves below it, it says already but for rounding
 
 
 def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarray]:
@@ -154,5 +155,14 @@ def solve(
     after = projector(columns)
     a = columns.T @ after
     a = a + ridge * np.diag(np.maximum(np.diag(a), 1e-30))
-    covariance = np.linalg.pinv(a, rcond=1e-12, hermitian=True)
+    covariance = inverse(a, np.einsum("ij,ij,i->j", columns, columns, projector.w))
     return covariance @ (after.T @ y), covariance
+
+
+def inverse(a: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """(K, K) inverse of A = D'P D in the directions of which P leaves more than rounding; own (K,): D'W D of each column."""
+    size = np.sqrt(np.maximum(own, 1e-300))
+    value, vector = np.linalg.eigh(a / size / size[:, None])
+    known = value > SAID
+    v = vector[:, known] / size[:, None]
+    return (v / value[known]) @ v.T

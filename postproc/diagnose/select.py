@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from postproc.diagnose import library, waves
-from postproc.diagnose.fit import Projector, solve
+from postproc.diagnose.fit import Projector, inverse, solve
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.stacked import Stack
@@ -29,6 +29,7 @@ RARE = {  # what is taken only where it is clearly better than its kin; below ze
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
+FAR, TURNS = 4.0, 3  # times the noise: a reading at rest so far off is an outlier; how often that is looked at
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -115,10 +116,7 @@ class Selector:
             if part.stop - part.start == 1:
                 solved = b / power[part.start]
             else:
-                try:
-                    solved = np.linalg.solve(inner[k], b)
-                except np.linalg.LinAlgError:
-                    continue
+                solved = inverse(inner[k], own[part]) @ b
             fall = np.einsum("i...,i...->...", b, solved)
             if y is None and not plausible(self.blocks[k], solved):
                 continue
@@ -154,7 +152,7 @@ class Selector:
                 break
             seen.add(key)
         for _ in range(MOST):
-            pruned = self._drop(chosen, self._reweighed(chosen))
+            pruned = self._drop(chosen, self._steady(chosen))
             if pruned == chosen:
                 break
             chosen = pruned
@@ -288,6 +286,17 @@ class Selector:
                 middle = part[which] - np.median(part[which])
                 extra[which] += (FORM_OF_LARGEST * np.abs(middle).max()) ** 2
         return np.sqrt(self.sigma**2 + extra)
+
+    def _steady(self, chosen: list[int]) -> np.ndarray:
+        """(N,) noise in which readings at rest that lie far off even so count for less: no name rests on a few of them."""
+        sigma = self._reweighed(chosen)
+        rest = self.rows.state.passage < 0
+        steady = sigma
+        for _ in range(TURNS):
+            p = self.projector(chosen, steady)
+            off = np.abs(p(self.y)) / p.w
+            steady = np.where(rest & (off > FAR * sigma), np.maximum(sigma, off / 2), sigma)
+        return steady
 
     def fitted(self, chosen: list[int], sigma: np.ndarray | None = None) -> Model:
         """The joint fit of the chosen."""
