@@ -19,32 +19,43 @@ FAR = 4.0  # times the scatter: one reading that lies off does not decide
 
 
 def left(
-    rows: Rows, before: np.ndarray, after: np.ndarray, sigma: np.ndarray, held: np.ndarray, told: np.ndarray
+    rows: Rows, before: tuple[np.ndarray, ...], after: np.ndarray, sigma: np.ndarray, held: np.ndarray, told: np.ndarray
 ) -> list[Left]:
-    """Structure that no name explains and that comes again. before, after, sigma (N,) mm; held (N,) bool: took no part; told
-    (N,) bool: what the names foretell, so that what is left there of rows held out is unexplained."""
-    found = []
+    """Structure that no name explains and that comes again. before: what was there, (N,) mm in each of several ways, the least
+    counts; after, sigma (N,) mm; held (N,) bool: took no part; told (N,) bool: what the names foretell, so that what is left there
+    of rows held out is unexplained."""
+    found: list[Left] = []
+
+    def note(how: str, value: float, likely: float, sure: float, was: list[float]) -> None:
+        there = max(min(was), value)
+        if likely > sure and value > max(LEAST_MM[kind] ** 2, SHARE**2 * there):
+            found.append(Left(signal, how, float(np.sqrt(value)), value / there))
+
     for signal in range(len(rows.signals)):
         which = rows.signal == signal
         kind = str(rows.sees[which][0]) if which.any() else "part"
-        if kind == "part":
+        alone, shared = which & held & told, which & (~held | told)
+        if kind == "part" or np.count_nonzero(shared) < structure.FEWEST:
             continue
+        level = [levelled(rows, y, sigma, alone) for y in (after, *before)]
         if rows.state.passage[np.flatnonzero(which)[0]] >= 0:
-            shared = which & (~held | told)
             for cells in CELLS:
                 value, likely = agreed(rows, tame(after, shared), shared, cells)
-                there = max(agreed(rows, before, shared, cells)[0], value)
-                if likely > AGREED and value > max(LEAST_MM[kind] ** 2, SHARE**2 * there):
-                    found.append(Left(signal, "runs", float(np.sqrt(value)), value / there))
-        alone = which & held & told
+                note("runs", value, likely, AGREED, [agreed(rows, y, shared, cells)[0] for y in before])
+        elif alone.any():
+            value, likely = structure.excess(rows, level[0], sigma, shared)["place"]
+            note("runs", value, likely, structure.LIKELY["place"], [_place(rows, y, sigma, shared) for y in level[1:]])
         if np.count_nonzero(alone) >= structure.FEWEST:
             # Of neighbours in time: of a place there is one reading, and one may be an outlier.
-            was, _ = structure.excess(rows, levelled(rows, before, sigma, alone), sigma, alone)["time"]
-            value, likely = structure.excess(rows, levelled(rows, after, sigma, alone), sigma, alone)["time"]
-            there = max(was, value)
-            if likely > AFRESH and value > max(LEAST_MM[kind] ** 2, SHARE**2 * there):
-                found.append(Left(signal, "afresh", float(np.sqrt(value)), value / there))
+            value, likely = structure.excess(rows, level[0], sigma, alone)["time"]
+            was = [structure.excess(rows, y, sigma, alone)["time"][0] for y in level[1:]]
+            note("afresh", value, likely, AFRESH, was)
     return found
+
+
+def _place(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -> float:
+    """mm2: what readings share, of places or of neighbours in time, whichever is more."""
+    return max(value for value, _ in structure.excess(rows, left, sigma, which).values())
 
 
 def agreed(rows: Rows, left: np.ndarray, which: np.ndarray, cells: int) -> tuple[float, float]:
@@ -83,10 +94,10 @@ def tame(left: np.ndarray, which: np.ndarray) -> np.ndarray:
 
 
 def levelled(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """(N,) mm: without the zero of each run of targets and its walk, as far as an instrument wanders."""
+    """(N,) mm: without the zero of each run and its walk, as far as an instrument wanders and a bar warms."""
     result = left.copy()
     for file in np.unique(rows.file[which]):
-        if rows.kinds[file] != "targets":
+        if rows.kinds[file] not in ("targets", "ballbar"):
             continue
         for run in np.unique(rows.run[which & (rows.file == file)]):
             at = np.flatnonzero(which & (rows.file == file) & (rows.run == run))

@@ -113,10 +113,8 @@ class Selector:
             if np.any(power[part] < 1e-6 * own[part]):
                 continue  # the nuisances and the chosen say all that it could
             b = after[part]
-            if part.stop - part.start == 1:
-                solved = b / power[part.start]
-            else:
-                solved = inverse(inner[k], own[part]) @ b
+            one = part.stop - part.start == 1
+            solved = b / power[part.start] if one else inverse(inner[k], own[part]) @ b
             fall = np.einsum("i...,i...->...", b, solved)
             if y is None and not plausible(self.blocks[k], solved):
                 continue

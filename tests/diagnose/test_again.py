@@ -80,9 +80,9 @@ def test_a_zero_that_wanders_is_no_structure_of_a_run_that_took_no_part(targets)
     assert np.abs(again.levelled(targets, wander, sigma, held)[held]).max() < 0.1 * UM
     noise = np.random.default_rng(3).normal(0, 0.3 * UM, len(targets))
     all_told = np.ones(len(targets), bool)
-    assert not again.left(targets, noise + wander, noise + wander, sigma, held, all_told)
+    assert not again.left(targets, (noise + wander,), noise + wander, sigma, held, all_told)
     z = targets.state.position["Z"]
     dent = np.where(held & (z > np.quantile(z, 0.3)) & (z < np.quantile(z, 0.7)), 4 * UM, 0.0)
-    there = again.left(targets, noise + dent, noise + dent, sigma, held, all_told)
+    there = again.left(targets, (noise + dent,), noise + dent, sigma, held, all_told)
     assert [one.how for one in there] == ["afresh"] and 1 * UM < there[0].rms < 4 * UM
-    assert not again.left(targets, noise + dent, noise + dent, sigma, held, ~held)
+    assert not again.left(targets, (noise + dent,), noise + dent, sigma, held, ~held)
