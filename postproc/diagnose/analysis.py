@@ -106,7 +106,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         columns = library.read(rows, b.module, b.axis, dict(b.shape))
         every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
     options.told("showing")
-    before, after, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
+    before, after, alone, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     found = [findings.of_block(rows, selector, model, k, chosen, every) for k in range(len(chosen))]
     if creep:
         found.append(findings.of_creep(creep, len(rows)))
@@ -125,7 +125,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     limits = {key: size for key, size in findings.limits(selector, chosen).items() if key not in unseen}
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
-        usable.faults + faults, selector.least, alike, notices=notices, doubts=doubts,
+        usable.faults + faults, selector.least, alike, alone, notices=notices, doubts=doubts,
     )  # fmt: skip
     doubt.doubted(diagnosis)
     diagnosis.unknown = doubt.unknown(diagnosis)
@@ -177,7 +177,8 @@ def _cleaned(rows: Rows) -> tuple[Rows, np.ndarray, np.ndarray, list[tuple[int, 
 
 def _residuals(rows, sigma, u, prior, held, every, chosen, model):
     """(N,) mm before and after, set-up zeros and the like taken out as the rows that took part tell them; of rows held out
-    nothing is fitted but the zero of their own set-up."""
+    nothing is fitted but the zero of their own set-up. What zeros and the like leave where they alone are fitted. And their
+    coefficients."""
     y = rows.residual
     explained = sum(
         (every[c].columns @ model.coefficients[model.part(k)] for k, c in enumerate(chosen)), np.zeros(len(rows))
@@ -187,4 +188,5 @@ def _residuals(rows, sigma, u, prior, held, every, chosen, model):
     train = ~held
     p = fit.Projector.of(model.sigma if chosen else sigma[train], u[train], prior)
     coefficient = p.inner @ (p.u.T @ (p.w * (y - explained)[train]))
-    return y - u @ coefficient, y - explained - u @ coefficient, coefficient
+    alone = y - u @ (p.inner @ (p.u.T @ (p.w * y[train])))
+    return y - u @ coefficient, y - explained - u @ coefficient, alone, coefficient

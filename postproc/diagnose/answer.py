@@ -36,7 +36,7 @@ class Diagnosis:
     """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
     mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
     line, what, mm); alike (N,): by how much sigma was inflated
-    for neighbours that are alike; unknown: None or what is left; drives: what forces and currents ask for."""
+    for neighbours that are alike; alone (N,) mm: what set-up zeros and the like leave where they alone are fitted; unknown: None or what is left; drives: what forces and currents ask for."""
 
     machine: Machine
     recordings: list[Recording]
@@ -53,6 +53,7 @@ class Diagnosis:
     faults: list[tuple[int, int, str, float]]
     least: float
     alike: np.ndarray
+    alone: np.ndarray
     unknown: Unknown | None = None
     notices: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)

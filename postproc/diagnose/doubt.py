@@ -7,11 +7,12 @@ from collections import Counter
 
 import numpy as np
 
-from postproc.diagnose import structure
+from postproc.diagnose import again, structure
 from postproc.diagnose.answer import Diagnosis, Finding, floor
 from postproc.diagnose.unknown import Unknown, mapped
 
 CURVES, MANY = ("cyclic", "pitch_shape"), 3  # a curve that takes so many names has none
+FULLEST = 9  # the highest degree of a curve
 HELPINGS = 3  # of one effect, on whatever axes
 MUCH_LEFT = 0.1  # of what the largest of them explains: many names that leave so much are none
 MOST_LEFT = 0.04  # of what was there: with more left, names are no answer
@@ -58,7 +59,9 @@ def unknown(d: Diagnosis) -> Unknown | None:
     """What is left that no name explains, with its map. Names become tentative where they are no answer: something like what
     they explain is left, a curve takes many of them, or one effect is needed again and again."""
     false = _curves(d)
-    left = structure.unexplained(d.rows, d.before, d.after, d.sigma, ~d.held) + _of_parts(d)
+    left = structure.unexplained(d.rows, (d.before, d.alone), d.after, d.sigma, ~d.held)
+    left += again.left(d.rows, (d.before, d.alone), d.after, d.sigma, d.held, _foretold(d))
+    left = sorted(left, key=lambda there: -there.rms) + _of_parts(d)
     rough = max((f.value["size_um"] for f in d.findings if f.block.name == "stick_slip"), default=0.0) / np.sqrt(12.0)
     left = [
         there for there in left if there.rms > rough * 1e-3
@@ -90,14 +93,25 @@ def unknown(d: Diagnosis) -> Unknown | None:
     return mapped(d, signal, spread[signal], share, rest - rest[d.rows.signal == signal].mean())
 
 
+def _bent(d: Diagnosis) -> set[str]:
+    """Axes whose curve of the highest degree needs a swing beside it that is no shorter than what such a curve can follow."""
+    shape = {f.block.axis: f.value["degree"] for f in d.findings if f.block.name == "pitch_shape"}
+    return {
+        f.block.axis for f in d.findings
+        if f.block.name == "cyclic" and shape.get(f.block.axis, 0.0) >= FULLEST
+        and f.value["period_mm"] * FULLEST > np.ptp(d.rows.state.travel[f.block.axis])
+    }  # fmt: skip
+
+
 def _curves(d: Diagnosis) -> list[Finding]:
     """Findings that imitate another one together: many shapes of one axis, one effect on all axes and more, steps lost by
     several axes."""
     shapes = Counter(f.block.axis for f in d.findings if f.block.name in CURVES)
     names = Counter(f.block.name for f in d.findings)
+    bent = _bent(d)
     return [
         f for f in d.findings
-        if (f.block.name in CURVES and shapes[f.block.axis] >= MANY)
+        if (f.block.name in CURVES and (shapes[f.block.axis] >= MANY or f.block.axis in bent))
         or names[f.block.name] > (1 if f.block.name == "step_loss" else HELPINGS)
     ]  # fmt: skip
 
@@ -132,6 +146,14 @@ def _around_steps(d: Diagnosis) -> np.ndarray:
     return result
 
 
+def _foretold(d: Diagnosis) -> np.ndarray:
+    """(N,) bool: readings of which the findings tell what they are in a run that took no part, too. The phase of an oscillation is
+    not known there, nor is the moment of a lost step."""
+    swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
+    swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
+    return ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
+
+
 def _borne_out(d: Diagnosis, f: Finding, rows: np.ndarray) -> bool:
     """Whether these other rows that took no part (N,) bool agree better with a finding than without it."""
     if not rows.any() or float(np.std(f.contribution[rows])) < float(np.sqrt(np.mean(floor(d)[rows] ** 2))):
@@ -144,10 +166,7 @@ def doubted(d: Diagnosis) -> None:
     """No name is accepted where the recordings can not be trusted, or where the runs that took no part do not bear it out."""
     for f in d.findings if d.doubts else _turns(d):
         f.status = "tentative"
-    # The phase of an oscillation in a run that took no part is not known: nothing is predicted there.
-    swings = [f.block.columns for f in d.findings if f.block.name == "vibration"]
-    swinging = {int(s) for c in swings for s in np.unique(d.rows.signal[~d.held][np.any(c != 0, axis=1)])}
-    told = d.held & ~np.isin(d.rows.signal, list(swinging)) & ~_around_steps(d)
+    told = d.held & _foretold(d)
     off = []
     for signal in np.unique(d.rows.signal[told]):
         own = told & (d.rows.signal == signal)

@@ -14,7 +14,7 @@ from postproc.diagnose import wander
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
 
-SAME = 1e-9  # of a column's power: what is left of one that says the same as others
+SAME = 1e-7  # of a column's power: what is left of one that says the same as others
 FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
 TOLD, FEWEST_TERMS, WORSE, MOST_WORSE = 0.3, 8, 1.25, 4.0

@@ -32,6 +32,7 @@ BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
 NOTHING = 1e-6  # of a column's power: with less left, the nuisances and the chosen say all that it could
 SHORT = 8  # readings of a run
+FAR, TURNS = 4.0, 3  # times the noise: a reading at rest so far off is an outlier; how often that is looked at
 WIDE = 10.0  # prior standard deviation of chosen coefficients: none
 
 
@@ -154,7 +155,7 @@ class Selector:
             seen.add(key)
         chosen = parted(self, chosen, sigma, MOST)
         for _ in range(MOST):
-            pruned = self._drop(chosen, self._reweighed(chosen))
+            pruned = self._drop(chosen, self._steady(chosen))
             if pruned == chosen:
                 break
             chosen = pruned
@@ -295,6 +296,17 @@ class Selector:
                 middle = part[which] - np.median(part[which])
                 extra[which] += (FORM_OF_LARGEST * np.abs(middle).max()) ** 2
         return np.sqrt(self.sigma**2 + extra)
+
+    def _steady(self, chosen: list[int]) -> np.ndarray:
+        """(N,) noise in which readings at rest that lie far off even so count for less: no name rests on a few of them."""
+        sigma = self._reweighed(chosen)
+        rest = self.rows.state.passage < 0
+        steady = sigma
+        for _ in range(TURNS):
+            p = self.projector(chosen, steady)
+            off = np.abs(p(self.y)) / p.w
+            steady = np.where(rest & (off > FAR * sigma), np.maximum(sigma, off / 2), sigma)
+        return steady
 
     def fitted(self, chosen: list[int], sigma: np.ndarray | None = None) -> Model:
         """The joint fit of the chosen."""

@@ -16,7 +16,8 @@ CELLS = 48
 FEWEST = 12
 STRETCHES = 40
 MEDIAN = np.pi / 2  # variance of a median over that of a mean
-LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 1.6e-4, "scale": 1.6e-4}  # smaller is not worth a word
+# Smaller is not worth a word: a wave that swings by 0.7 um, which is what matters, has an rms of 0.25 um.
+LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 2.5e-4, "scale": 2.5e-4}
 LIKELY = {"place": 6.0, "time": 6.0, "pace": 5.0}  # times its own spread
 SHARE = 0.2  # of what was there before
 
@@ -31,17 +32,19 @@ class Left:
     share: float
 
 
-def unexplained(rows: Rows, before: np.ndarray, after: np.ndarray, sigma: np.ndarray, use: np.ndarray) -> list[Left]:
+def unexplained(
+    rows: Rows, before: tuple[np.ndarray, ...], after: np.ndarray, sigma: np.ndarray, use: np.ndarray
+) -> list[Left]:
     """Where the readings (use, (N,) bool) agree with each other about something that no accepted effect explains, the
-    largest first."""
+    largest first. before: what was there, (N,) mm in each of several ways; the least counts."""
     found = []
     for signal in range(len(rows.signals)):
         which = (rows.signal == signal) & use
         kind = str(rows.sees[which][0]) if which.any() else "part"
         if kind == "part" or np.count_nonzero(which) < FEWEST:  # a feature has one place: nothing to agree about
             continue
-        was, now = excess(rows, before, sigma, which), excess(rows, after, sigma, which)
-        there = max(max(v for v, _ in was.values()), 1e-30)
+        now = excess(rows, after, sigma, which)
+        there = max(min(max(v for v, _ in excess(rows, b, sigma, which).values()) for b in before), 1e-30)
         for how, (value, likely) in now.items():
             if likely > LIKELY[how] and value > LEAST_MM[kind] ** 2 and value > SHARE**2 * there:
                 found.append(Left(signal, how, float(np.sqrt(value)), float(min(1.0, value / there))))
@@ -58,13 +61,19 @@ def excess(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -
         order = np.lexsort((left[at], group))
         count = np.bincount(group)
         edge = np.cumsum(count) - count
-        n = count[count > 0]
-        first = edge[count > 0]
+        several = count > 1  # one reading agrees with nobody
+        n, first = count[several], edge[several]
+        if not len(n):
+            result[name] = (0.0, 0.0)
+            continue
         low, high = first + (n - 1) // 2, first + n // 2
         value = left[at][order]
         middle = (value[low] + value[high]) / 2  # one reading that lies far off is an outlier, not structure
-        noise = np.bincount(group, sigma[at] ** 2)[count > 0] / n**2 * np.where(n > 2, MEDIAN, 1.0)
-        total = float((n * (middle**2 - noise)).sum() / n.sum())
+        noise = np.bincount(group, sigma[at] ** 2)[several] / n**2 * np.where(n > 2, MEDIAN, 1.0)
+        # Of two that lie on one side the nearer says what they share; as often by chance as two on different sides take away.
+        a, b = value[first], value[first + 1]
+        shared = np.where(n > 2, middle**2 - noise, np.sign(a * b) * np.minimum(np.abs(a), np.abs(b)) ** 2)
+        total = float((n * shared).sum() / n.sum())
         spread = float(np.sqrt(2.0 * (n**2 * noise**2).sum()) / n.sum())
         result[name] = (total, total / max(spread, 1e-30))
     if rows.state.passage[at[0]] >= 0:

@@ -16,6 +16,8 @@ PARAMETERS = {
     "tau_ms": "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um per 100 mm/s",
 }
 UNLIKE = 0.15
+OPPOSES = 1.5  # of the mean: none in one direction is a difference as large as the mean; and some error
+LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
 TEXT = (
@@ -38,9 +40,14 @@ def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
 
 
-def sensible(slope_um: float, difference_slope_um: float, tau_ms: float, **other: float) -> bool:
-    """Alike in both directions it is a plain lag and a plain friction."""
-    return tau_ms > 0 or abs(difference_slope_um) > UNLIKE * abs(slope_um)
+def sensible(
+    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float, **other: float
+) -> bool:
+    """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion in either of them."""
+    if tau_ms > 0:
+        return True
+    opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
+    return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
