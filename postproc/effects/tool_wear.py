@@ -32,11 +32,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     parts = np.unique(_channel(state, "part")[_channel(state, "wall") != 0])
     if len(parts) > 1:
         ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
-        result += [{"change": float(p), "bores": w} for p in (0.0, *parts[1:]) for w in ways]
+        result += [{"change": float(p), "bores": w, "life": 0.0, "older": 0.0} for p in (0.0, *parts[1:]) for w in ways]
     most = max((len(np.unique(state.run[own])) for own in _gauged(state)), default=0)
     if most >= FEWEST_RUNS:
         lives = range(SHORTEST, most - AFTER + 1)
-        result += [{"change": 0.0, "life": float(n), "older": old} for n in lives for old in (0.0, 1.0)]
+        result += [{"change": 0.0, "bores": 1.0, "life": float(n), "older": old} for n in lives for old in (0.0, 1.0)]
     return result
 
 
@@ -50,7 +50,7 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
     """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
-    return {"change": 0.0, "life": NEVER, "older": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
+    return {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
 
 
 def columns(

@@ -32,7 +32,7 @@ STATE = State(
         **{f"T_screw_{x}_C": 20 + RNG.uniform(0, 4, N) for x in "XYZ"},
         **{f"force_{x}_N": RNG.uniform(0, 300, N) for x in "XYZ"},
         "T_air_C": 20 + RNG.uniform(0, 2, N), "T_bed_C": 20 + RNG.uniform(0, 1, N), "spindle_rpm": RNG.uniform(0, 3000, N),
-        "part": np.arange(N, dtype=float), "material": RNG.choice([-1.0, 1.0], N), "wall": RNG.choice([-1.0, 1.0], N), "bore": RNG.choice([0.0, 1.0], N),
+        "part": np.arange(N, dtype=float), "material": RNG.choice([-1.0, 1.0], N), "wall": np.resize([-1.0, 0.0, 1.0], N), "bore": RNG.choice([0.0, 1.0], N),
     },
     angles={x: RNG.uniform(-5e-5, 5e-5, (3, N)) for x in "XYZ"},
     beam=RNG.uniform(0, 500, N),
