@@ -27,7 +27,7 @@ def left(
     found: list[Left] = []
 
     def note(how: str, value: float, likely: float, sure: float, was: list[float]) -> None:
-        there = max(min(was), value)
+        there = max(min(was), value, explained)
         if likely > sure and value > max(LEAST_MM[kind] ** 2, SHARE**2 * there):
             found.append(Left(signal, how, float(np.sqrt(value)), value / there))
 
@@ -38,6 +38,8 @@ def left(
         if kind == "part" or np.count_nonzero(shared) < structure.FEWEST:
             continue
         level = [levelled(rows, y, sigma, alone) for y in (after, *before)]
+        # What swings in time comes again in no run, and its form error is small beside it all the same.
+        explained = float(np.var((before[0] - after)[shared]))
         if rows.state.passage[np.flatnonzero(which)[0]] >= 0:
             for cells in CELLS:
                 value, likely = agreed(rows, tame(after, shared), shared, cells)

@@ -27,6 +27,7 @@ SWAP, ONE_FOR_TWO = 2.0, 15.0
 UNUSUAL = 4.0  # what an unusual sign costs; a module's ODD, if it has one, of the fall of chi squared
 RARE = {  # what is taken only where it is clearly better than its kin; below zero: sooner (a circle alone shows no lag, only a difference)
     "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
+    "scale": 1.4,  # a misaligned beam always reads short, a scale error may be either: half as likely where both say the same
 }  # fmt: skip
 BESIDE = 12.0  # score that a refined shape must be worth beside the simpler one that its module names
 CIRCLES, ALONE = "servo_mismatch", 9.0  # where a log shows each axis alone, each has its own lag
