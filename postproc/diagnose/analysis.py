@@ -90,14 +90,15 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         )
         selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
     creep = restless.creeping(part, _left(part, selector, model), sigma[train], alike[train])
-    if creep and any(
-        b.axis == creep.axis and b.name in restless.LIKE and score > creep.fall
-        for b, score in zip(model.blocks, model.scores, strict=True)
-    ):
-        creep = None
     if creep:  # what nobody can foretell there is noise to all that can be foretold
-        sigma = np.hypot(sigma, creep.rms * alike * restless.rows_of(rows, creep))
-        selector, model = _chosen(part, sigma[train], u[train], prior, blocks, options)
+        restless_sigma = np.hypot(sigma, creep.rms * alike * restless.rows_of(rows, creep))
+        other, again = _chosen(part, restless_sigma[train], u[train], prior, blocks, options)
+        smooth_turns = any(b.axis == creep.axis and b.name in restless.LIKE for b in model.blocks)
+        ways = ((_left(part, selector, model), model.sigma), (_left(part, other, again), again.sigma))
+        if smooth_turns and restless.misfit(*ways[0], alike[train]) < restless.misfit(*ways[1], alike[train]):
+            creep = None
+        else:
+            sigma, selector, model = restless_sigma, other, again
     model, late = _of_each_axis(selector, model, part)
     chosen = [selector.blocks.index(b) for b in model.blocks]
     # What was found on the way has columns of the rows that took part only: read them of all rows. A passage that took no

@@ -81,6 +81,11 @@ def creeping(rows: Rows, left: np.ndarray, sigma: np.ndarray, alike: np.ndarray)
     return best if best is not None and SLOWEST < best.fastest < FASTEST else None
 
 
+def misfit(left: np.ndarray, sigma: np.ndarray, alike: np.ndarray) -> float:
+    """-2 ln(likelihood) of what a choice leaves, (N,) mm, at its own noise: a spread that nobody can foretell is paid for, too."""
+    return float(np.sum((left / sigma) ** 2 + 2.0 * np.log(sigma / alike) / alike**2))
+
+
 def rows_of(rows: Rows, creep: Creep) -> np.ndarray:
     """(N,) how much of the roughness enters a row, 0 to 1."""
     slow = (rows.state.passage >= 0) & (np.abs(rows.state.velocity[creep.axis]) < creep.fastest)
