@@ -6,32 +6,41 @@ from postproc.effects import XYZ, State, along, legendre, one_way
 
 PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
-    "third_um": "um, the third",
     "across": "0, 1, 2: X, Y, Z, the direction of the error",
+    "third_um": "um, the third",
+    "degree": "number of the highest polynomial, 2 or 3",
 }
+OPTIONAL = {"third_um": 0.0, "degree": 3.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = "The guideway is bowed. Measure the straightness and write the table; check the machine's level."
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"across": float(XYZ.index(x))} for x in state.position if x != axis and x in XYZ]
+    ways = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
+    return [{"across": way, "degree": degree} for way in ways for degree in (2.0, 3.0)]
 
 
-def columns(state: State, axis: str, across: float) -> np.ndarray:
+def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.ndarray:
     u, way = state.share(axis), XYZ[int(across)]
-    return along(way, legendre(u, 2), legendre(u, 3))
+    return along(way, *(legendre(u, d) for d in range(2, int(degree) + 1)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "third_um": float(coefficients[1]), "across": shape["across"]}
+    third = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return {"size_um": float(coefficients[0]), "third_um": third} | {"degree": 3.0} | shape
 
 
-def coefficients(size_um: float, third_um: float, across: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um, third_um]), {"across": across}
+def coefficients(
+    size_um: float, across: float, third_um: float = 0.0, degree: float = 3.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    value = [size_um, third_um][: int(degree) - 1]
+    return np.array(value), {"across": across, "degree": degree}
 
 
-def tables(axis: str, travel: tuple[float, float], size_um: float, third_um: float, across: float):
+def tables(
+    axis: str, travel: tuple[float, float], size_um: float, across: float, third_um: float = 0.0, degree: float = 3.0
+):
     def shape(p: np.ndarray) -> np.ndarray:
         u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1
         return size_um * legendre(u, 2) + third_um * legendre(u, 3)
