@@ -24,6 +24,7 @@ TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in t
 FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
 NEVER = 1000.0  # runs
 QUICK = 0.1  # of its life: in which the edge breaks in
+QUICKEST = 20.0  # parts: what breaks in and then does not wear is no edge
 OF_REST = 0.3  # of the rest: by so much the quick wear may come out with the other sign
 
 
@@ -44,7 +45,7 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
     """A tool only loses: the quick wear of a new edge, and what it had lost before, are of one sign with the rest and the
     quick wear is the smaller part."""
     if life <= 0:
-        return True
+        return abs(start_um) <= QUICKEST * abs(rate_um)
     return start_um * rate_um > -OF_REST * rate_um**2 and abs(start_um) < abs(rate_um) and worn_um * rate_um >= 0
 
 

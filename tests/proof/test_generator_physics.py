@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -155,3 +156,19 @@ def test_a_screw_warms_where_its_nut_runs_and_grows_by_its_own_heat(lathe):
     steps = np.abs(np.diff(first)) / np.diff(track.position[: len(first), 2])
     assert steps[0] > 3 * steps[-1]  # grows near the warm end, hardly at the other
     assert steps.max() <= 11.5e-3 * rise.max() * 1.01  # never more than alpha times the warmest node
+
+
+def test_squareness_is_told_as_the_angle_between_the_two_axes():
+    """The ways of both slides over a metre: minus their product is by how much the angle between them is more than a right one."""
+    seen = set()
+    for number in range(60):
+        machine = machines.draw(stream("square", number))
+        scene = scene_of(machine, [])
+        made = physics.names()["squareness"](scene, "Z", stream("square", "effect", number))
+        place = np.eye(3) * 1000.0
+        ways = place + made.on(SimpleNamespace(position=place)).tool * 1e-3
+        first, second = ("XYZ".index(x) for x in made.axis)
+        opened = -ways[first] @ ways[second]
+        assert made.parameters(1.0)["urad"] == pytest.approx(opened, abs=1e-3)
+        seen.add((machine.form, made.axis, round(opened)))
+    assert {way for _, _, way in seen} == {1, -1} and len(seen) >= 3

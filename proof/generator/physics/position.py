@@ -57,7 +57,8 @@ def cyclic(scene: Scene, axis: str, rng: np.random.Generator, lead: float | None
 
 
 def squareness(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """An axis that leans against another. size: urad of the rotation in its name; written under the pair."""
+    """An axis that leans against another. size: urad of the rotation in its name; written under the pair, as by how much the angle
+    between the two is more than a right one: a turn about Y closes the angle of Z with X, all others named here open it."""
     machine = scene.machine
     pairs = {"C0Y": "XY", "B0Z": "XZ", "A0Z": "YZ"} if "Y" in machine.axes else {next(iter(machine.square)): "XZ"}
     name = str(rng.choice([n for n, pair in pairs.items() if axis in pair] or [""]))
@@ -67,7 +68,8 @@ def squareness(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | No
     def on(track: Track) -> Shift:
         return Shift(tool=machine.lean(name, track.position))
 
-    return Effect("squareness", pairs[name], on, lambda size: {"urad": size})
+    opens = -1.0 if name == "B0Z" else 1.0
+    return Effect("squareness", pairs[name], on, lambda size: {"urad": opens * size})
 
 
 def bow(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
