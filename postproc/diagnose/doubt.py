@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 
-from postproc.diagnose import again, structure
+from postproc.diagnose import again, shared_jump, structure
 from postproc.diagnose.answer import Diagnosis, Finding, floor
 from postproc.diagnose.unknown import Unknown, mapped
 
@@ -69,6 +69,8 @@ def unknown(d: Diagnosis) -> Unknown | None:
     for there in left:
         which = (d.rows.signal == there.signal) & ~d.held
         for f in d.findings:
+            if f.block.module is shared_jump:
+                continue  # several readings bear it out, whatever else one of them holds
             if there.share > MOST_LEFT and float(np.std(f.contribution[which])) > CONCERNS * there.rms:
                 f.status = "tentative"
     for f in false:

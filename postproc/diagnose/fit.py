@@ -107,8 +107,8 @@ def nuisances(rows: Rows, map_um: float = MAP_UM) -> tuple[np.ndarray, np.ndarra
 
 
 def set_ups(u: np.ndarray, prior: np.ndarray) -> np.ndarray:
-    """(N, M) orthonormal columns of what nobody knows beforehand: zeros, centres, the lines of optics."""
-    q, r = np.linalg.qr(u[:, prior >= CENTRE])
+    """(N, M) orthonormal columns of the zeros that nobody knows beforehand."""
+    q, r = np.linalg.qr(u[:, prior >= FREE])
     size = np.abs(np.diag(r))
     return q[:, size > 1e-9 * size.max(initial=0.0)]
 

@@ -291,6 +291,11 @@ class Selector:
             part = model.contribution(k)
             part = part - self._open @ (self._open.T @ part)  # what a zero takes has no form
             extra += (FORM * part) ** 2
+            if (unsure := getattr(self.blocks[chosen[k]].module, "unsure", None)) is not None:
+                named = model.blocks[k].module.parameters(
+                    model.coefficients[model.part(k)], dict(model.blocks[k].shape)
+                )
+                extra[np.any(model.blocks[k].columns != 0, axis=1)] += unsure(**named) ** 2
             for run in self.short:  # what comes with time is wrong by the same in all readings of a short run
                 extra[run] += (FORM * part[run].mean()) ** 2 * (len(run) - 1)
             for which in self.signals:

@@ -20,6 +20,7 @@ A module holds
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as well; optional;
 - CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with their range; optional. At 0 or below they
   mean something else and are not moved;
+- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver; optional;
 - beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also

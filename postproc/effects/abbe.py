@@ -19,7 +19,7 @@ PARAMETERS = {
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
-PLAUSIBLE = {"arm_mm": (-2000.0, 2000.0)}  # beyond, it is something else
+PLAUSIBLE = {"arm_mm": (-500.0, 500.0)}  # beyond, the tool is not on that carriage (unverified: a usual size)
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
@@ -27,6 +27,7 @@ TEXT = (
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
 FAR = 1e6  # mm: from there all lines have one arm
+ANGLE = 5e-7  # rad: by how much a measured rotation is wrong itself (angular optics: 0.5 urad and 0.2 % of it, Renishaw's data sheet of the XL-80)
 ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
@@ -67,6 +68,11 @@ def columns(
 def _sense(axis: str, turn: float, arm: float) -> float:
     """Which way along the axis a positive rotation moves the end of a positive arm."""
     return float(np.cross(np.eye(3)[int(turn)], np.eye(3)[int(arm)])[XYZ.index(axis)])
+
+
+def unsure(arm_mm: float, **named: float) -> float:
+    """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the arm."""
+    return abs(arm_mm) * ANGLE
 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
