@@ -105,7 +105,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     # part swings in a phase that nobody knows.
     for b in selector.blocks[len(blocks) :]:
         columns = library.read(rows, b.module, b.axis, dict(b.shape))
-        every.append(replace(b, columns=columns[:, np.abs(columns[train]).max(axis=0) > 1e-9]))
+        shows = library.swings(columns[train]) if b.name in library.FOUND else np.ones(columns.shape[1], bool)
+        every.append(replace(b, columns=columns[:, shows]))
     options.told("showing")
     before, after, alone, coefficient = _residuals(rows, sigma, u, prior, held, every, chosen, model)
     found = [findings.of_block(rows, selector, model, k, chosen, every) for k in range(len(chosen))]

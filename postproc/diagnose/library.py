@@ -171,7 +171,15 @@ def refined(rows: Rows, block: Block, weighted: np.ndarray, sigma: np.ndarray) -
     along = rows.direction[:, XYZ.index(block.axis)] * visible(rows, block.module)
     shape["period_mm"] = spectra.refined(rows, block.axis, weighted * along, along**2 / sigma**2, shape["period_mm"])
     columns = read(rows, block.module, block.axis, shape)
-    return replace(block, shape=tuple(sorted(shape.items())), columns=columns[:, np.abs(columns).max(axis=0) > 1e-9])
+    if not swings(columns).all():
+        return block
+    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
+
+
+def swings(columns: np.ndarray) -> np.ndarray:
+    """(K,) bool: columns (N, K) of the waves that show, a cosine and its sine together: one of them alone has no phase."""
+    shows = (np.abs(columns).max(axis=0, initial=0.0) > 1e-9).reshape(-1, 2).all(axis=1)
+    return np.repeat(shows, 2)
 
 
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
@@ -194,7 +202,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 shapes = [{"period_mm": p} for p in peaks]
             for shape in shapes:
                 columns = read(rows, module, axis, shape)
-                columns = columns[:, np.abs(columns).max(axis=0) > 1e-9]
+                columns = columns[:, swings(columns)]
                 if columns.shape[1]:
                     result.append(Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED))
     return result

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from postproc.diagnose import fit, intervals, rounding, spectra
+from postproc import recordings
+from postproc.diagnose import fit, intervals, library, rounding, spectra
+from postproc.diagnose.analysis import Options, diagnose
 from postproc.effects import State, cyclic, waves_of
+from postproc.machine.file import read_machine
 
 RNG = np.random.default_rng(11)
+MILL = read_machine(Path(__file__).parents[2] / "machines" / "example-mill")
 
 
 def sampled(step: np.ndarray, each: int = 4) -> np.ndarray:
@@ -83,3 +89,27 @@ def test_an_axis_that_stands_tells_no_rounding():
     assert rounding.noise(still, noisy) == pytest.approx(np.full(50, 1e-4 / np.sqrt(12)))
     whole = np.arange(150.0, 200.0)
     assert rounding.step(whole) == pytest.approx(np.ones(50))
+
+
+def test_a_cosine_that_has_lost_its_sine_is_no_wave():
+    """At every half period of a wave only one of the two shows: the other, and with it the phase, is not there."""
+    place = np.arange(10) * 5.0
+    wave = np.stack([np.cos(2 * np.pi * place / 10), np.sin(2 * np.pi * place / 10)], axis=1)
+    other = np.stack([np.cos(place), np.sin(place)], axis=1)
+    assert library.swings(np.concatenate([wave, other], axis=1)).tolist() == [False, False, True, True]
+
+
+def test_targets_at_every_half_period_are_answered():
+    """Two runs there and back over targets 20 mm apart, every other one 6 um off."""
+    head = ['format = "gcomp-recording/1"', 'kind = "targets"', 'machine = "example-mill"', 'instrument = "laser"']
+    head += ['quantity = "displacement"', "sensitive = { X = 1.0 }"]
+    lines = [f"# {line}" for line in head] + ["run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"]
+    noise, t = np.random.default_rng(4), 0.0
+    for run in (1, 2, 3):
+        for way in (1, -1):
+            for k in range(-14, 15)[::way]:
+                t += 5.0
+                lines.append(f"{run},{t},{20 * k},0,0,{way},1,1,{6.0 * (-1) ** k + noise.normal(0, 0.3):.2f}")
+    read = [recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))]
+    d = diagnose(read, MILL, Options(draws=20))
+    assert d.findings or d.unknown or d.places
