@@ -77,6 +77,9 @@ def run(options: argparse.Namespace) -> int:
             options.force,
             report.effects_toml(found, Path(options.write_machine).name),
         )
+        if not options.quiet:
+            for text in report.not_told_apart(found):
+                print(f"gcomp: {text}", file=sys.stderr)
         if found.unknown:
             _write(str(Path(options.write_machine) / f"{report.map_name(found)}.csv"), report.unknown_csv(found))
     if options.report:

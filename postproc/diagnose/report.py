@@ -177,6 +177,15 @@ def residual_rows(d: Diagnosis) -> Iterator[str]:
         )
 
 
+def not_told_apart(d: Diagnosis) -> list[str]:
+    """A sentence for each effect that goes into a written machine although other names explain the readings as well."""
+    return [
+        f"{f.block.key} is written, and {', '.join(f.equivalent)} would explain these readings as well: run the test that tells them apart before a part is cut"
+        for f in d.findings
+        if f.status == "accepted" and f.block.module.KIND == "machine" and f.equivalent
+    ]  # fmt: skip
+
+
 def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
     """What makes a machine.toml that of the diagnosed machine: its name, and a section for every accepted effect of the
     machine. Instruments' and data's effects are none of it."""
@@ -188,6 +197,10 @@ def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
         lines += [f"{key} = {value!r}" for key, value in f.value.items()]
         files = ", ".join(Path(r.file).name for r in d.recordings)
         lines.append(f'source = "diagnosed from {files}"')
+        if f.equivalent:
+            lines.append(
+                f"# not told apart from {', '.join(f.equivalent)}: run the test that parts them before a part is cut"
+            )
         sections.append("\n".join(lines))
 
     def changed(text: str) -> str:

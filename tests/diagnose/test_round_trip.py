@@ -126,3 +126,18 @@ def test_its_deviation_is_no_part_of_the_model_that_is_inverted(tmp_path, name):
         np.where(np.arange(100).reshape(2, 50) % 2, 1.0, -1.0),
     )
     assert np.array_equal(machine.deviation(place, side), bare.deviation(place, side))
+
+
+def test_a_machine_says_of_which_names_its_effects_were_not_told_apart(tmp_path, capsys):
+    """Circles alone do not part lost motion from friction: what is written says so, and so does the command."""
+    circle, found = str(tmp_path / "c.csv"), tmp_path / "found"
+    how = ["--test", "ballbar:XZ", "--machine", str(STUDER), "--with", "backlash:Z:size_um=9", "--noise", "0.3"]
+    assert main(["simulate", *how, "-o", circle, "--quiet"]) == 0
+    out = ["--json", str(tmp_path / "a.json"), "--write-machine", str(found)]
+    assert main(["diagnose", circle, "--machine", str(STUDER), *out]) == 0
+    (effect,) = json.loads((tmp_path / "a.json").read_text())["effects"]
+    assert effect["effect"] == "backlash" and effect["equivalent"]
+    others = ", ".join(effect["equivalent"])
+    assert f"# not told apart from {others}:" in (found / "machine.toml").read_text()
+    assert f"backlash:Z is written, and {others} would explain" in capsys.readouterr().err
+    assert read_machine(found).effects[0].name == "backlash"
