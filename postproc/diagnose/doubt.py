@@ -17,6 +17,7 @@ HELPINGS = 3  # of one effect, on whatever axes
 MUCH_LEFT = 0.1  # of what the largest of them explains: many names that leave so much are none
 MOST_LEFT = 0.04  # of what was there: with more left, names are no answer
 CONCERNS = 0.3  # of what is left in a signal
+NEARLY = 0.3  # of the rms that was there: a single name that leaves no more is the effect
 OF_PARTS_MM, OF_EXPLAINED = 1.3e-3, 0.4  # what features have in common and nothing explains: beyond it is unknown
 BREAKAWAY = 0.5  # of the friction in motion: so much more may hold a slide when it starts
 FAR_OFF, NO_BETTER = 2.5, 0.5  # of the noise, of what it was before: then runs held out do not bear the names out
@@ -68,6 +69,8 @@ def unknown(d: Diagnosis) -> Unknown | None:
     ]  # of what jumps nobody foretells where each reading lies
     for there in left:
         which = (d.rows.signal == there.signal) & ~d.held
+        if _takes_nearly_all(d, which):
+            continue
         for f in d.findings:
             if f.block.module is shared_jump:
                 continue  # several readings bear it out, whatever else one of them holds
@@ -93,6 +96,14 @@ def unknown(d: Diagnosis) -> Unknown | None:
     total = float((d.before**2 / d.sigma**2)[~d.held].sum())
     share = min(1.0, float((rest**2 / d.sigma**2)[~d.held].sum()) / max(total, 1e-9))
     return mapped(d, signal, spread[signal], share, rest - rest[d.rows.signal == signal].mean())
+
+
+def _takes_nearly_all(d: Diagnosis, which: np.ndarray) -> bool:
+    """Whether a single name takes nearly all that these rows (N,) bool hold: then it is that effect, of a form that the library does not
+    draw, and what is left is told beside it. Several that share it patch what has another name."""
+    names = {f.block.key for f in d.findings if float(np.std(f.contribution[which])) > 0}
+    before, after = (float(np.sqrt(np.mean(v[which] ** 2))) for v in (d.before, d.after))
+    return len(names) == 1 and after <= NEARLY * before
 
 
 def _bent(d: Diagnosis) -> set[str]:
