@@ -157,11 +157,6 @@ class Projector:
         weighted = columns * (self.w if columns.ndim == 1 else self.w[:, None])
         return weighted - (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ weighted))
 
-    def powers(self, columns: np.ndarray) -> np.ndarray:
-        """(K,) D'P D of each column of (N, K) alone."""
-        cross = self.u.T @ (columns * self.w[:, None])
-        return np.einsum("ij,ij,i->j", columns, columns, self.w) - np.einsum("ij,ij->j", cross, self.inner @ cross)
-
     def chi2(self, y: np.ndarray) -> float:
         return float(y @ self(y))
 

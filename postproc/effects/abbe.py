@@ -27,7 +27,7 @@ TEXT = (
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
 FAR = 1e6  # mm: from there all lines have one arm
-ANGLE = 5e-7  # rad: by how much a measured rotation is wrong itself (angular optics: 0.5 urad and 0.2 % of it, Renishaw's data sheet of the XL-80)
+ANGLE = 5e-7  # rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular optics)
 ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
