@@ -102,7 +102,7 @@ def _motion(filter_, motions: Motions, pieces: Pieces, i: int) -> list[str]:
     says = [f"to {where} (slide position, mm)"]
     if machine.is_zero:
         return says
-    turn = filter_.carry.turn[:, None] / max(filter_.compensator.limit, 1)
+    turn = filter_.carry.sides.side[:, None].astype(float)
     total = machine.deviation(target, turn)[:, 0]
     parts = machine.contributions(target, turn)
     for row in machine.corrected:

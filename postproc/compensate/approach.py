@@ -1,53 +1,93 @@
-"""Direction of approach, from the nominal motion alone: which column of a two-way table holds.
+"""Which side of its lost motion each slide bears on, from the motion that the slide is to make.
 
-Every axis carries a whole number that follows its nominal travel in ticks and is held within +-reach. With a reach of one
-tick it is the sign of the last move (modes step and off); with a reach of half the ramp it runs from one side to the
-other while the axis travels the ramp (mode ramp); in mode mean it stays 0. The weight is that number over its reach:
--1, reached in -, to +1, reached in +; 0 is the mean of both, as before an axis has moved.
+A slide is driven through a nut with play B: commanded c, it stands at the nearest point of c - B/2 .. c + B/2 to where it
+stood. So a slide that is to stand at w needs c = w + B/2 when it last moved in +, c = w - B/2 when it last moved in -, and
+the step from one to the other (the take-up) where it turns back. That holds for an axis that the program moves and for one
+that only its corrections move. The wanted positions of an axis that rests wander to and fro by less than anybody can see;
+a slide keeps its side until it has to turn back by more than the hysteresis H.
 
-A stroke is a motion, or a part of an arc, along which no axis turns back.
+Both are one operator, the play (backlash) operator of Krasnosel'skii and Pokrovskii: a state r that is carried along
+inside w - H/2 .. w + H/2. The side is the direction in which r moved last, and r + side * H/2 is where the slide is to be
+held: w itself while it goes on, the place where it turned while it is inside the hysteresis. Each step is a clamp, and a
+clamp behind a clamp is a clamp, so that a batch is one scan. Where an effect builds up over some travel (pre-travel,
+--reversal ramp), the share that is taken up, -1 to +1, is another such operator of the way travelled.
 """
 
 from __future__ import annotations
 
-from itertools import accumulate
+from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.units import TICKS_PER_MM
-
 MODES = ("mean", "step", "ramp", "off")
+FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 
-def reach(mode: str, ramp_mm: float) -> int:
-    """Ticks of travel from the mean to either side; 0 where direction is not looked at."""
-    if mode == "mean":
-        return 0
-    return round(ramp_mm / 2 * TICKS_PER_MM) if mode == "ramp" else 1
+@dataclass(frozen=True)
+class Sides:
+    """What of the lost motion one batch hands to the next. side (A,): -1, 0 (nobody knows), +1; middle (A,): ticks, the
+    state r; taken (A,): ticks of the ramp that have been travelled, from -reach to +reach; begun (A,): whether the
+    axis has stood at a known place."""
+
+    side: np.ndarray
+    middle: np.ndarray
+    taken: np.ndarray
+    begun: np.ndarray
 
 
-def follow(travel: np.ndarray, forget: np.ndarray, carry: np.ndarray, limit: int) -> tuple[np.ndarray, np.ndarray]:
-    """(A, S) state before and after each stroke.
+def initial(axes: int) -> Sides:
+    """Before the first motion."""
+    zero = np.zeros(axes, np.int64)
+    return Sides(zero, zero, zero, zero.astype(bool))
 
-    travel (A, S): ticks, signed, of each stroke; forget (A, S): the axis came from nobody knows where; carry (A,): the
-    state before the first stroke.
+
+def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
+    """(A, S) a state (A,) clamped into low .. high (A, S), ticks, one after the other.
+
+    Composed in pairs, pairs of pairs and so on (Hillis and Steele 1986); whole numbers, so any cut gives the same.
     """
-    if limit == 0 or not travel.shape[1]:
-        still = np.zeros_like(travel)
-        return still, still
-    after = np.empty_like(travel)
-    if limit == 1:
-        sign, given = np.sign(travel), travel != 0
-        if forget.any():
-            sign[forget], given = 0, given | forget
-        last = np.maximum.accumulate(np.where(given, np.arange(travel.shape[1]), -1), axis=1)
-        after = np.where(last >= 0, np.take_along_axis(sign, np.maximum(last, 0), axis=1), carry[:, None])
-    else:
-        for axis in range(len(travel)):
-            steps = zip(travel[axis].tolist(), forget[axis].tolist(), strict=True)
-            states = accumulate(
-                steps, lambda s, d: 0 if d[1] else max(-limit, min(limit, s + d[0])), initial=int(carry[axis])
-            )
-            after[axis] = list(states)[1:]
-    before = np.concatenate([carry[:, None], after[:, :-1]], axis=1)
-    return before, after
+    low, high, width = low.copy(), high.copy(), 1
+    while width < low.shape[1]:
+        least, most = low[:, width:], high[:, width:]
+        pair = [np.minimum(np.maximum(end[:, :-width], least), most) for end in (low, high)]
+        low[:, width:], high[:, width:] = pair
+        width *= 2
+    return np.minimum(np.maximum(carry[:, None], low), high)
+
+
+def bear(
+    place: np.ndarray, band: np.ndarray, sense: np.ndarray, given: np.ndarray, stays: np.ndarray, carry: Sides
+) -> tuple[np.ndarray, np.ndarray]:
+    """(A, S) side and (A, S) state r behind each stroke.
+
+    place (A, S): ticks where the slide is wanted at the end of each stroke; band (A,): ticks, the hysteresis, even; sense
+    (A, S): the side, where `given` (A, S) says that it is known whatever was before; stays (A, S): the slide is not moved.
+    """
+    half = (band // 2)[:, None]
+    low = np.where(given, place - sense * half, np.where(stays, -FAR, place - half))
+    high = np.where(given, low, np.where(stays, FAR, place + half))
+    middle = scan(low, high, carry.middle)
+    way = np.diff(middle, axis=1, prepend=carry.middle[:, None])
+    sign = np.where(given, sense, np.sign(way))
+    return hold_last(sign, given | (sign != 0), carry.side), middle
+
+
+def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.ndarray:
+    """(A, S) the last value (A, S) that was given, or carry (A,)."""
+    if not value.shape[1]:
+        return value
+    last = np.maximum.accumulate(np.where(given, np.arange(value.shape[1]), -1), axis=1)
+    return np.where(last >= 0, np.take_along_axis(value, np.maximum(last, 0), axis=1), carry[:, None])
+
+
+def ramp(
+    travel: np.ndarray, given: np.ndarray, value: np.ndarray, reach: np.ndarray, carry: np.ndarray
+) -> np.ndarray:
+    """(A, S) ticks of a ramp travelled behind each stroke, held within +-reach (A,).
+
+    travel (A, S): ticks, signed, that count; given (A, S): where it is `value` (A, S) whatever was before; carry (A,).
+    """
+    total = np.cumsum(travel, axis=1)
+    low = np.where(given, value, -reach[:, None]) - total
+    high = np.where(given, value, reach[:, None]) - total
+    return scan(low, high, carry) + total

@@ -1,6 +1,6 @@
-"""The columns of one batch while its commands are worked out: strokes, directions of approach, where each begins and ends.
+"""The columns of one batch while its commands are worked out: strokes, sides of approach, where each begins and ends.
 
-A stroke is a motion, or the part of an arc between two places where a two-way axis turns back.
+A stroke is a motion, or a part of one between two places where a two-way axis turns back.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.compensate import approach
-from postproc.compensate.arcs import points, turning_points
+from postproc.compensate import sides, turning
+from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
-from postproc.motions import COUNTER, FEED, FREE, HOLE, Motions
+from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -26,11 +26,6 @@ def written_centre(motions: Motions) -> np.ndarray:
     k = np.arange(len(arcs))
     start = np.stack([motions.start[np.maximum(axis, 0), arcs.motion[k]] for axis in (arcs.first, arcs.second)])
     return np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
-
-
-def row_of(letter: str) -> int:
-    """Which of an axis' components is its positioning."""
-    return "XYZ".index(letter)
 
 
 class Batch:
@@ -50,52 +45,55 @@ class Batch:
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
     def strokes(self) -> None:
-        """Motions, and arcs cut where a two-way axis turns back: motion, t0, t1 (S,), travel (A, S)."""
+        """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A, S) ticks."""
         m, arcs = self.m, self.m.arcs
-        motion, t0, t1 = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
         self.arc_of = np.full(len(m), -1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
         self.arc_start, self.arc_target = (
             m.start[:, arcs.motion] / TICKS_PER_MM,
             m.target[:, arcs.motion] / TICKS_PER_MM,
         )
-        turning = (
-            self.machine.two_way[arcs.first] | self.machine.two_way[arcs.second] if len(arcs) else np.zeros(0, bool)
-        )
-        if self.c.limit and turning.any():
-            arc, t = turning_points(arcs, self.arc_start, self.arc_target)
-            arc, t = arc[turning[arc]], t[turning[arc]]
-            motion = np.concatenate([motion, arcs.motion[arc]])
-            t0 = np.concatenate([t0, t])
-            order = np.lexsort((t0, motion))
-            motion, t0 = motion[order], t0[order]
-            t1 = np.where(np.concatenate([motion[1:] == motion[:-1], [False]]), np.concatenate([t0[1:], [1.0]]), 1.0)
+        motion, t0, t1 = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        if self.c.follows:
+            motion, t0, t1 = turning.divided(self)
         self.motion, self.t0, self.t1 = motion, t0, t1
         self.last = t1 == 1.0
         self.begin_nominal, self.end_nominal = self.nominal(motion, t0), self.nominal(motion, t1)
-        if len(arcs):
-            travel = np.rint((self.end_nominal - self.begin_nominal) * TICKS_PER_MM).astype(np.int64)
-            whole = self.arc_of[motion] < 0
-            travel[:, whole] = (m.target - m.start)[:, motion[whole]]
-        else:
-            travel = m.target - m.start
+        travel = (m.target - m.start)[:, motion]
+        parts = (t1 - t0 < 1.0).nonzero()[0]
+        if len(parts):
+            way = self.end_nominal[:, parts] - self.begin_nominal[:, parts]
+            travel[:, parts] = np.rint(way * TICKS_PER_MM).astype(np.int64)
         sure = (m.start_known & m.target_known)[:, motion]
-        forget = np.zeros_like(sure)
+        self.forget = np.zeros_like(sure)
         if not sure.all():
             travel = np.where(sure, travel, 0)
-            forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
+            self.forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
-        turns = travel
-        if len(m.holes):  # the axis that drills has come back up last
-            turns = travel.copy()
-            self.hole = np.searchsorted(motion, m.holes.motion)
-            turns[m.holes.axis, self.hole] = m.holes.level - m.holes.bottom
-        before, after = approach.follow(turns, forget, self.carry.turn, self.c.limit)
-        self.turn_after = after
-        if self.c.mode in ("step", "off"):
-            before = np.where(travel != 0, after, before)
-        unit = 1.0 / max(self.c.limit, 1)
-        self.weight_begin, self.weight_end = before * unit, after * unit
+        self.hole = np.searchsorted(motion, m.holes.motion)
+        # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
+        self.jumps = self.jumped[:, motion] & (t0 == 0)
+        # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
+        free = self.free[motion]
+        self.left = ~free & (m.word[:, motion] < 0)
+        if len(m.holes):  # the cycle brings the axis back to where it was
+            self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
+
+    def approach(self) -> None:
+        """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
+        stroke's end, as if nothing were held still. `sides`: what the next batch must know."""
+        self.drive = np.zeros(self.travel.shape)  # of a ramp that the whole stroke travels
+        if self.c.mode in ("step", "ramp"):
+            self.weight_begin, self.weight_end, self.exact, self.sides = sides.follow(self)
+            return
+        self.weight_end, self.sides = np.zeros(self.travel.shape), self.carry.sides
+        if self.c.mode == "off":
+            self.weight_end, self.sides = sides.nominal_sides(self)
+        self.weight_begin = self.weight_end
+        which = self.free[self.motion].nonzero()[0]
+        self.exact = self.end_nominal.copy()
+        nominal, weight = self.end_nominal[:, which], self.weight_end[:, which]
+        self.exact[:, which] = command(self.machine, nominal, weight, self.motion[which])
 
     def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
@@ -109,22 +107,34 @@ class Batch:
             result[:, on_arc] = points(m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc])
         return result
 
-    def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
-        """(A, K) approach at places along strokes."""
-        if self.c.mode != "ramp":
-            return self.weight_begin[:, stroke]
-        way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / self.c.limit)
-        return np.clip(self.weight_begin[:, stroke] + way, -1.0, 1.0)
+    def weight(self, stroke: np.ndarray, nominal: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """(A, K) side of approach at places along strokes, t of the motion."""
+        begin = self.weight_begin[:, stroke]
+        ramped = self.c.reach > 0
+        if not ramped.any():
+            return begin
+        reach = np.where(ramped, self.c.reach, 1)[:, None]
+        way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / reach)
+        moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
+        share = (t - self.t0[stroke]) / (self.t1 - self.t0)[stroke]
+        # An axis that rests is taken over by the way of the path, evenly along the stroke.
+        rests = np.minimum(np.maximum(begin + self.drive[:, stroke] * share, -1.0), 1.0)
+        moved = np.where(self.travel[:, stroke] != 0, moved, rests)
+        return np.where(ramped[:, None], moved, begin)
 
     def needed(self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm: exact commands at t (of the motion) along strokes.
 
-        In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block.
+        In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block. In mode step an
+        axis whose lost motion is followed goes from its begin to its end without turning back on the way.
         """
         exact = command(self.machine, nominal, weight, self.motion[stroke])
-        if self.c.mode == "off" and self.c.limit:
+        if self.c.mode == "off":
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
             exact += self.differs[:, stroke] * rest
+        for row in self.c.followed:
+            one, two = self.begin[row, stroke] / TICKS_PER_MM, self.end[row, stroke] / TICKS_PER_MM
+            exact[row] = np.minimum(np.maximum(exact[row], np.minimum(one, two)), np.maximum(one, two))
         return exact
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -137,17 +147,9 @@ class Batch:
         return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
 
     def ends(self) -> None:
-        """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still; `exact` (A, S) mm."""
+        """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""
         m, motion, n = self.m, self.motion, len(self.motion)
         free = self.free[motion]
-        if free.all():
-            self.exact = command(self.machine, self.end_nominal, self.weight_end, motion)
-        else:
-            self.exact = self.end_nominal.copy()
-            which = free.nonzero()[0]
-            self.exact[:, which] = command(
-                self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
-            )
         step = m.grid[:, motion]
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS_PER_MM / step).astype(np.int64) * step
@@ -161,34 +163,35 @@ class Batch:
         inner = (~self.last).nonzero()[0]
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
-        self.end[self.fixed] = nominal_ticks[self.fixed]
+            on = np.array(self.fixed, np.int64)[:, None]
+            self.end[on, inner] = self.grid(inner, self.end_nominal[:, inner])[self.fixed]
+        last = self.last.nonzero()[0]
+        self.end[np.array(self.fixed, np.int64)[:, None], last] = nominal_ticks[self.fixed][:, last]
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
         if self.jumped.any():
-            self.before = np.where(self._jumps(), m.start[:, motion], self.before)
+            self.before = np.where(self.jumps, m.start[:, motion], self.before)
         self.sure_after = free & (m.code[motion] != HOLE)
         self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) if n else free
         if self.jumped.any():
-            self.sure &= ~self._jumps().any(axis=0)
+            self.sure &= ~self.jumps.any(axis=0)
         self.known_before = self.start_known[motion] | (self.t0 > 0)
-
-    def _jumps(self) -> np.ndarray:
-        """(A, S) bool: strokes that begin where the last one did not end, since something else has moved the axis."""
-        return self.jumped[:, self.motion] & (self.t0 == 0)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
         m, motion = self.m, self.motion
         code = m.code[motion]
         cutting = (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
-        weight_before = np.concatenate(
-            [(self.carry.turn / max(self.c.limit, 1))[:, None], self.weight_end[:, :-1]], axis=1
-        )
-        turned: np.ndarray = np.any((weight_before != self.weight_begin) & self.machine.two_way[:, None], axis=0)
+        first = self.carry.sides.side.astype(float)
+        ramped = self.c.reach > 0
+        first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
+        before = np.concatenate([first[:, None], self.weight_end[:, :-1]], axis=1)
+        self.flipped = (before != self.weight_begin) & self.machine.two_way[:, None]
+        turned: np.ndarray = self.flipped.any(axis=0)
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
-        if self.c.mode != "step":
-            self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode != "off")
+        if self.c.mode in ("mean", "off"):
+            self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
         self.wanted = np.zeros_like(self.end)
         which = self.turning.nonzero()[0]
         if len(which):
@@ -199,73 +202,55 @@ class Batch:
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its correction has changed by
         more than half the tolerance. Sets `begin` (A, S), where each stroke is begun, and the final `before` and `end`."""
-        hold = self.c.hold * TICKS_PER_MM
         free, known = self.free[self.motion], self.known_before
-        turning, all_known = self.turning.any(), known.all()
         held = (self.travel == 0).any(axis=1)
-        # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
-        left = np.zeros(held.shape + free.shape, bool) if free.all() else ~free & (self.m.word[:, self.motion] < 0)
-        holes = self.m.holes
-        if len(holes):  # the cycle brings the axis back to where it was
-            left[holes.axis[holes.initial], self.hole[holes.initial]] = True
-        if all_known and not turning and not held[self.rows].any() and not left.any():
+        if known.all() and not (self.turning.any() or held[self.rows].any() or self.left.any()):
             self.begin = self.before
             return
+        code = self.m.code[self.motion]
+        self.hold = np.where(code == RAPID, self.c.hold_rapid, self.c.hold) * TICKS_PER_MM
+        # A slide that keeps its side is not moved back within the hysteresis.
+        self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
+        self.enough = np.where(self.flipped, self.c.chord, self.c.hold) * TICKS_PER_MM
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows and (held[row] or left[row].any()):
+            if row in self.rows and (held[row] or self.left[row].any()):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
-                still = (rests | left[row]).nonzero()[0]
-                end[still] = self._held(row, still, end, left[row, still])
+                still = (rests | self.left[row]).nonzero()[0]
+                end[still] = self._held(row, still, end)
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
-            known_here = (self.m.start_known[row, self.motion] & ~self.jumped[row, self.motion]) | (self.t0 > 0)
+            known_here = (self.m.start_known[row, self.motion] & ~self.jumps[row]) | (self.t0 > 0)
             before = np.where(known_here, before, self._nominal_begin(row))
             self.before[row] = before
-            differs = self.turning & (np.abs(self.wanted[row] - before) > hold)
-            self.begin[row] = np.where(differs, self.wanted[row], before)
-            self._notice_induced(row)
+            self.begin[row] = np.where(self._taken_up(row, before), self.wanted[row], before)
 
-    def _held(self, row: int, still: np.ndarray, end: np.ndarray, left: np.ndarray) -> np.ndarray:
-        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it.
-        left (K,): strokes that do not move the axis at all."""
-        hold = self.c.hold * TICKS_PER_MM
+    def _taken_up(self, row: int, before: np.ndarray) -> np.ndarray:
+        """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
+        off = self.wanted[row] - before
+        back = self.bound[row] & (off * self.weight_begin[row] < 0)
+        return self.turning & (np.abs(off) > self.enough[row]) & ~back
+
+    def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it."""
         before = np.where(still > 0, end[still - 1], self.carry.issued[row])
-        jumped = self._jumps()[row, still]
+        jumped = self.jumps[row, still]
         before = np.where(jumped, self.m.start[row, self.motion[still]], before).tolist()
         value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
-        wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
-        stays, last = left.tolist(), -2
+        hold, stays, moved = self.hold[still].tolist(), self.left[row, still].tolist(), jumped.tolist()
+        wanted, enough = self.wanted[row, still].tolist(), self.enough[row, still].tolist()
+        wanted = [w if t else None for w, t in zip(wanted, self.turning[still].tolist(), strict=True)]
+        side = (self.bound[row, still] * self.weight_begin[row, still]).tolist()
+        last = -2
         for k, i in enumerate(still.tolist()):
-            here = value[k - 1] if i == last + 1 and not jumped[k] else before[k]
-            if turning[k] and abs(wanted[k] - here) > hold:
-                here = wanted[k]
-            if stays[k] or abs(exact[k] - here) <= hold:
+            here = value[k - 1] if i == last + 1 and not moved[k] else before[k]
+            to = wanted[k]
+            if to is not None and abs(to - here) > enough[k] and (to - here) * side[k] >= 0:
+                here = to
+            if stays[k] or abs(exact[k] - here) <= hold[k]:
                 value[k] = here
             last = i
         return np.array(value, np.int64)
-
-    def _notice_induced(self, row: int) -> None:
-        """Say where a correction moves a resting axis back by less than its own reversal: the slide may not follow."""
-        table = self.machine.tables.get(self.machine.letters[row])
-        if row not in self.rows or table is None or not self.c.limit:
-            return
-        play = 2 * float(np.abs(table.half[row_of(self.machine.letters[row])]).max()) * TICKS_PER_MM
-        creep = self.end[row] - self.begin[row]
-        back = (
-            (self.travel[row] == 0)
-            & self.free[self.motion]
-            & self.known_before
-            & (creep * self.weight_end[row] < 0)
-            & (np.abs(creep) < play)
-        )
-        if back.any():
-            i = int(np.argmax(np.where(back, np.abs(creep), 0)))
-            letter = self.machine.letters[row]
-            self.notices.append(Notice(
-                f"induced {letter}", f"{letter} rests on the path, and its correction moves it back by {abs(creep[i]) / TICKS_PER_MM * 1000:.2f} um, less than "
-                f"its own reversal of {play / TICKS_PER_MM * 1000:.1f} um: the slide may not follow", int(self.motion[i]),
-            ))  # fmt: skip
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         return np.where(
@@ -276,7 +261,7 @@ class Batch:
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""
-        if self.c.mode == "off" and self.c.limit:
+        if self.c.mode == "off":
             which = (self.known_before & self.free[self.motion]).nonzero()[0]
             exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], self.motion[which])
             self.differs = np.zeros_like(self.exact)

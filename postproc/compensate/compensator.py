@@ -1,7 +1,7 @@
 """One batch of motions to its pieces; what the next batch must know goes along as a Carry.
 
-In order: refuse what can not be trusted, cut arcs where an axis turns back, follow the direction of approach, find the
-command of every end, take up the reversal, keep still what stands still, cut the ways between, check the limits.
+In order: refuse what can not be trusted, cut motions where an axis turns back, follow the side of approach with the command
+of every end, take up the lost motion, keep still what stands still, cut the ways between, check the limits.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from postproc.compensate import approach, cut, holes, limits
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault, Notice
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
@@ -24,7 +25,8 @@ from postproc.units import TICKS_PER_MM
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
     outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
-    arc_mismatch: mm that radii of start and end may come to differ by."""
+    arc_mismatch: mm that radii of start and end may come to differ by; hysteresis: mm that the wanted place of a slide
+    may turn back before it is taken to the other side of its lost motion (None: as the machine says)."""
 
     tolerance: float | None = None
     outside: str | None = None
@@ -32,14 +34,15 @@ class Options:
     ramp: float | None = None
     cut_rapids: bool = False
     arc_mismatch: float = 0.005
+    hysteresis: float | None = None
 
 
 @dataclass(frozen=True)
 class Carry:
-    """turn (A,): approach state; issued (A,): ticks last commanded; sure: whether `issued` is where the machine stands
+    """sides: of the lost motion; issued (A,): ticks last commanded; sure: whether `issued` is where the machine stands
     and is what the nominal position needs; largest: mm, the largest correction so far."""
 
-    turn: np.ndarray
+    sides: approach.Sides
     issued: np.ndarray
     sure: bool = False
     largest: float = 0.0
@@ -67,14 +70,29 @@ class Compensator:
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
-        self.hold = self.chord / 2
+        self.hold, self.hold_rapid = self.chord / 2, inner
         self.by_tool: dict[tuple[float, ...], Compensator] = {}
-        self.limit = approach.reach(self.mode, options.ramp or self._ramp())
+        self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
+        self._directions()
+
+    def _directions(self) -> None:
+        """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes that never turn back
+        within a stroke but by a take-up."""
+        m = self.machine
+        self.follows = self.mode != "mean"
+        slides = np.array([x in XYZ for x in m.letters]) & m.two_way
+        self.band = np.where(slides, 2 * round(self.hysteresis / 2 * TICKS_PER_MM), 0)
+        ramps = {x: self.options.ramp or m.pretravel.get(x, 0.0) for x in m.letters}
+        if self.mode == "ramp":
+            ramps = {x: way or self._ramp() for x, way in ramps.items()}
+        elif self.mode != "step":
+            ramps = {}
+        self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
+        self.reach[~slides] = 0
+        self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else ()
 
     def _ramp(self) -> float:
-        """mm: what the effect behind the largest reversal says, else ten times that reversal, half a millimetre at least."""
-        if self.machine.ramp:
-            return self.machine.ramp
+        """mm: ten times the largest reversal, half a millimetre at least."""
         largest = 0.0
         for _, table in self.machine.every_table:
             largest = max(largest, 2 * float(np.abs(table.half[:3]).max()))
@@ -84,7 +102,7 @@ class Compensator:
 
     def initial(self) -> Carry:
         zero = np.zeros(len(self.machine.axes), np.int64)
-        return Carry(zero, zero)
+        return Carry(approach.initial(len(zero)), zero)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""
@@ -130,6 +148,7 @@ class Compensator:
         limits.bound_cutter(b)
         b.strokes()
         limits.check_inside(b)
+        b.approach()
         b.ends()
         holes.settle(b)
         b.starts()
@@ -139,7 +158,7 @@ class Compensator:
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
         after = Carry(
-            b.turn_after[:, -1].copy(),
+            b.sides,
             b.end[:, -1].copy(),
             bool(b.sure_after[-1]),
             max(carry.largest, largest),

@@ -48,16 +48,16 @@ def straight_pieces(b: Batch):
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
     may &= b.free[motion[straight]] & b.known_before[straight] & (m.cutter[motion[straight]] != ENTRY)
     chosen = straight[may]
-    if b.c.mode != "ramp":
+    if not b.c.reach.any():
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
         return pack(
-            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, np.ones(len(straight)), b.nominal_end
+            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0, b.nominal_end
         )
     if not len(owner):
         return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
-                         np.ones(len(straight)), b.nominal_end[:, straight])  # fmt: skip
+                         (b.t1 - b.t0)[straight], b.nominal_end[:, straight])  # fmt: skip
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
@@ -68,11 +68,9 @@ def straight_pieces(b: Batch):
     stroke[place_end], stroke[place_cut], time[place_cut] = straight, cut, t
     end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
     end[:, place_cut] = b.grid(cut, exact)
-    nominal[:, place_cut] = np.rint(b.nominal(motion[cut], t) * TICKS_PER_MM).astype(np.int64)
-    for (
-        row
-    ) in b.fixed:  # axes that are only carried along end where they were told, and pass the cuts on whole increments
-        end[row, place_end] = nominal[row, place_end]
+    nominal[:, place_cut] = np.rint(b.nominal(motion[cut], _of_motion(b, cut, t)) * TICKS_PER_MM).astype(np.int64)
+    for row in b.fixed:  # axes that are only carried along pass the cuts on whole increments
+        end[row, place_end] = b.end[row, straight]
     # An axis that stands still keeps still in the middle too; a piece of no length is none.
     first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
     start = _starts(b, stroke, first, end)
@@ -83,7 +81,14 @@ def straight_pieces(b: Batch):
         start = _starts(b, stroke, first, end)
     share = time.copy()
     share[1:] -= np.where(first[1:], 0.0, time[:-1])
+    share *= (b.t1 - b.t0)[stroke]
     return pack(b, stroke, np.arange(len(stroke)), m.code[motion[stroke]], start, end, share, nominal)
+
+
+def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(K,) t of whole motions, of t of strokes."""
+    t0, t1 = b.t0[stroke], b.t1[stroke]
+    return np.where(t == 1.0, t1, t0 + (t1 - t0) * t)
 
 
 def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -147,21 +152,22 @@ def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarra
 
 def _along(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(A, K) mm exact commands at t along straight strokes."""
-    start = b.begin_nominal[:, chosen[owner]]
-    nominal = start + (b.end_nominal[:, chosen[owner]] - start) * t
-    return b.needed(chosen[owner], nominal, b.weight(chosen[owner], nominal), t)
+    stroke = chosen[owner]
+    start = b.begin_nominal[:, stroke]
+    nominal = start + (b.end_nominal[:, stroke] - start) * t
+    t = _of_motion(b, stroke, t)
+    return b.needed(stroke, nominal, b.weight(stroke, nominal, t), t)
 
 
 def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Where a ramp ends inside a stroke: there the correction bends."""
     result = []
-    if b.c.mode == "ramp":
-        for row in range(len(b.travel)):
-            way = b.travel[row, chosen] / b.c.limit
-            with np.errstate(divide="ignore", invalid="ignore"):
-                t = (np.sign(way) - b.weight_begin[row, chosen]) / way
-            inside = ((t > 0) & (t < 1)).nonzero()[0]
-            result.append((inside, t[inside]))
+    for row in np.flatnonzero(b.c.reach):
+        way = b.drive[row, chosen]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (np.sign(way) - b.weight_begin[row, chosen]) / way
+        inside = ((t > 0) & (t < 1)).nonzero()[0]
+        result.append((inside, t[inside]))
     return result
 
 
@@ -187,7 +193,7 @@ def arc_pieces(b: Batch):
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
-        needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
+        needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p, t), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
     )  # fmt: skip
     rows = fitter.settle(rows)

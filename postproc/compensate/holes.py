@@ -56,7 +56,7 @@ def settle(b: Batch) -> None:
         b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
     b.bottom[holes.motion[~free]] = holes.bottom[~free]
     before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
-    b.before = np.where(b._jumps(), b.m.start[:, b.motion], before)
+    b.before = np.where(b.jumps, b.m.start[:, b.motion], before)
 
 
 def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:
@@ -70,6 +70,6 @@ def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndar
     target = np.repeat(b.end_nominal[:, stroke : stroke + 1], len(place), axis=1)
     target[row] = place
     weight = np.repeat(b.weight_end[:, stroke : stroke + 1], len(place), axis=1)
-    if b.c.limit:
+    if b.c.follows:
         weight[row] = np.sign(bottom - top)
     return target, weight

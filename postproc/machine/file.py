@@ -81,15 +81,13 @@ def read_machine(folder: Path) -> Machine:
         raise toml.fault("", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}")
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
-    machine = Machine(
+    return Machine(
         name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
         control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
         square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=_effects(toml, axes),
         source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal,
     )  # fmt: skip
-    # What builds up after a turn must not be taken up at the turn, unless the file says so.
-    return replace(machine, reversal="ramp") if machine.ramp and "reversal" not in data else machine
 
 
 def _limits(toml: TomlFile) -> Limits:

@@ -86,11 +86,13 @@ class ControlTable:
 
 @dataclass(frozen=True)
 class Limits:
-    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"."""
+    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the wanted place of a slide
+    may turn back before its lost motion is taken up."""
 
     max_correction: float = 0.5
     max_slope: float = 0.005
     outside: str = "error"
+    hysteresis: float = 0.001
 
 
 @dataclass(frozen=True)
@@ -188,13 +190,32 @@ class Machine:
         return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
 
     @cached_property
-    def ramp(self) -> float:
-        """mm of travel after a turn over which the largest reversal is to be taken up, if an effect says so; else 0."""
-        sizes = [(2 * float(np.abs(t.half[:3]).max()), 0.0) for t in self.tables.values()]
+    def pretravel(self) -> dict[str, float]:
+        """Axis to mm of its own travel behind a turn over which its largest reversal builds up beyond its own size, where
+        an effect says so."""
+        sizes = {x: [(2 * float(np.abs(t.half[:3]).max()), 0.0)] for x, t in self.tables.items()}
         for term in self.effects:
             way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
-            sizes += [(2 * float(np.abs(t.half[:3]).max()), way) for t in term.tables]
-        return max(sizes, default=(0.0, 0.0))[1]
+            for t in term.tables:
+                size = 2 * float(np.abs(t.half[:3]).max())
+                sizes.setdefault(t.letter, []).append((size, way))
+        largest = {x: max(of)[1] for x, of in sizes.items()}
+        return {x: way for x, way in largest.items() if way > 0}
+
+    def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the deviation of an axis along itself
+        when it was approached in - less that in +. Angles and straightness measured both ways are not in it."""
+        result = np.zeros((len(rows), position.shape[1]))
+        for k, row in enumerate(rows):
+            letter = self.letters[row]
+            if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
+                continue
+            own = XYZ.index(letter)
+            for table in [*self._added.get(letter, ()), *([self.tables[letter]] if letter in self.tables else [])]:
+                result[k] -= 2 * table.half_of(own, position[row])
+            for grid in self.grids_of[letter]:
+                result[k] -= 2 * grid.half_of(own, position[row], position[self.letters.index(grid.other)])
+        return result
 
     @cached_property
     def turns(self) -> bool:

@@ -116,6 +116,15 @@ class AxisTable:
             result[i] = value
         return result
 
+    def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
+        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured one way."""
+        if not np.any(self.half[row]):
+            return 0.0
+        interval, share = self.place(position)
+        half = self.half[row]
+        value: np.ndarray = half[interval] + (half[interval + 1] - half[interval]) * share
+        return value
+
 
 @dataclass(frozen=True)
 class GridTable:
@@ -173,6 +182,15 @@ class GridTable:
             if np.any(half[row]):
                 result[row] += approach * _bilinear(half[row], i, j, u, v)
         return result
+
+    def half_of(self, row: int, position: np.ndarray, other: np.ndarray) -> np.ndarray | float:
+        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured one way."""
+        half = (self.forward[row] - self.reverse[row]) / 2
+        if not np.any(half):
+            return 0.0
+        i, u = _interval(self.nodes, position)
+        j, v = _interval(self.others, other)
+        return _bilinear(half, i, j, u, v)
 
 
 def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,184 @@
+"""The side on which each slide bears, stroke by stroke, and where the lost motion of the machine then wants its command.
+
+The wanted place of a slide is where the nominal path asks for it, all errors taken off but its own lost motion; approach.py
+turns its course into sides. It depends a little on the sides themselves, because the straightness and the angles of an axis
+may have been measured both ways. So each stroke is decided in two steps from what was before it: with the sides that the
+nominal motion alone gives, then with the sides that follow from that. A whole batch is repeated until nothing changes;
+since a stroke depends on earlier ones only, the answer is the same however the input is cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.compensate.approach import Sides, bear, hold_last, ramp
+from postproc.compensate.inverse import command
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.compensate.batch import Batch
+
+
+class Course:
+    """How the two-way axes (T of them) of one batch are led: which strokes say their side by themselves, and which leave
+    an axis where it is. `side` and `middle` (T, S) of approach.py; `exact` (A, S) mm, commands for these sides; `behind`
+    (T, S) ticks, by how much a slide is held beside its wanted place because it has not turned by the hysteresis."""
+
+    def __init__(self, b: Batch):
+        self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
+        self.band = b.c.band[self.rows]
+        self.travel = b.travel[self.rows]
+        self._given()
+        self.carry = self._begin()
+
+    def _given(self) -> None:
+        """Where a side is known whatever was before: a hole's axis has come up last; what comes from nowhere has none."""
+        b, m = self.b, self.b.m
+        sense, given = np.zeros_like(b.travel), b.forget | b.jumps
+        if len(m.holes):
+            sense[m.holes.axis, b.hole] = np.sign(m.holes.level - m.holes.bottom)
+            given = given.copy()
+            given[m.holes.axis, b.hole] = True
+        sense = np.where(b.jumps, np.sign(b.travel), sense)
+        unknown = ~b.m.target_known[:, b.motion]
+        self.sense, self.given = sense[self.rows], given[self.rows]
+        self.stays = (unknown | b.left)[self.rows] & ~self.given
+
+    def _begin(self) -> Sides:
+        """The carry of these rows; an axis that has not stood anywhere yet begins where its first stroke does."""
+        whole, rows = self.b.carry.sides, self.rows
+        carry = Sides(whole.side[rows], whole.middle[rows], whole.taken[rows], whole.begun[rows])
+        if carry.begun.all():
+            return carry
+        place = np.rint(self.b.end_nominal[rows, 0] * TICKS_PER_MM).astype(np.int64) - self.travel[:, 0]
+        return replace(carry, middle=np.where(carry.begun, carry.middle, place))
+
+    def before(self, column: np.ndarray, first: np.ndarray) -> np.ndarray:
+        """(T, S) what a column (T, S) was before each stroke."""
+        return np.concatenate([first[:, None], column[:, :-1]], axis=1)
+
+    def nominal(self, before: np.ndarray | None) -> np.ndarray:
+        """(T, S) sides that the nominal motion alone gives; the others keep what was before (T, S), or before the batch."""
+        moves = (np.abs(self.travel) > self.band[:, None]) & ~self.stays
+        sign = np.where(self.given, self.sense, np.sign(self.travel))
+        if before is None:
+            return hold_last(sign, moves | self.given, self.carry.side)
+        return np.where(moves | self.given, sign, before)
+
+    def spread(self, side: np.ndarray) -> np.ndarray:
+        """(A, S) float sides of all axes."""
+        every = np.zeros(self.b.travel.shape)
+        every[self.rows] = side
+        return every
+
+    def commands(self, side: np.ndarray, known: tuple[np.ndarray, np.ndarray] | None = None) -> np.ndarray:
+        """(A, S) mm for sides (T, S); known: other sides and their commands, to be taken where they are the same."""
+        b = self.b
+        which, result = b.free[b.motion], b.end_nominal.copy()
+        if known is not None:
+            result = known[1].copy()
+            which = which & (known[0] != side).any(axis=0)
+        at = which.nonzero()[0]
+        if len(at):
+            weight = self.spread(side)[:, at]
+            result[:, at] = command(b.machine, b.end_nominal[:, at], weight, b.motion[at])
+        return result
+
+    def wanted(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
+        """(T, S) ticks: where the slides are to stand, which is the command without their own lost motion."""
+        play = self.b.machine.lost_motion(exact, self.rows)
+        return np.rint((exact[self.rows] - side * play / 2) * TICKS_PER_MM).astype(np.int64)
+
+    def once(self, place: np.ndarray, side: np.ndarray, middle: np.ndarray) -> np.ndarray:
+        """(T, S) the side of each stroke by itself, from what was before it."""
+        half, r = (self.band // 2)[:, None], self.before(middle, self.carry.middle)
+        way = np.sign(np.minimum(np.maximum(r, place - half), place + half) - r)
+        before = self.before(side, self.carry.side)
+        led = np.where((way != 0) & ~self.stays, way, before)
+        return np.where(self.given, self.sense, led)
+
+    def bear(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return bear(place, self.band, self.sense, self.given, self.stays, self.carry)
+
+    def settle(self) -> None:
+        first = self.nominal(None)
+        exact = self.commands(first)
+        place = self.wanted(first, exact)
+        side, middle = self.bear(place)
+        one, two = (first, exact), (first, exact)
+        done = bool((side == first).all())
+        while not done:
+            start = self.nominal(self.before(side, self.carry.side))
+            one = (start, self.commands(start, one))
+            led = self.once(self.wanted(*one), side, middle)
+            two = (led, self.commands(led, two))
+            place = self.wanted(*two)
+            found, now = self.bear(place)
+            done = bool((found == side).all() and (now == middle).all())
+            side, middle = found, now
+        self.side, self.middle = side, middle
+        self.exact = self.commands(side, two)
+        led = middle + side * (self.band // 2)[:, None]
+        self.behind = np.where(self.given | self.stays, 0, led - place)
+
+
+def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
+    """(A, S) sides from the nominal motion alone, without hysteresis, and what the next batch must know (mode off)."""
+    course = Course(b)
+    place = np.rint(b.end_nominal[course.rows] * TICKS_PER_MM).astype(np.int64)
+    course.band = np.zeros_like(course.band)
+    side, middle = course.bear(place)
+    return course.spread(side), carried(b, course, side, middle)
+
+
+def carried(b: Batch, course: Course, side: np.ndarray, middle: np.ndarray, taken=None) -> Sides:
+    """What the next batch must know."""
+    s = b.carry.sides
+    after = [s.side.copy(), s.middle.copy(), s.taken.copy()]
+    for whole, part in zip(after, (side, middle, taken), strict=True):
+        if part is not None:
+            whole[course.rows] = part[:, -1]
+    return Sides(*after, s.begun | b.m.target_known.any(axis=1))
+
+
+def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
+    """Of each stroke: (A, S) share of the lost motion at its begin and at its end, -1 to +1, and (A, S) mm the command
+    of its end, as if nothing were held still; and what the next batch must know."""
+    course = Course(b)
+    course.settle()
+    side = course.spread(course.side)
+    begin, end, taken = side, side, None
+    if b.c.reach.any():
+        begin, end, taken = _ramps(b, course, side)
+        which = b.free[b.motion].nonzero()[0]
+        exact = b.end_nominal.copy()
+        nominal = b.end_nominal[:, which]
+        exact[:, which] = command(b.machine, nominal, end[:, which], b.motion[which])
+        course.exact = exact
+    exact = course.exact
+    holds = (b.c.reach[course.rows] == 0)[:, None] & b.free[b.motion]
+    exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
+    return begin, end, exact, carried(b, course, course.side, course.middle, taken)
+
+
+def _ramps(b: Batch, course: Course, side: np.ndarray):
+    """Shares of the axes that take lost motion up over some travel: their own, or, where they rest and nothing but the
+    option asks for a ramp, that of the path."""
+    rows, reach = course.rows, b.c.reach[course.rows]
+    travel = course.travel
+    if b.c.mode == "ramp":
+        way = np.sqrt(((b.end_nominal - b.begin_nominal)[b.rows] ** 2).sum(axis=0))
+        path = np.rint(way * TICKS_PER_MM).astype(np.int64)
+        travel = np.where((travel == 0) & ~course.stays, course.side * path, travel)
+    taken = ramp(travel, course.given, course.sense * reach[:, None], reach, course.carry.taken)
+    before = course.before(taken, course.carry.taken)
+    unit = 1.0 / np.maximum(reach, 1)[:, None]
+    begin, end = side.copy(), side.copy()
+    ramped = reach > 0
+    b.drive[rows[ramped]] = (travel * unit)[ramped]
+    begin[rows[ramped]] = (before * unit)[ramped]
+    end[rows[ramped]] = (taken * unit)[ramped]
+    return begin, end, taken

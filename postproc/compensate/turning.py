@@ -1,0 +1,133 @@
+"""Where a two-way axis turns back inside a motion: at the quadrants of an arc, and where corrections alone turn it.
+
+An axis that rests on the nominal path follows the errors of the others, up and down along a long cut. Where its wanted
+place turns back by more than the hysteresis its lost motion has to be taken up, so the motion is divided there.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.compensate import nodes
+from postproc.compensate.arcs import points, turning_points
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.compensate.batch import Batch
+
+SAMPLES = (8, 64)  # of an arc, at least and at most
+APART = 1e-9  # of a motion: closer places are one
+
+
+def divided(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(S,) motion, t0 and t1 of the strokes of a batch."""
+    motion, t0, t1 = np.arange(len(b.m)), np.zeros(len(b.m)), np.ones(len(b.m))
+    found = [_quadrants(b), *_induced(b)]
+    if not any(len(owner) for owner, _ in found):
+        return motion, t0, t1
+    motion = np.concatenate([motion, *(owner for owner, _ in found)])
+    t0 = np.concatenate([t0, *(t for _, t in found)])
+    order = np.lexsort((t0, motion))
+    motion, t0 = motion[order], t0[order]
+    same = np.concatenate([[False], (motion[1:] == motion[:-1]) & (t0[1:] - t0[:-1] < APART)])
+    motion, t0 = motion[~same], t0[~same]
+    goes_on = np.concatenate([motion[1:] == motion[:-1], [False]])
+    return motion, t0, np.where(goes_on, np.concatenate([t0[1:], [1.0]]), 1.0)
+
+
+def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) motion and t of the places where a two-way axis of an arc's plane turns back."""
+    arcs, two_way = b.m.arcs, b.machine.two_way
+    if not len(arcs):
+        return np.zeros(0, np.int64), np.zeros(0)
+    turning = two_way[arcs.first] | two_way[arcs.second]
+    if not turning.any():
+        return np.zeros(0, np.int64), np.zeros(0)
+    arc, t = turning_points(arcs, b.arc_start, b.arc_target)
+    arc, t = arc[turning[arc]], t[turning[arc]]
+    return arcs.motion[arc], t
+
+
+def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Per axis (K,) motion and t of the places where its wanted place turns back by more than the hysteresis."""
+    m, rows = b.m, b.c.followed
+    if not len(rows):
+        return []
+    cutting = np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
+    turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
+    way = np.abs(m.target - m.start) / TICKS_PER_MM
+    cutting &= ~(way[turns] > 0).any(axis=0)
+    length = np.sqrt((way[b.rows] ** 2).sum(axis=0))
+    length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
+    most = b.machine.bounds.steepest * length  # mm that any deviation changes along the motion
+    slow = (way[rows] < most).any(axis=0)
+    slow[m.arcs.motion] = True
+    chosen = (cutting & slow & (most > b.c.hysteresis)).nonzero()[0]
+    if not len(chosen):
+        return []
+    owner, t, place = _places(b, chosen, most)
+    deviation = b.machine.deviation(place, np.sign(m.target - m.start)[:, owner])
+    return [_turns(owner, t, (place - deviation)[row], b.c.hysteresis) for row in rows]
+
+
+def _places(b: Batch, chosen: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no deviation turns unseen."""
+    m = b.m
+    straight = chosen[m.code[chosen] == FEED]
+    start, target = m.start[:, straight] / TICKS_PER_MM, m.target[:, straight] / TICKS_PER_MM
+    of, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
+    arcs = chosen[m.code[chosen] != FEED]
+    count = np.clip(np.ceil(4 * most[arcs] / b.c.hysteresis), *SAMPLES).astype(np.int64)
+    on, index = nodes.spread(count - 1)
+    owner = np.concatenate([straight[of], arcs[on], chosen, chosen])
+    zero = np.zeros(len(chosen))
+    t = np.concatenate([t, (index + 1) / count[on], zero, zero + 1])
+    order = np.lexsort((t, owner))
+    owner, t = owner[order], t[order]
+    begin, end = m.start[:, owner] / TICKS_PER_MM, m.target[:, owner] / TICKS_PER_MM
+    place = begin + (end - begin) * t
+    curved = b.arc_of[owner] >= 0
+    if curved.any():
+        arc = b.arc_of[owner[curved]]
+        place[:, curved] = points(m.arcs, b.arc_start, b.arc_target, arc, t[curved])
+    return owner, t, place
+
+
+def _turns(owner: np.ndarray, t: np.ndarray, wanted: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) motion and t where `wanted` (K,) mm, along each motion, turns back by more than `least`."""
+    ticks = np.rint(wanted * TICKS_PER_MM).astype(np.int64)
+    first = np.concatenate([[True], owner[1:] != owner[:-1]])
+    which = np.cumsum(first) - 1
+    base = ticks - ticks[first][which]
+    lift = which * (2 * int(np.abs(base).max(initial=0)) + 1)  # so that motions do not mix
+    fall = np.maximum.accumulate(lift + base) - lift - base
+    rise = np.maximum.accumulate(lift - base) - lift + base
+    begin = first.nonzero()[0]
+    both = np.minimum(np.maximum.reduceat(fall, begin), np.maximum.reduceat(rise, begin))
+    stop = np.append(begin[1:], len(owner))
+    bent = (both > least / 2 * TICKS_PER_MM).nonzero()[0].tolist()
+    places = [k for i in bent for k in _pivots(base, int(begin[i]), int(stop[i]), least * TICKS_PER_MM)]
+    return owner[places], t[places]
+
+
+def _pivots(base: np.ndarray, begin: int, stop: int, least: float) -> list[int]:
+    """Indices of the highest and lowest places behind which `base` turns back by more than `least`; before the first one
+    it has gone half as far."""
+    value = base[begin:stop].tolist()
+    low = high = sense = 0
+    pivots: list[int] = []
+    for k, here in enumerate(value):
+        if sense >= 0 and here > value[high]:
+            high = k
+        if sense <= 0 and here < value[low]:
+            low = k
+        if sense >= 0 and value[high] - here > least:
+            pivots += [high] if sense or value[high] - value[0] > least / 2 else []
+            sense, low = -1, k
+        elif sense <= 0 and here - value[low] > least:
+            pivots += [low] if sense or value[0] - value[low] > least / 2 else []
+            sense, high = 1, k
+    return [begin + k for k in pivots]
