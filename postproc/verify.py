@@ -1,8 +1,9 @@
 """Replay the output as the control would, run it through the machine's model, and measure what is left.
 
 The output's own text is read again by an interpreter of its own; its motions are sampled between the nodes, each
-commanded point is given its deviation, and the distance of that actual point from the nominal path is the result.
-Direction of approach comes from the nominal motion, as everywhere. Ends of rapids count, their ways do not.
+commanded point is given its deviation, and the distance of that actual point from the nominal path is the result: once with
+the tables of the direction in which each slide was last commanded to move, and once with lost motion as such (slides.py).
+Ends of rapids count, their ways do not.
 """
 
 from __future__ import annotations
@@ -11,27 +12,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.compensate import approach
-from postproc.compensate.arcs import points, turning_points
+from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
+from postproc.slides import Led, Slides
 from postproc.units import TICKS_PER_MM, UM
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
+SEEN = 0.005 * UM  # less is said as 0.00, and has no ratio
 PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0  # golden section: never in step with the nodes
 
 
 @dataclass
 class Largest:
-    """The largest distance in mm, and the input line it belongs to."""
+    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such."""
 
     deviation: float = 0.0
     line: int = 0
+    slide: float = 0.0
+    slide_line: int = 0
+
+    def take(self, deviation: float, line: int, slides: bool) -> None:
+        if slides and deviation > self.slide:
+            self.slide, self.slide_line = deviation, line
+        if not slides and deviation > self.deviation:
+            self.deviation, self.line = deviation, line
 
 
 class Verifier:
@@ -42,10 +52,10 @@ class Verifier:
         self.tolerance = filter_.compensator.tolerance
         self.interpreter = Interpreter(filter_.dialect, filter_.setup)
         self.state: ModalState = self.interpreter.initial()
-        self.limit = 0 if self.mode == "mean" else 1
+        self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
         self.grid = max(axis.least_increment for axis in self.machine.axes.values())  # mm, larger in inch blocks
         filter_.watchers.append(self.check)
-        self.turn = np.zeros(len(self.machine.axes), np.int64)
+        self.nominal_slides, self.slides = Slides(self.machine), Slides(self.machine)
         self.corrected, self.uncorrected = Largest(), Largest()
         self.motions_in = self.motions_out = 0
 
@@ -81,35 +91,20 @@ class Verifier:
         self.motions_out += len(back)
         if len(motions):
             line = first_line + words.line[motions.block] + 1
-            self._measure(
-                motions,
-                np.arange(len(motions)),
-                np.zeros(len(motions)),
-                np.ones(len(motions)),
-                motions,
-                line,
-                self.uncorrected,
-                None,
-            )
+            every, one = np.arange(len(motions)), np.ones(len(motions))
+            led, own = self.slides.run(back), self.nominal_slides.run(motions)
+            self._measure(motions, every, 0 * one, one, motions, own, line, self.uncorrected, None)
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
-            self._measure(
-                motions,
-                owner,
-                begin,
-                begin + pieces.share,
-                back,
-                line,
-                self.corrected,
-                ~pieces.take_up & pieces.corrected,
-            )
-            self._measure_holes(motions, motions, line, self.uncorrected)
-            self._measure_holes(motions, back, line, self.corrected)
-            self.turn = self.after
+            counts = ~pieces.take_up & pieces.corrected
+            end = begin + pieces.share
+            self._measure(motions, owner, begin, end, back, led, line, self.corrected, counts)
+            self._measure_holes(motions, motions, own, line, self.uncorrected)
+            self._measure_holes(motions, back, led, line, self.corrected)
 
-    def _measure_holes(self, nominal: Motions, run: Motions, line, into: Largest) -> None:
+    def _measure_holes(self, nominal: Motions, run: Motions, led: Led, line, into: Largest) -> None:
         """The axis of each hole from R to its bottom, sideways, and the bottom along it too."""
         holes, drilled = nominal.holes, run.holes
         counts = (
@@ -123,17 +118,17 @@ class Verifier:
             command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
             top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
             command[row] = top + (bottom - top) * t
-            weight = np.repeat(self.weights[:, [motion]], len(t), axis=1)
-            weight[row] = np.sign(bottom - top) if self.limit else 0.0
-            off = command + self._deviation(run, np.full(len(t), drilled.motion[k]), command, weight)
-            off -= nominal.target[:, [motion]] / TICKS_PER_MM
-            off[row, :-1] = 0.0
-            off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
-            distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
-            if distance.max() > into.deviation:
-                into.deviation, into.line = float(distance.max()), int(line[motion])
+            of = np.full(len(t), drilled.motion[k])
+            for slides, weight in enumerate(led.at(of, np.ones(len(t)), command)):
+                weight[row] = np.sign(bottom - top)
+                off = command + self._deviation(run, of, command, weight * self.follows)
+                off -= nominal.target[:, [motion]] / TICKS_PER_MM
+                off[row, :-1] = 0.0
+                off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
+                distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
+                into.take(float(distance.max()), int(line[motion]), bool(slides))
 
-    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, line, into: Largest, counts) -> None:
+    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: Led, line, into: Largest, counts) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
@@ -147,7 +142,6 @@ class Verifier:
         arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
         length[run.arcs.motion] = arc_length
         count = np.where(whole & known, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
-        weights = self._follow(nominal)
         group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
         for g in range(int(group[-1]) + 1 if len(group) else 0):  # so many at a time that memory stays flat
             which = np.flatnonzero(group == g)
@@ -161,15 +155,12 @@ class Verifier:
                 continue
             command = self._points(run, curved, row, place)
             t = t0[row] + (t1 - t0)[row] * place
-            # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
-            weight = self._weight(
-                nominal, weights, owner[row], t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
-            )
-            actual = command + self._deviation(run, row, command, weight)
-            distance = self._distance(nominal, owner[row], t, actual)
-            worst = int(np.argmax(distance))
-            if distance[worst] > into.deviation:
-                into.deviation, into.line = float(distance[worst]), int(line[owner[row[worst]]])
+            weights = led.at(row, place, command)
+            for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
+                actual = command + self._deviation(run, row, command, weight * self.follows)
+                distance = self._distance(nominal, owner[row], t, actual)
+                worst = int(np.argmax(distance))
+                into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
     def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
@@ -200,53 +191,6 @@ class Verifier:
             of = motions.arcs.motion
             result[:, on] = points(motions.arcs, start[:, of], target[:, of], curved[row[on]], t[on])
         return result
-
-    def _follow(self, nominal: Motions) -> np.ndarray:
-        """(A, N) weight of approach of nominal motions, from the sign of each axis' last move; arcs: at their end."""
-        travel = np.where(nominal.start_known & nominal.target_known, nominal.target - nominal.start, 0)
-        holes = nominal.holes
-        if len(holes):
-            travel[holes.axis, holes.motion] = holes.level - holes.bottom
-        forget = ~nominal.start_known & nominal.target_known & (nominal.word >= 0)
-        arcs = nominal.arcs
-        if len(arcs):
-            n = len(arcs)
-            for axes in (arcs.first, arcs.second):
-                travel[axes, arcs.motion] = self._sense(nominal, axes, np.arange(n), np.ones(n))
-        _, after = approach.follow(travel, forget, self.turn, self.limit)
-        self.after = after[:, -1].copy()
-        self.weights: np.ndarray = after.astype(float)
-        return self.weights
-
-    def _sense(self, nominal: Motions, axis, arc, t) -> np.ndarray:
-        """(K,) sign of the way that an axis goes in the part of an arc, between two turning points, that t lies in."""
-        arcs = nominal.arcs
-        start, target = nominal.start[:, arcs.motion] / TICKS_PER_MM, nominal.target[:, arcs.motion] / TICKS_PER_MM
-        where, at = turning_points(arcs, start, target)
-        n = np.arange(len(arcs))
-        owner, edge = np.concatenate([n, where, n]), np.concatenate([0.0 * n, at, 0.0 * n + 1.0])
-        order = np.lexsort((edge, owner))
-        owner, edge = owner[order], edge[order]
-        right = np.maximum(np.searchsorted(2.0 * owner + edge, 2.0 * arc + np.clip(t, 1e-12, 1.0)), 1)
-        column = np.arange(len(arc))
-        ends = [points(arcs, start, target, arc, edge[k])[axis, column] for k in (right - 1, right)]
-        return np.sign(ends[1] - ends[0]).astype(np.int64)
-
-    def _weight(self, nominal: Motions, weights: np.ndarray, owner, t) -> np.ndarray:
-        """(A, K) weight of approach at t of nominal motions; on arcs from the direction there."""
-        arcs = nominal.arcs
-        weight = weights[:, owner]
-        curved = np.full(len(nominal), -1)
-        curved[arcs.motion] = np.arange(len(arcs))
-        on = np.flatnonzero(curved[owner] >= 0)
-        if len(on) and self.limit:
-            arc = curved[owner[on]]
-            for axes in (arcs.first, arcs.second):
-                sense = self._sense(nominal, axes[arc], arc, t[on])
-                weight[axes[arc], on] = np.where(
-                    sense == 0, weight[axes[arc], on], sense
-                )  # at rest it keeps its direction
-        return weight
 
     def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:
         """(K,) mm from actual points to their nominal path, in the corrected axes."""
@@ -296,16 +240,31 @@ class Verifier:
         return np.sqrt(square)
 
     @property
+    def allowed(self) -> float:
+        """mm: the tolerance and half an increment; where sides are followed, the hysteresis too."""
+        beyond = self.hysteresis if self.follows else 0.0
+        return self.tolerance + beyond + self.grid / 2 + 1e-9
+
+    @property
     def passed(self) -> bool:
         """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
-        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
+        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.allowed
 
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
         before, after = self.uncorrected.deviation, self.corrected.deviation
-        ratio = f", {before / after:.0f} times less" if after > 0 and before > after else ""
+        ratio = f", {before / after:.0f} times less" if before > after > SEEN else ""
         return (
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
-            f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}; tolerance {self.tolerance / UM:g} um; "
-            f"{self.motions_in} motions in, {self.motions_out} out"
+            f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
+            f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
+        )
+
+    def _lost_motion(self) -> str:
+        if not self.follows:
+            return "; lost motion is left to the control (reversal mean)" * bool(self.machine.two_way.any())
+        after, before = self.corrected, self.uncorrected
+        return (
+            f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}), uncorrected {before.slide / UM:.2f} um, "
+            f"hysteresis {self.hysteresis / UM:g} um"
         )

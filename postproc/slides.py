@@ -1,0 +1,131 @@
+"""Where the slides of a machine with lost motion stand while a program runs: the judge of what compensation makes of it.
+
+The nut of a slide moves with play B about the commanded position c: the slide stays where it is as long as it lies within
+c - B/2 .. c + B/2, and is taken along at the ends (the play operator). Every commanded motion counts, take-ups and
+corrections included, in the order of execution. The share (c - slide) / (B/2), from -1 to +1, says how much of a table's
+difference between its directions acts; it is the sign of the last motion where an axis has no play of its own. Follows the
+written program, leg by leg, and shares no code with what decided the take-ups.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.compensate.arcs import points, turning_points
+from postproc.machine.model import Machine
+from postproc.motions import Motions
+from postproc.units import TICKS_PER_MM
+
+LEAST = 1e-7  # mm: a smaller play is none
+
+
+@dataclass(frozen=True)
+class Legs:
+    """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it; begin, end (A, L) mm,
+    nan where nobody knows."""
+
+    motion: np.ndarray
+    until: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+
+
+@dataclass(frozen=True)
+class Led:
+    """One batch as the slides lived it: side (A, L), sign of the last motion, and slide (A, L) mm before each leg."""
+
+    slides: Slides
+    legs: Legs
+    side: np.ndarray
+    slide: np.ndarray
+
+    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,)."""
+        leg = np.searchsorted(self.legs.motion + self.legs.until, motion + np.maximum(t, 1e-9))
+        leg = np.minimum(leg, len(self.legs.motion) - 1)
+        side, share = np.zeros(command.shape), np.zeros(command.shape)
+        half = self.slides.half(command)
+        for k, row in enumerate(self.slides.rows):
+            way = np.sign(self.legs.end[row] - self.legs.begin[row])[leg]
+            side[row] = np.where(np.abs(way) == 1, way, self.side[row, leg])
+            low, high = command[row] - half[k], command[row] + half[k]
+            slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
+            part = (command[row] - slide) / np.maximum(half[k], LEAST)
+            share[row] = np.where((half[k] > LEAST) & np.isfinite(slide), part, side[row])
+        return side, share
+
+
+class Slides:
+    """The slides of one machine running one program. Keeps, between batches, where they stand."""
+
+    def __init__(self, machine: Machine):
+        self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
+        self.more = [machine.pretravel.get(machine.letters[row], 0.0) for row in self.rows]
+        self.slide = [float("nan")] * len(machine.letters)
+        self.side = [0.0] * len(machine.letters)
+
+    def half(self, position: np.ndarray) -> np.ndarray:
+        """(R, N) mm: half the play of the two-way axes, and of the way over which it builds up."""
+        play = np.maximum(self.machine.lost_motion(np.nan_to_num(position), self.rows), 0.0)
+        return (play + np.array(self.more)[:, None]) / 2
+
+    def run(self, motions: Motions) -> Led:
+        """Follow a batch."""
+        legs = _legs(motions)
+        side, slide = np.zeros(legs.end.shape), np.full(legs.end.shape, np.nan)
+        half = self.half(legs.end)
+        for k, row in enumerate(self.rows):
+            where, to = self.slide[row], self.side[row]
+            before = []
+            columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
+            for begin, end, reach in zip(*columns, strict=True):
+                if begin != begin or end != end:  # from or to nobody knows where
+                    before.append((0.0, end))
+                    where, to = end, 0.0
+                    continue
+                if where != where:
+                    where = begin
+                before.append((to, where))
+                if where < end - reach:
+                    where = end - reach
+                elif where > end + reach:
+                    where = end + reach
+                if end != begin:
+                    to = 1.0 if end > begin else -1.0
+            self.slide[row], self.side[row] = where, to
+            if before:
+                side[row], slide[row] = np.array(before).T
+        return Led(self, legs, side, slide)
+
+
+def _legs(m: Motions) -> Legs:
+    """Motions; arcs cut where an axis of their plane turns back; holes down and up."""
+    start = np.where(m.start_known & ~m.sent, m.start / TICKS_PER_MM, np.nan)
+    target = np.where(m.target_known, m.target / TICKS_PER_MM, np.nan)
+    n = np.arange(len(m))
+    motion, until, end = [n], [np.ones(len(m))], [target]
+    arcs = m.arcs
+    if len(arcs):
+        of = arcs.motion
+        begins, ends = m.start[:, of] / TICKS_PER_MM, m.target[:, of] / TICKS_PER_MM
+        arc, t = turning_points(arcs, begins, ends)
+        motion.append(of[arc])
+        until.append(t)
+        end.append(points(arcs, begins, ends, arc, t))
+    holes = m.holes
+    if len(holes):
+        for share, place in ((1 / 3, holes.level), (2 / 3, holes.bottom)):
+            motion.append(holes.motion)
+            until.append(np.full(len(holes), share))
+            there = target[:, holes.motion].copy()
+            there[holes.axis, np.arange(len(holes))] = place / TICKS_PER_MM
+            end.append(there)
+    motion, until = np.concatenate(motion), np.concatenate(until)
+    order = np.lexsort((until, motion))
+    motion, until, ends = motion[order], until[order], np.concatenate(end, axis=1)[:, order]
+    begin = np.concatenate([np.full((len(ends), 1), np.nan), ends[:, :-1]], axis=1)
+    first = np.concatenate([[True], motion[1:] != motion[:-1]])
+    begin[:, first] = start[:, motion[first]]
+    return Legs(motion, until, begin, ends)
