@@ -1,7 +1,8 @@
 """A machine with errors, by exact homogeneous transforms: a commanded slide position in, the actual tool point out.
 
 Written from the machine format and the rigid-body conventions, to judge the product: it imports nothing of it, takes
-one point at a time and drops nothing that is small. Effects beyond the geometric tables are unknown here and refused.
+one point at a time and drops nothing that is small. Of the effects beyond the geometric tables `backlash` is known
+(lost motion: behind by half of size_um on the side that the axis came from), every other is refused.
 
 Every error is stored as motion of the tool relative to the workpiece, so the chain is read from the workpiece to the
 tool. With E = the error motion of an axis about the point where its translations were measured,
@@ -90,14 +91,31 @@ def read_table(path, axis):
     return nodes, components
 
 
+def lost_motion(effect, folder):
+    """(size, way over which it is taken up), mm, of an [[effect]] backlash."""
+    known = {"name", "axis", "size_um", "play_mm", "source"}
+    if effect["name"] != "backlash" or set(effect) - known:
+        raise ValueError(f"{folder}: the reference knows no effect {effect}")
+    return float(effect["size_um"]) * UM, float(effect.get("play_mm", 0.0))
+
+
+def with_lost_motion(components, axis, nodes, size):
+    """The components of an axis, its positioning behind by half of `size` mm on either side."""
+    if size == 0.0:
+        return components
+    forward, reverse = components.get(axis, ([0.0] * len(nodes),) * 2)
+    return {**components, axis: ([v - size / 2 for v in forward], [v + size / 2 for v in reverse])}
+
+
 class Axis:
     """One moving axis: its table, where it was measured, its lean, and on which side of the bed it is."""
 
-    def __init__(self, name, side, nodes, components, measured_at, lean, travel, least_increment):
+    def __init__(self, name, side, nodes, components, measured_at, lean, travel, least_increment, play_mm=0.0):
         self.name, self.side = name, side
         self.nodes, self.components = nodes, components
         self.measured_at, self.lean = measured_at, lean
         self.travel, self.least_increment = travel, least_increment
+        self.play_mm = play_mm  # of the effects: the way after a turn over which they are taken up
 
     def value(self, direction, position, approach, clamp, margin):
         """Component E<direction><axis> at a slide position, in mm or rad; linear between nodes, held past the ends."""
@@ -107,11 +125,7 @@ class Axis:
         if direction not in self.components:
             return 0.0
         forward, reverse = (self._interpolated(column, position) for column in self.components[direction])
-        if approach > 0:
-            return forward
-        if approach < 0:
-            return reverse
-        return (forward + reverse) / 2.0
+        return (forward + reverse) / 2.0 + approach * (forward - reverse) / 2.0
 
     def _interpolated(self, column, position):
         if position <= self.nodes[0]:
@@ -134,8 +148,19 @@ class Axis:
 class Machine:
     """The machine of a folder: `axes` (name -> Axis, in chain order), `tool` (3,), `diameter`, `offsets`, limits."""
 
-    def __init__(self, axes, tool, control="linuxcnc", diameter=(), offsets=None, max_correction=0.5, outside="error"):
+    def __init__(
+        self,
+        axes,
+        tool,
+        control="linuxcnc",
+        diameter=(),
+        offsets=None,
+        max_correction=0.5,
+        outside="error",
+        hysteresis=1.0 * UM,
+    ):
         self.axes, self.tool = axes, tool
+        self.hysteresis = hysteresis  # mm by which a slide may turn back and keep its side
         self.control, self.diameter, self.offsets = control, tuple(diameter), offsets or {}
         self.max_correction, self.outside = max_correction, outside
 
@@ -153,8 +178,6 @@ class Machine:
         facts = tomllib.loads((folder / "machine.toml").read_text(encoding="utf-8"))
         if facts.get("format") != "gcomp-machine/1":
             raise ValueError(f"{folder}: format {facts.get('format')!r} is not gcomp-machine/1")
-        if facts.get("effect"):
-            raise ValueError(f"{folder}: the reference knows no effects")
         links = facts["chain"].split("-")
         if links[0] != "w" or links[-1] != "t" or links.count("b") != 1:
             raise ValueError(f"{folder}: chain {facts['chain']} does not run from w over b to t")
@@ -168,6 +191,9 @@ class Machine:
             if not match or match[2] not in lean or ROTATIONS.index(match[1]) == TRANSLATIONS.index(match[2]):
                 raise ValueError(f"{folder}: no such squareness: {name}")
             lean[match[2]][ROTATIONS.index(match[1])] += value * URAD
+        for effect in facts.get("effect", []):
+            if effect.get("axis") not in names:
+                raise ValueError(f"{folder}: effect {effect} is on none of the axes {names}")
         axes = {}
         for name in names:
             entry = facts["axes"][name]
@@ -177,15 +203,17 @@ class Machine:
             if measured_at == "stood":
                 after = links[links.index(name) + 1 :]
                 point = np.array([v if axis in after else 0.0 for axis, v in zip("XYZ", point)])
+            play = [lost_motion(effect, folder) for effect in facts.get("effect", []) if effect.get("axis") == name]
             axes[name] = Axis(
                 name,
                 side,
                 nodes,
-                components,
+                with_lost_motion(components, name, nodes, sum(size for size, _ in play)),
                 point,
                 lean[name],
                 tuple(entry["travel"]) if "travel" in entry else (-math.inf, math.inf),
                 float(entry.get("least_increment", 0.0)),
+                max((way for _, way in play), default=0.0),
             )
         limits = facts.get("limits", {})
         return cls(
@@ -196,6 +224,7 @@ class Machine:
             facts.get("offsets", {}),
             float(limits.get("max_correction", 0.5)),
             limits.get("outside", "error"),
+            float(limits.get("hysteresis_um", 1.0)) * UM,
         )
 
     def nominal(self, command):
@@ -208,7 +237,8 @@ class Machine:
     def actual(self, command, approach, *, clamp=False, margin=0.0):
         """(3,) mm: the actual tool point relative to the workpiece.
 
-        command: {axis: slide position, mm}; approach: {axis: +1, -1, or 0 = mean of both columns}, absent = 0.
+        command: {axis: slide position, mm}; approach: {axis: +1, -1, or 0 = mean of both columns, or what lies
+        between: on which side of its play the nut is}, absent = 0.
         Past the ends of a table by more than `margin` mm is a ValueError, unless `clamp`; the end value is held.
         """
         chain = np.eye(4)
