@@ -41,20 +41,32 @@ class Led:
     side: np.ndarray
     slide: np.ndarray
 
-    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,)."""
+    def leg(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """(K,) the leg that t of a motion lies in; an end belongs to the leg that it ends."""
         leg = np.searchsorted(self.legs.motion + self.legs.until, motion + np.maximum(t, 1e-9))
-        leg = np.minimum(leg, len(self.legs.motion) - 1)
-        side, share = np.zeros(command.shape), np.zeros(command.shape)
-        half = self.slides.half(command)
+        return np.minimum(leg, len(self.legs.motion) - 1)
+
+    def way(self, leg: np.ndarray) -> np.ndarray:
+        """(A, K) direction in which each axis moves along legs: -1, 0, +1."""
+        way = np.sign(self.legs.end - self.legs.begin)[:, leg]
+        return np.where(np.isnan(way), 0.0, way)
+
+    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray, sense: np.ndarray):
+        """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
+        motion there, which says the side of an axis that it moves; one that rests was moved by commands alone."""
+        leg = self.leg(motion, t)
+        way = np.where(sense != 0, sense, self.way(leg))
+        side = np.where(way != 0, way, self.side[:, leg])
+        share, half = side.copy(), self.half(command)
         for k, row in enumerate(self.slides.rows):
-            way = np.sign(self.legs.end[row] - self.legs.begin[row])[leg]
-            side[row] = np.where(np.abs(way) == 1, way, self.side[row, leg])
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
             share[row] = np.where((half[k] > LEAST) & np.isfinite(slide), part, side[row])
         return side, share
+
+    def half(self, position: np.ndarray) -> np.ndarray:
+        return self.slides.half(position)
 
 
 class Slides:

@@ -93,14 +93,14 @@ class Verifier:
             line = first_line + words.line[motions.block] + 1
             every, one = np.arange(len(motions)), np.ones(len(motions))
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
-            self._measure(motions, every, 0 * one, one, motions, own, line, self.uncorrected, None)
+            self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, None)
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
             counts = ~pieces.take_up & pieces.corrected
             end = begin + pieces.share
-            self._measure(motions, owner, begin, end, back, led, line, self.corrected, counts)
+            self._measure(motions, owner, begin, end, back, (own, led), line, self.corrected, counts)
             self._measure_holes(motions, motions, own, line, self.uncorrected)
             self._measure_holes(motions, back, led, line, self.corrected)
 
@@ -119,7 +119,7 @@ class Verifier:
             top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
             command[row] = top + (bottom - top) * t
             of = np.full(len(t), drilled.motion[k])
-            for slides, weight in enumerate(led.at(of, np.ones(len(t)), command)):
+            for slides, weight in enumerate(led.at(of, np.ones(len(t)), command, np.zeros_like(command))):
                 weight[row] = np.sign(bottom - top)
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
@@ -128,7 +128,7 @@ class Verifier:
                 distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
                 into.take(float(distance.max()), int(line[motion]), bool(slides))
 
-    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: Led, line, into: Largest, counts) -> None:
+    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
@@ -155,7 +155,10 @@ class Verifier:
                 continue
             command = self._points(run, curved, row, place)
             t = t0[row] + (t1 - t0)[row] * place
-            weights = led.at(row, place, command)
+            # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
+            inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
+            sense = led[0].way(led[0].leg(owner[row], inside))
+            weights = led[1].at(row, place, command, sense)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate import sides, turning
+from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
@@ -70,6 +71,7 @@ class Batch:
             travel = np.where(sure, travel, 0)
             self.forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
+        self.known_before = self.start_known[motion] | (t0 > 0)
         self.hole = np.searchsorted(motion, m.holes.motion)
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
@@ -176,7 +178,6 @@ class Batch:
         self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) if n else free
         if self.jumped.any():
             self.sure &= ~self.jumps.any(axis=0)
-        self.known_before = self.start_known[motion] | (self.t0 > 0)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
@@ -251,6 +252,26 @@ class Batch:
                 value[k] = here
             last = i
         return np.array(value, np.int64)
+
+    def overshoot(self) -> None:
+        """`out` (A, S) bool: resting axes that were last commanded the other way than their side says, where the map turns
+        the lost motion round (forward beyond reverse). Such a map holds for the direction of the last command, which
+        its take-up has contrary to the side: the axis is led beyond its place and back. `way` (A,): for the next batch."""
+        rows = self.c.followed
+        self.out, self.way = np.zeros(self.end.shape, bool), self.carry.way
+        if not len(rows):
+            return
+        code = self.m.code[self.motion]
+        cutting = (code >= FEED) & (code <= COUNTER) & (self.m.cutter[self.motion] == FREE)
+        turned = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows) < -self.c.chord
+        rests = turned & (self.travel[rows] == 0) & cutting & self.free[self.motion] & self.known_before
+        sides = np.where(rests, self.weight_begin[rows], 0).astype(np.int64)
+        ways = [np.sign(self.begin - self.before)[rows], sides, np.sign(self.end - self.begin)[rows]]
+        course = np.stack(ways, axis=2).reshape(len(rows), -1)
+        course = hold_last(course, course != 0, self.carry.way[rows])
+        self.out[rows] = (sides != 0) & (course[:, ::3] != sides)
+        self.way = self.carry.way.copy()
+        self.way[rows] = course[:, -1]
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         return np.where(

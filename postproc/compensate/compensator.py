@@ -39,11 +39,12 @@ class Options:
 
 @dataclass(frozen=True)
 class Carry:
-    """sides: of the lost motion; issued (A,): ticks last commanded; sure: whether `issued` is where the machine stands
+    """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last command's motion; sure: whether `issued` is where the machine stands
     and is what the nominal position needs; largest: mm, the largest correction so far."""
 
     sides: approach.Sides
     issued: np.ndarray
+    way: np.ndarray
     sure: bool = False
     largest: float = 0.0
 
@@ -102,7 +103,7 @@ class Compensator:
 
     def initial(self) -> Carry:
         zero = np.zeros(len(self.machine.axes), np.int64)
-        return Carry(approach.initial(len(zero)), zero)
+        return Carry(approach.initial(len(zero)), zero, zero)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""
@@ -154,12 +155,14 @@ class Compensator:
         b.starts()
         b.settle_ends()
         b.spread_reversals()
+        b.overshoot()
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
         after = Carry(
             b.sides,
             b.end[:, -1].copy(),
+            b.way,
             bool(b.sure_after[-1]),
             max(carry.largest, largest),
         )

@@ -14,14 +14,22 @@ from postproc.units import TICKS_PER_MM
 
 
 def take_ups(b: Batch):
-    """A piece for every stroke that must be begun elsewhere than the last one ended."""
-    if not b.turning.any():
-        return None
-    which = (b.turning & (b.begin != b.before).any(axis=0)).nonzero()[0]
+    """A piece for every stroke that must be begun elsewhere than the last one ended, or two (Batch.overshoot)."""
+    beside = b.turning & (b.begin != b.before).any(axis=0)
+    over = b.out.any(axis=0)
+    which, two = (beside | over).nonzero()[0], over.nonzero()[0]
     if not len(which):
         return None
-    return pack(b, which, np.full(len(which), -1), np.full(len(which), FEED), b.before[:, which], b.begin[:, which],
-                     np.zeros(len(which)), _begin_ticks(b, which), take_up=True)  # fmt: skip
+    step = b.m.grid[:, b.motion[two]]
+    far = np.maximum(np.ceil(b.c.hysteresis * TICKS_PER_MM / step), 2).astype(np.int64) * step
+    beyond = b.begin[:, two] - np.where(b.out[:, two], b.weight_begin[:, two], 0).astype(np.int64) * far
+    start = b.before.copy()
+    start[:, two] = beyond
+    stroke, end = np.concatenate([two, which]), np.concatenate([beyond, b.begin[:, which]], axis=1)
+    start = np.concatenate([b.before[:, two], start[:, which]], axis=1)
+    order = np.repeat([-2, -1], [len(two), len(which)])
+    return pack(b, stroke, order, np.full(len(stroke), FEED), start, end, np.zeros(len(stroke)),
+                     _begin_ticks(b, stroke), take_up=True)  # fmt: skip
 
 
 def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
@@ -126,12 +134,34 @@ def _cuts(b: Batch, chosen: np.ndarray):
     correction, exact = np.concatenate([correction, begin, end], axis=1), np.concatenate([exact, start, target], axis=1)
     order = nodes.tidy(owner, t)
     owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
+    onward = _onward(b, chosen[owner], t, exact)
+    correction, exact = correction + onward, exact + onward
     tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
     rows = b.rows
     cut = nodes.merge(owner, t, correction[rows], tolerance[rows])
     if b.machine.chain.rotary:
         return _on_increments(b, chosen, owner[cut], t[cut], exact[:, cut])
     return owner[cut], t[cut], exact[:, cut]
+
+
+def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """(A, K) mm to be added to exact commands along strokes, in order, so that no slide turns back inside a stroke by less
+    than the hysteresis (what turns back by more has been made a stroke of its own)."""
+    more = np.zeros_like(exact)
+    inner = (t > 0) & (t < 1)
+    which = np.cumsum(np.concatenate([[True], stroke[1:] != stroke[:-1]])) - 1
+    for row in b.c.followed:
+        side = b.weight_begin[row, stroke]
+        course = np.where(inner, exact[row], b.begin[row, stroke] / TICKS_PER_MM)
+        ahead = np.rint(side * course * TICKS_PER_MM).astype(np.int64)
+        ahead = np.where(t == 1.0, ahead[np.searchsorted(which, which)], ahead)
+        first = ahead[np.searchsorted(which, which)]
+        lift = which * (2 * int(np.abs(ahead - first).max(initial=0)) + 1)
+        led = np.maximum.accumulate(ahead - first + lift) - lift + first
+        end = np.rint(side * b.end[row, stroke]).astype(np.int64)
+        led = np.minimum(led, np.maximum(end, first))
+        more[row] = np.where(inner & (side != 0), side * led / TICKS_PER_MM - course, 0.0)
+    return more
 
 
 def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray):

@@ -21,6 +21,8 @@ from postproc.units import TICKS_PER_MM
 if TYPE_CHECKING:
     from postproc.compensate.batch import Batch
 
+NOWHERE = np.int64(2**61)  # ticks: no place to look at
+
 
 class Course:
     """How the two-way axes (T of them) of one batch are led: which strokes say their side by themselves, and which leave
@@ -31,6 +33,8 @@ class Course:
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
         self.band = b.c.band[self.rows]
         self.travel = b.travel[self.rows]
+        self.couples = b.machine.couples
+        self.nowhere = np.full(self.travel.shape, NOWHERE)
         self._given()
         self.carry = self._begin()
 
@@ -87,23 +91,49 @@ class Course:
             result[:, at] = command(b.machine, b.end_nominal[:, at], weight, b.motion[at])
         return result
 
-    def wanted(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
-        """(T, S) ticks: where the slides are to stand, which is the command without their own lost motion."""
+    def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each stroke, which is the command
+        without their own lost motion. Where no axis changes its side the begin is the end before, and not looked at."""
+        end = self._without_play(side, exact)
+        if not self.couples:
+            return self.nowhere, end
+        turned = (side != self.before(side, self.carry.side)).any(axis=0)
+        at = (turned & self.b.free[self.b.motion] & self.b.known_before).nonzero()[0]
+        begin = self.nowhere.copy()
+        if len(at):
+            b, weight = self.b, self.spread(side)[:, at]
+            first = command(b.machine, b.begin_nominal[:, at], weight, b.motion[at])
+            begin[:, at] = self._without_play(side[:, at], first)
+        return begin, end
+
+    def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
         play = self.b.machine.lost_motion(exact, self.rows)
         return np.rint((exact[self.rows] - side * play / 2) * TICKS_PER_MM).astype(np.int64)
 
-    def once(self, place: np.ndarray, side: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    def once(self, place: tuple[np.ndarray, np.ndarray], side: np.ndarray, middle: np.ndarray) -> np.ndarray:
         """(T, S) the side of each stroke by itself, from what was before it."""
         half, r = (self.band // 2)[:, None], self.before(middle, self.carry.middle)
-        way = np.sign(np.minimum(np.maximum(r, place - half), place + half) - r)
-        before = self.before(side, self.carry.side)
-        led = np.where((way != 0) & ~self.stays, way, before)
+        led = self.before(side, self.carry.side)
+        for where, here in zip(place, (place[0] != NOWHERE, True), strict=True):
+            now = np.where(here, np.minimum(np.maximum(r, where - half), where + half), r)
+            way = np.sign(now - r)
+            led, r = np.where((way != 0) & ~self.stays, way, led), now
         return np.where(self.given, self.sense, led)
 
-    def bear(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return bear(place, self.band, self.sense, self.given, self.stays, self.carry)
+    def bear(self, place: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
+        begin, end = place
+        if not self.couples:
+            return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
+        none = np.zeros_like(self.given)
+        pairs = ((begin, end), (self.sense, self.sense), (none, self.given), (begin == NOWHERE, none))
+        both = [np.stack(pair, axis=2).reshape(len(self.rows), -1) for pair in pairs]
+        both[3] |= np.repeat(self.stays, 2, axis=1)
+        side, middle = bear(both[0], self.band, *both[1:], self.carry)
+        return side[:, 1::2], middle[:, 1::2]
 
     def settle(self) -> None:
+        """Decide side, middle, exact and behind."""
         first = self.nominal(None)
         exact = self.commands(first)
         place = self.wanted(first, exact)
@@ -122,7 +152,7 @@ class Course:
         self.side, self.middle = side, middle
         self.exact = self.commands(side, two)
         led = middle + side * (self.band // 2)[:, None]
-        self.behind = np.where(self.given | self.stays, 0, led - place)
+        self.behind = np.where(self.given | self.stays, 0, led - place[1])
 
 
 def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
@@ -130,7 +160,7 @@ def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
     course = Course(b)
     place = np.rint(b.end_nominal[course.rows] * TICKS_PER_MM).astype(np.int64)
     course.band = np.zeros_like(course.band)
-    side, middle = course.bear(place)
+    side, middle = course.bear((course.nowhere, place))
     return course.spread(side), carried(b, course, side, middle)
 
 

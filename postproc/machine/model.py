@@ -202,6 +202,14 @@ class Machine:
         largest = {x: max(of)[1] for x, of in sizes.items()}
         return {x: way for x, way in largest.items() if way > 0}
 
+    @cached_property
+    def couples(self) -> bool:
+        """Whether the side of one axis moves another: straightness or angles that were measured both ways."""
+        tables = [(x, t.half) for x, t in self.every_table]
+        tables += [(grid.letter, (grid.forward - grid.reverse) / 2) for grid in self.grids]
+        own = {x: [k for k in range(6) if k != (XYZ + ROTARY).index(x)] for x, _ in tables}
+        return any(np.any(half[own[x]]) for x, half in tables)
+
     def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the deviation of an axis along itself
         when it was approached in - less that in +. Angles and straightness measured both ways are not in it."""

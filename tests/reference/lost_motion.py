@@ -98,9 +98,10 @@ def table(axis, name, positions):
 
 
 def play_of(axis, positions):
-    """(n,) mm: the commanded way in which the side changes."""
+    """(n,) mm: the commanded way in which the side changes. A map in which forward lies beyond reverse is no play: a
+    control that takes up too much does so at once when its command turns round."""
     forward, reverse = table(axis, axis.name, positions)
-    return np.maximum(np.abs(reverse - forward), axis.play_mm)
+    return np.maximum(np.maximum(reverse - forward, 0.0), axis.play_mm)
 
 
 def widest_play(machine):
