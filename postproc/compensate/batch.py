@@ -85,6 +85,7 @@ class Batch:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
         stroke's end, as if nothing were held still. `sides`: what the next batch must know."""
         self.drive = np.zeros(self.travel.shape)  # of a ramp that the whole stroke travels
+        self.twice = np.zeros(self.travel.shape, bool)
         if self.c.mode in ("step", "ramp"):
             self.weight_begin, self.weight_end, self.exact, self.sides = sides.follow(self)
             return
@@ -188,7 +189,7 @@ class Batch:
         ramped = self.c.reach > 0
         first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
         before = np.concatenate([first[:, None], self.weight_end[:, :-1]], axis=1)
-        self.flipped = (before != self.weight_begin) & self.machine.two_way[:, None]
+        self.flipped = ((before != self.weight_begin) & self.machine.two_way[:, None]) | self.twice
         turned: np.ndarray = self.flipped.any(axis=0)
         self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
         if self.c.mode in ("mean", "off"):
@@ -253,25 +254,32 @@ class Batch:
             last = i
         return np.array(value, np.int64)
 
-    def overshoot(self) -> None:
-        """`out` (A, S) bool: resting axes that were last commanded the other way than their side says, where the map turns
-        the lost motion round (forward beyond reverse). Such a map holds for the direction of the last command, which
-        its take-up has contrary to the side: the axis is led beyond its place and back. `way` (A,): for the next batch."""
+    def lead_beyond(self) -> None:
+        """`beyond` (A, S) ticks: where resting axes are led before a stroke is begun, `begin` where not. An axis that turns twice
+        where a stroke begins is led over its play first. A map that has forward beyond reverse holds for the direction of
+        the last command, which its take-up has contrary to the side. `way` (A,): of the last command, for the next batch."""
         rows = self.c.followed
-        self.out, self.way = np.zeros(self.end.shape, bool), self.carry.way
+        self.beyond, self.way = self.begin, self.carry.way
         if not len(rows):
             return
         code = self.m.code[self.motion]
         cutting = (code >= FEED) & (code <= COUNTER) & (self.m.cutter[self.motion] == FREE)
-        turned = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows) < -self.c.chord
-        rests = turned & (self.travel[rows] == 0) & cutting & self.free[self.motion] & self.known_before
-        sides = np.where(rests, self.weight_begin[rows], 0).astype(np.int64)
+        cutting &= self.free[self.motion] & self.known_before
+        play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
+        rests = (self.travel[rows] == 0) & cutting
+        sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(np.int64)
         ways = [np.sign(self.begin - self.before)[rows], sides, np.sign(self.end - self.begin)[rows]]
         course = np.stack(ways, axis=2).reshape(len(rows), -1)
         course = hold_last(course, course != 0, self.carry.way[rows])
-        self.out[rows] = (sides != 0) & (course[:, ::3] != sides)
+        out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & rests)
         self.way = self.carry.way.copy()
         self.way[rows] = course[:, -1]
+        if out.any():
+            step = self.m.grid[rows][:, self.motion]
+            far = np.maximum(np.maximum(self.c.hysteresis, play) * TICKS_PER_MM / step, 2)
+            over = np.ceil(far).astype(np.int64) * step
+            self.beyond = self.begin.copy()
+            self.beyond[rows] -= np.where(out, self.weight_begin[rows] * over, 0).astype(np.int64)
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         return np.where(

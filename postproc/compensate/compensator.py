@@ -155,7 +155,7 @@ class Compensator:
         b.starts()
         b.settle_ends()
         b.spread_reversals()
-        b.overshoot()
+        b.lead_beyond()
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)

@@ -14,19 +14,15 @@ from postproc.units import TICKS_PER_MM
 
 
 def take_ups(b: Batch):
-    """A piece for every stroke that must be begun elsewhere than the last one ended, or two (Batch.overshoot)."""
-    beside = b.turning & (b.begin != b.before).any(axis=0)
-    over = b.out.any(axis=0)
-    which, two = (beside | over).nonzero()[0], over.nonzero()[0]
+    """A piece for every stroke that must be begun elsewhere than the last one ended, or two (Batch.lead_beyond)."""
+    over = (b.beyond != b.begin).any(axis=0)
+    which = ((b.turning & (b.begin != b.before).any(axis=0)) | over).nonzero()[0]
     if not len(which):
         return None
-    step = b.m.grid[:, b.motion[two]]
-    far = np.maximum(np.ceil(b.c.hysteresis * TICKS_PER_MM / step), 2).astype(np.int64) * step
-    beyond = b.begin[:, two] - np.where(b.out[:, two], b.weight_begin[:, two], 0).astype(np.int64) * far
-    start = b.before.copy()
-    start[:, two] = beyond
-    stroke, end = np.concatenate([two, which]), np.concatenate([beyond, b.begin[:, which]], axis=1)
-    start = np.concatenate([b.before[:, two], start[:, which]], axis=1)
+    two = over.nonzero()[0]
+    stroke = np.concatenate([two, which])
+    start = np.concatenate([b.before[:, two], np.where(over, b.beyond, b.before)[:, which]], axis=1)
+    end = np.concatenate([b.beyond[:, two], b.begin[:, which]], axis=1)
     order = np.repeat([-2, -1], [len(two), len(which)])
     return pack(b, stroke, order, np.full(len(stroke), FEED), start, end, np.zeros(len(stroke)),
                      _begin_ticks(b, stroke), take_up=True)  # fmt: skip

@@ -27,7 +27,8 @@ NOWHERE = np.int64(2**61)  # ticks: no place to look at
 class Course:
     """How the two-way axes (T of them) of one batch are led: which strokes say their side by themselves, and which leave
     an axis where it is. `side` and `middle` (T, S) of approach.py; `exact` (A, S) mm, commands for these sides; `behind`
-    (T, S) ticks, by how much a slide is held beside its wanted place because it has not turned by the hysteresis."""
+    (T, S) ticks, by how much a slide is held beside its wanted place because it has not turned by the hysteresis; `twice`
+    (T, S): it turns one way where the stroke begins, since another axis changes its side, and back along it."""
 
     def __init__(self, b: Batch):
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
@@ -35,6 +36,7 @@ class Course:
         self.travel = b.travel[self.rows]
         self.couples = b.machine.couples
         self.nowhere = np.full(self.travel.shape, NOWHERE)
+        self.twice = np.zeros(self.travel.shape, bool)
         self._given()
         self.carry = self._begin()
 
@@ -130,6 +132,7 @@ class Course:
         both = [np.stack(pair, axis=2).reshape(len(self.rows), -1) for pair in pairs]
         both[3] |= np.repeat(self.stays, 2, axis=1)
         side, middle = bear(both[0], self.band, *both[1:], self.carry)
+        self.twice = (side[:, ::2] != side[:, 1::2]) & (begin != NOWHERE) & ~self.given
         return side[:, 1::2], middle[:, 1::2]
 
     def settle(self) -> None:
@@ -188,7 +191,8 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         nominal = b.end_nominal[:, which]
         exact[:, which] = command(b.machine, nominal, end[:, which], b.motion[which])
         course.exact = exact
-    exact = course.exact
+    exact, b.twice = course.exact, np.zeros(side.shape, bool)
+    b.twice[course.rows] = course.twice & (course.travel == 0)
     holds = (b.c.reach[course.rows] == 0)[:, None] & b.free[b.motion]
     exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
     return begin, end, exact, carried(b, course, course.side, course.middle, taken)

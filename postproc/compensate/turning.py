@@ -70,7 +70,11 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
         return []
     owner, t, place = _places(b, chosen, most)
     deviation = b.machine.deviation(place, np.sign(m.target - m.start)[:, owner])
-    return [_turns(owner, t, (place - deviation)[row], b.c.hysteresis) for row in rows]
+    plane = np.zeros(m.start.shape, bool)  # those turn back at quadrants
+    for axes in (m.arcs.first, m.arcs.second):
+        plane[axes, m.arcs.motion] = True
+    course = np.where(plane[:, owner], 0.0, place - deviation)
+    return [_turns(owner, t, course[row], b.c.hysteresis) for row in rows]
 
 
 def _places(b: Batch, chosen: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
