@@ -111,7 +111,10 @@ def trials(programs, mode, workers=2):
     """[Outcome] of all machines."""
     with tempfile.TemporaryDirectory() as folder, multiprocessing.get_context("spawn").Pool(workers) as pool:
         jobs = [(folder, number, range(programs), mode) for number in range(len(CHAINS))]
-        return [each for some in pool.imap(trial, jobs) for each in some]
+        found = [each for some in pool.imap(trial, jobs) for each in some]
+        pool.close()  # workers that are stopped instead complain: gcomp has its own answer to that signal
+        pool.join()
+    return found
 
 
 def example(mode):
