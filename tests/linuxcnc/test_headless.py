@@ -105,17 +105,31 @@ def corrected(folder, text):
     return done.stdout
 
 
-def samples(text, machine):
-    """[(nominal tool point, approach, nominal slides)] at every M0; mm."""
-    blocks = interpreted(text)
+def samples(text, written, machine):
+    """[(nominal tool point, approach, nominal slides)] at every M0 of a program; mm.
+
+    written: what was run for it; the approach is the direction in which that last commanded each slide.
+    """
     judge = Judge(machine, samples_per_mm=1.0, clamp=False, take_up=0.1, near=0.1)
-    motions, found, k = judge.nominal(blocks), [], -1
+    run_blocks = interpreted(written)
+    judge.execute(run_blocks)
+    approaches = [judge.approach(block) for block in before_stops(run_blocks)]
+    ends = [{axis: float(block.end[axis]) for axis in AXES} for block in before_stops(interpreted(text))]
+    assert len(ends) == len(approaches)
+    return [
+        (machine.nominal(end), approach, np.array([end[axis] for axis in AXES]))
+        for end, approach in zip(ends, approaches)
+    ]
+
+
+def before_stops(blocks):
+    """The last motion before every M0."""
+    last, found = None, []
     for block in blocks:
         if block.kind in KINDS:
-            k += 1
+            last = block
         elif "M0" in block.codes:
-            end = {axis: float(motions[k].block.end[axis]) for axis in AXES}
-            found.append((machine.nominal(end), motions[k].approach(1.0), np.array([end[axis] for axis in AXES])))
+            found.append(last)
     return found
 
 
@@ -142,8 +156,9 @@ def judged(machine, expected, reached):
 def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(linuxcnc, mill, tmp_path, name):
     make, limit = PROGRAMS[name]
     text = with_stops(make())
-    expected = samples(text, mill)
-    stops, _ = linuxcnc.run(corrected(tmp_path, text))
+    written = corrected(tmp_path, text)
+    expected = samples(text, written, mill)
+    stops, _ = linuxcnc.run(written)
     axis, tool = judged(mill, expected, [joints for _, joints in stops])
     print(f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
     assert len(stops) > 35 and axis < limit * UM and tool < limit * UM * math.sqrt(3 if limit > 1 else 1)
@@ -152,7 +167,7 @@ def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(lin
 def test_A21_without_correction_the_same_points_are_missed(linuxcnc, mill):
     """The control: LinuxCNC goes where the reference says that the nominal program goes, and there the tool is wrong."""
     text = with_stops(any_motions(5, n=25))
-    expected = samples(text, mill)
+    expected = samples(text, text, mill)
     reached = [joints for _, joints in linuxcnc.run(text)[0]]
     assert max(math.dist(joints, slides) for joints, (_, _, slides) in zip(reached, expected)) < NANOMETRE
     axis, tool = judged(mill, expected, reached)
@@ -165,14 +180,15 @@ def test_A21_line_by_line_through_mdi(linuxcnc, mill):
     text = with_stops(any_motions(6, n=25))
     machine = places.load(MACHINE)
     filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine))
-    reached, joints = [], None
+    reached, joints, written = [], None, ""
     for line in text.splitlines():
         out = filter_.feed(line.encode() + b"\n").decode()
+        written += out
         if line == "M0":
             reached.append(joints)
         elif line != "M2" and (commands := out.splitlines()):
             joints = linuxcnc.mdi(commands)[-1]
-    axis, tool = judged(mill, samples(text, mill), reached)
+    axis, tool = judged(mill, samples(text, written, mill), reached)
     print(f"MDI: {len(reached)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
     assert len(reached) > 15 and axis < 1.0 * UM and tool < 1.0 * UM
 
@@ -185,9 +201,10 @@ def test_A21_four_hundred_lines_without_a_stop(linuxcnc, mill, tmp_path):
         f"G1 X{100 + r.uniform(0, 2):.3f} Y{50 + r.uniform(0, 2):.3f} Z{r.uniform(-1, 0):.3f} F9000" for _ in range(400)
     ]
     text = "\n".join([*rows, "G1 X-123.456 Y77.7 Z-20.5", "M0", "M2", ""])
-    stops, end = linuxcnc.run(corrected(tmp_path, text))
+    written = corrected(tmp_path, text)
+    stops, end = linuxcnc.run(written)
     [(_, joints)] = stops
-    axis, tool = judged(mill, samples(text, mill), [joints])
+    axis, tool = judged(mill, samples(text, written, mill), [joints])
     print(f"without a stop: {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
     assert axis < 1.0 * UM and tool < 1.0 * UM and math.dist(joints, end) < NANOMETRE
 

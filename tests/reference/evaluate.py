@@ -2,10 +2,13 @@
 
 Both texts are run by the reference interpreter. Every motion of the compensated program is assigned to the nominal
 motion that it belongs to (dynamic programming on the actual end points), then sampled, carried through the machine,
-and its distance from the nominal path is the residual. Counted are
+and its distance from the nominal path is the residual. Of a component that was measured in two directions holds the one
+in which its slide was last commanded, in the program that is laid against the path, its take-ups included; a slide that
+turns back by no more than the machine's hysteresis (and an increment, to which its words were rounded) keeps its side,
+and before it has moved, or when it comes from an unknown place, the mean holds. Counted are
 
 - feeds and arcs: samples between the ends, the ends of all pieces, and the distance of the last end from the end point;
-- take-ups (a short piece at which the nominal motion does not advance): their end alone, in the direction that follows;
+- take-ups (a short piece at which the nominal motion does not advance): their end alone;
 - rapids, and motions whose start is unknown: their end point alone;
 - G53, G28, G30: nothing, they are only matched; and nothing where a machine axis is unknown.
 """
@@ -19,8 +22,8 @@ from .interpreter import run
 from .machine import UNIT
 
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-REVERSAL = 1e-6  # mm; an arc that goes back by less has not reversed: its ends were rounded
-SNAP = 0.02  # mm of path between a cut and the reversal that it was made for
+RESTING = 1e-6  # mm; an arc whose axis moves by less has not moved it: its ends were rounded
+BEHIND = 1e-4  # mm, what a short piece behind the end of a motion is taken to be farther off
 KINDS = {"rapid": ("rapid",), "feed": ("feed",), "arc": ("arc", "feed"), "machine": ("machine",)}
 
 
@@ -61,83 +64,85 @@ class Report:
     outside_travel: list = field(default_factory=list)  # (output line, axis, mm)
 
 
-@dataclass
-class Leg:
-    """A stretch of a nominal motion in which no axis reverses."""
+class Slide:
+    """On which side of its play one slide stands: the sign of its last commanded motion, and how far it has come there.
 
-    begin: float
-    end: float
-    approach: dict
+    keeps: mm that it may turn back without another side.
+    """
+
+    def __init__(self, axis, keeps):
+        self.axis, self.keeps = axis, keeps
+        self.side, self.farthest = 0, None
+
+    def along(self, block):
+        """[(t, side from there on)] of a block, which is thereby passed."""
+        start, end = block.start[self.axis], block.end[self.axis]
+        if start is None or end is None:
+            if start != end:
+                self.side = 0  # a move from or to nowhere known has no known direction
+            return [(0.0, self.side)]
+        changes = [(0.0, self.side)]
+        cuts = turning_points(block, self.axis)
+        for begin, stop in zip(cuts, cuts[1:]):
+            t = self._change(block, begin, stop)
+            if t is not None:
+                changes.append((t, self.side))
+        return changes
+
+    def _change(self, block, begin, stop):
+        """Pass a stretch without a reversal; where the side changes, or None."""
+        at = lambda t: place(block, self.axis, t)
+        moved = at(stop) - at(begin)
+        if self.side == 0:
+            if abs(moved) <= RESTING:
+                return None
+            self.side, self.farthest = (1 if moved > 0 else -1), at(stop)
+            return begin
+        back = lambda t: (self.farthest - at(t)) * self.side
+        if back(stop) <= self.keeps:
+            if back(stop) < 0:
+                self.farthest = at(stop)
+            return None
+        low, high = begin, stop
+        for _ in range(40):
+            middle = (low + high) / 2
+            low, high = (low, middle) if back(middle) > self.keeps else (middle, high)
+        self.side, self.farthest = -self.side, at(stop)
+        return high
+
+
+def place(block, axis, t):
+    """mm: one axis at t of a block, wherever the others are."""
+    if t in (0.0, 1.0):
+        return (block.end if t else block.start)[axis]
+    if block.kind == "arc" and axis in block.plane_axes:
+        angle, radius = block.polar(t)
+        k = block.plane_axes.index(axis)
+        return block.centre[k] + radius * (math.cos(angle), math.sin(angle))[k]
+    return block.start[axis] + (block.end[axis] - block.start[axis]) * t
+
+
+def turning_points(block, axis):
+    """0, 1 and the t between them at which an axis of an arc's plane reverses."""
+    if block.kind != "arc" or axis not in block.plane_axes:
+        return [0.0, 1.0]
+    angle, _ = block.polar(0)
+    quarter = 0.0 if axis == block.plane_axes[0] else math.pi / 2
+    low, high = sorted((angle, angle + block.sweep))
+    halves = range(math.ceil((low - quarter) / math.pi), math.floor((high - quarter) / math.pi) + 1)
+    cuts = {(quarter + k * math.pi - angle) / block.sweep for k in halves}
+    return [0.0, *sorted(t for t in cuts if 0.0 < t < 1.0), 1.0]
 
 
 class Motion:
-    """A nominal motion: its path through the axes, and in which direction each axis last moved along it."""
+    """A nominal motion: its path through the axes."""
 
-    def __init__(self, block, axes, carry, marks):
+    def __init__(self, block, axes, marks):
         self.block, self.axes, self.marks = block, axes, marks
         self.known = block.known and block.kind != "machine"
         self.end_known = None not in block.end.values() and block.kind != "machine"
         self.length = (block.length or 0.0) if self.known else 0.0
         self.empty = self.known and self.length == 0.0
-        self.legs = self._legs(dict(carry))
-        self.carry = self.legs[-1].approach
-
-    def _legs(self, carry):
-        block, signs = self.block, {}
-        for axis in self.axes:
-            a, b = block.start[axis], block.end[axis]
-            if a is None or b is None:
-                # A move from or to nowhere known has no known direction: the mean holds again.
-                signs[axis] = [(0.0, 1.0, 0 if a != b else carry[axis])]
-            elif block.kind == "arc" and axis in block.plane_axes:
-                signs[axis] = self._turning(axis, carry[axis])
-            else:
-                signs[axis] = [(0.0, 1.0, (b > a) - (b < a) or carry[axis])]
-        cuts = sorted({t for pieces in signs.values() for piece in pieces for t in piece[:2]})
-        legs = []
-        for begin, end in zip(cuts, cuts[1:]):
-            middle = (begin + end) / 2
-            legs.append(
-                Leg(
-                    begin,
-                    end,
-                    {axis: next(sign for a, b, sign in pieces if a <= middle <= b) for axis, pieces in signs.items()},
-                )
-            )
-        return legs
-
-    def _turning(self, axis, carry):
-        """[(begin, end, sign)] of one plane axis of an arc, cut where it reverses."""
-        block = self.block
-        angle, _ = block.polar(0)
-        quarter = 0.0 if axis == block.plane_axes[0] else math.pi / 2
-        low, high = sorted((angle, angle + block.sweep))
-        cuts = {0.0, 1.0}
-        for k in range(math.ceil((low - quarter) / math.pi), math.floor((high - quarter) / math.pi) + 1):
-            cuts.add((quarter + k * math.pi - angle) / block.sweep)
-        cuts = sorted(t for t in cuts if 0.0 <= t <= 1.0)
-        pieces = []
-        for begin, end in zip(cuts, cuts[1:]):
-            moved = block.point(end)[axis] - block.point(begin)[axis]
-            if abs(moved) <= REVERSAL:
-                continue
-            pieces.append([begin, end, 1 if moved > 0 else -1])
-        if not pieces:
-            return [(0.0, 1.0, carry)]
-        pieces[0][0], pieces[-1][1] = 0.0, 1.0
-        for piece, following in zip(pieces, pieces[1:]):
-            piece[1] = following[0]
-        return [tuple(piece) for piece in pieces]
-
-    def approach(self, t):
-        """{axis: sign} at t; at a reversal that of what follows."""
-        return next((leg.approach for leg in self.legs if t < leg.end), self.legs[-1].approach)
-
-    def snapped(self, t):
-        """t, or the reversal that is no farther than SNAP of path."""
-        inner = [leg.end for leg in self.legs[:-1]]
-        near = min(inner, key=lambda cut: abs(cut - t), default=t)
-        return near if abs(near - t) * self.length <= SNAP else t
 
     def at(self, t):
         """(n,) mm: the path in the machine's axes."""
@@ -191,6 +196,7 @@ class Judge:
         self.machine, self.axes = machine, list(machine.axes)
         self.per_mm, self.clamp, self.take_up, self.near = samples_per_mm, clamp, take_up, near
         self.columns = [int(np.argmax(UNIT[axis])) for axis in self.axes]
+        self.sides = {}  # of the blocks of `execute`
 
     def motions(self, blocks):
         """The blocks that move, each with the number of other events before it; and those events."""
@@ -205,27 +211,28 @@ class Judge:
         return moving, marks
 
     def nominal(self, blocks):
-        """[Motion], directions carried from one to the next."""
-        carry, motions = {axis: 0 for axis in self.axes}, []
-        for block, marks in self.motions(blocks)[0]:
-            motions.append(Motion(block, self.axes, carry, marks))
-            carry = motions[-1].carry
-        return motions
+        """[Motion] of a nominal program."""
+        return [Motion(block, self.axes, marks) for block, marks in self.motions(blocks)[0]]
 
-    def actual(self, command, approach, margin, clamp=None):
-        """(n,) mm: the actual point in the machine's axes, tool taken off, to be laid against slide positions."""
+    def execute(self, blocks):
+        """A whole program in its order: from now on `approach` knows its blocks."""
+        slides = [Slide(axis, self.machine.hysteresis + self.machine.axes[axis].least_increment) for axis in self.axes]
+        for block, _ in self.motions(blocks)[0]:
+            self.sides[id(block)] = {slide.axis: slide.along(block) for slide in slides}
+
+    def approach(self, block, t=1.0):
+        """{axis: the direction that holds at t of an executed block}."""
+        return {
+            axis: next(side for begin, side in reversed(changes) if begin <= t)
+            for axis, changes in self.sides[id(block)].items()
+        }
+
+    def actual(self, block, t=1.0, margin=0.0, clamp=None):
+        """(n,) mm: the actual point at t of a block, in the machine's axes, tool taken off, to be laid against slides."""
         clamp = self.clamp if clamp is None else clamp
-        point = self.machine.actual(command, approach, clamp=clamp, margin=margin) - self.machine.tool
+        command = block.end if t == 1.0 else block.point(t)
+        point = self.machine.actual(command, self.approach(block, t), clamp=clamp, margin=margin) - self.machine.tool
         return point[self.columns]
-
-    def locate(self, motion, command, hint, margin=0.0, clamp=True):
-        """(t, approach, distance from the path) of a commanded point on a nominal motion."""
-        slide = np.array([command[axis] for axis in self.axes])
-        t, _ = motion.nearest(slide, hint)
-        for _ in range(2):
-            approach = motion.approach(min(t, 1.0 - 1e-12))
-            t, distance = motion.nearest(self.actual(command, approach, margin, clamp), hint)
-        return t, approach, distance
 
     # Alignment -------------------------------------------------------------------------------------------------
 
@@ -282,13 +289,13 @@ class Judge:
         return groups
 
     def end_miss(self, motion, block):
-        """mm between the ends of an output block and of the motion, in the direction of the motion; None = too far."""
+        """mm between the ends of an output block and of the motion; None = too far."""
         ends = [(block.end[axis], motion.block.end[axis]) for axis in self.axes]
         if any((a is None) != (b is None) for a, b in ends):
             return None
         if motion.end_known:
             end = np.array([b for _, b in ends])
-            miss = float(np.linalg.norm(self.actual(block.end, motion.approach(1.0), 0.0, True) - end))
+            miss = float(np.linalg.norm(self.actual(block, clamp=True) - end))
         else:
             miss = math.hypot(*(a - b for a, b in ends if a is not None))
         slide = max((abs(a - b) for a, b in ends if a is not None), default=0.0)
@@ -308,12 +315,14 @@ class Judge:
             return self.closing(motion, block)
         if None in block.end.values():
             return None
-        distances = [self.locate(motion, block.end, None)[2]]
+        places = [motion.nearest(self.actual(block, clamp=True))]
         if motion.block.kind != "rapid" and block.known:
-            distances.append(self.locate(motion, block.point(0.5), None)[2])
-        if max(distances) > 2 * self.near:
+            places.append(motion.nearest(self.actual(block, 0.5, clamp=True)))
+        if max(distance for _, distance in places) > 2 * self.near:
             return None
-        return sum(d**2 for d in distances)
+        # What is only done behind the end belongs to the motion that follows, if that is as near.
+        behind = short and not motion.empty and all(t == 1.0 for t, _ in places)
+        return sum(distance**2 for _, distance in places) + (BEHIND**2 if behind else 0.0)
 
     # Measurement -----------------------------------------------------------------------------------------------
 
@@ -336,45 +345,37 @@ class Judge:
                         f"output line {block.line} begins at an unknown point, nominal line "
                         f"{motion.block.line} does not"
                     )
-                t = self.measure_piece(motion, block, t, block is last, margin, count, result)
+                t = self.measure_piece(motion, block, t, pieces, margin, count, result)
         end = np.array([motion.block.end[axis] for axis in self.axes])
-        reached = self.actual(last.end, motion.approach(1.0), margin)
+        reached = self.actual(last, margin=margin)
         result.end_mm = float(np.linalg.norm(reached - end))
         count(result.end_mm, last, last.end, path=False)
         if motion.known and motion.block.kind == "rapid":
             result.take_ups = sum(b.known and b.length <= self.take_up for b in pieces[:-1])
-        tool_point = self.machine.actual(last.end, motion.approach(1.0), clamp=self.clamp, margin=margin)
+        tool_point = self.machine.actual(last.end, self.approach(last), clamp=self.clamp, margin=margin)
         end_points.append((motion.block.line, self.machine.nominal(motion.block.end), tool_point))
 
-    def measure_piece(self, motion, block, t, is_last, margin, count, result):
+    def measure_piece(self, motion, block, t, pieces, margin, count, result):
         """One output block that begins at t of the nominal motion; returns where it ends."""
         length = block.length
         t_end = 1.0
-        if not is_last:
+        if len(pieces) > 1:
             hint = min(t + length / motion.length, 1.0) if motion.length else 0.0
-            t_end = motion.snapped(self.locate(motion, block.end, hint, margin, self.clamp)[0])
-            if (t - t_end) * motion.length > self.near:
+            reached, distance = motion.nearest(self.actual(block, margin=margin), hint)
+            if (t - reached) * motion.length > self.near:
                 raise Misaligned(
-                    f"output line {block.line} goes back by {(t - t_end) * motion.length:.3f} mm on "
+                    f"output line {block.line} goes back by {(t - reached) * motion.length:.3f} mm on "
                     f"nominal line {motion.block.line}"
                 )
-            if length <= self.take_up and (t_end - t) * motion.length <= length / 2:
+            if length <= self.take_up and (reached - t) * motion.length <= length / 2:
                 result.take_ups += 1
-                reached = self.actual(block.end, motion.approach(t), margin)
-                count(motion.nearest(reached, t)[1], block, block.end)
+                count(distance, block, block.end)
                 return t
-            t_end = max(t, t_end)
-        inside = (t_end - t) * 1e-6
+            t_end = max(t, reached) if block is not pieces[-1] else 1.0
         steps = max(math.ceil(length * self.per_mm), 5) if length else 0
         for u in [(k + GOLDEN) / steps for k in range(steps)] + [1.0]:
-            command = block.point(u)
-            hint = t + u * (t_end - t)
-            place = hint
-            for _ in range(2):
-                place = min(max(place, t + inside), t_end - inside)
-                reached = self.actual(command, motion.approach(place), margin)
-                place, distance = motion.nearest(reached, hint)
-            count(distance, block, command)
+            reached = self.actual(block, u, margin)
+            count(motion.nearest(reached, t + u * (t_end - t))[1], block, block.point(u))
         return t_end
 
 
@@ -463,6 +464,8 @@ def residual(
     nominal, output = run(nominal_text, dialect, **settings), run(compensated_text, dialect, **settings)
 
     motions = judge.nominal(nominal)
+    judge.execute(nominal)
+    judge.execute(output)
     before, _, _ = judged(judge, motions, [[motion.block] for motion in motions], 0.0)
     uncompensated, uncompensated_where = worst(before)
 

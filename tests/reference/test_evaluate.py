@@ -5,7 +5,9 @@ import math
 import pytest
 from pytest import approx
 
-from .evaluate import Misaligned, residual
+from .evaluate import Judge, Misaligned, residual
+from .interpreter import run
+from .machine import Machine
 from .samples import NANOMETRE, SECOND_ORDER, flat, make, needs_seed, seed_machine
 
 ZERO_PROGRAM = """G21 G90 G17
@@ -57,35 +59,73 @@ def test_pieces_cut_by_hand_at_a_kink(tmp_path):
 
 
 def two_way(tmp_path, **settings):
-    """X is 8 µm long when it comes from below, 0 when from above."""
+    """Lost motion of 8 µm: X stands where it should when it comes from below, 8 µm high when from above."""
     tables = flat(settings.pop("axes", "ZX"))
-    tables["X"].update(EXX_um_fwd=[8.0, 8.0], EXX_um_rev=[0.0, 0.0])
+    tables["X"].update(EXX_um_fwd=[0.0, 0.0], EXX_um_rev=[8.0, 8.0])
     return make(tmp_path, settings.pop("chain", "w-b-Z-X-t"), tables, **settings)
 
 
 def test_a_take_up_counts_by_its_end_alone(tmp_path):
-    """Forward X30 is sent as 29.992; back, the slide first goes to 30 and the tool stays, then to 10."""
+    """Back from X30 the slide first goes to 29.992 and the tool stays, then to 9.992."""
     machine = two_way(tmp_path)
     nominal = "G0 X0 Z0\nG0 X10\nG1 X30 F100\nG1 Z20\nG1 X10\nG1 Z0\n"
-    output = "G0 X0.0 Z0\nG0 X9.992\nG1 X29.992 F100\nG1 Z20\nG1 X30 F50\nX10 F100\nG1 Z0\n"
+    output = "G0 X0.0 Z0\nG0 X10\nG1 X30 F100\nG1 Z20\nG1 X29.992 F50\nX9.992 F100\nG1 Z0\n"
     report = residual(nominal, output, "linuxcnc", machine)
     assert report.take_ups == 1 and report.by_block[4].output_lines == [5, 6]
     assert report.by_block[4].largest_mm < NANOMETRE and report.feed_changes == []
     # The first move comes from nowhere known: the mean, 4 µm.
     assert report.by_block[0].end_mm == approx(0.004, abs=NANOMETRE)
     assert max(r.largest_mm for r in report.by_block[1:]) < NANOMETRE
-    without = residual(nominal, "G0 X0 Z0\nG0 X9.992\nG1 X29.992 F100\nZ20\nX10\nZ0\n", "linuxcnc", machine)
+    without = residual(nominal, "G0 X0 Z0\nG0 X10\nG1 X30 F100\nZ20\nX9.992\nZ0\n", "linuxcnc", machine)
     assert without.take_ups == 0 and without.by_block[4].largest_mm == approx(0.0, abs=NANOMETRE)
 
 
 def test_a_take_up_inside_an_arc_lies_at_the_reversal(tmp_path):
-    """Half a circle over the top of X: the slide stands 8 µm lower on the way up."""
+    """Half a circle over the top of X: the slide stands 8 µm lower on the way down."""
     machine = two_way(tmp_path, axes="XY", chain="w-X-b-Y-t")
     nominal = "G0 X0 Y-10\nG1 X5 Y-10 F100\nG3 X5 Y10 J10\n"
-    output = "G0 X-0.004 Y-10\nG1 X4.992 Y-10 F100\nG3 X14.992 Y0 J10\nG1 X15 Y0\nG3 X5 Y10 I-10\n"
+    output = "G0 X-0.004 Y-10\nG1 X5 Y-10 F100\nG3 X15 Y0 J10\nG1 X14.992 Y0\nG3 X4.992 Y10 I-10\n"
     report = residual(nominal, output, "linuxcnc", machine)
     assert report.take_ups == 1 and report.largest_mm < NANOMETRE
     assert report.uncompensated_mm == approx(0.008, abs=2e-5)
+
+
+@pytest.mark.parametrize(
+    "x, um", [(9.99, 2.0), (9.9988, 6.8), (9.9991, 0.9), (10.0, 0.0), (10.02, 20.0)],
+    ids=["turned", "just turned", "within the hysteresis", "at rest", "on the same side"],
+)  # fmt: skip
+def test_the_side_is_that_of_the_commanded_motion_though_the_axis_rests(tmp_path, x, um):
+    """X came from below, and creeps along with Z: behind 1 µm and an increment it stands 8 µm high."""
+    nominal = "G0 X0 Z0\nG1 X10 F100\nG1 Z20\n"
+    report = residual(nominal, f"G0 X0 Z0\nG1 X10 F100\nG1 X{x} Z20\n", "linuxcnc", two_way(tmp_path))
+    assert report.by_block[2].end_mm == approx(um / 1000, abs=NANOMETRE)
+    # The nominal program itself never turns X.
+    assert max(block.largest_mm for block in report.by_block[1:2]) < NANOMETRE
+    assert report.uncompensated_mm == approx(0.004, abs=NANOMETRE)  # the mean, at the first place
+
+
+def test_the_machine_says_how_far_a_slide_may_turn_back(tmp_path):
+    """20 µm: 15 back, 5 on, 9 back are 19 from the farthest; 2 more and the side is the other."""
+    two_way(tmp_path)
+    with open(tmp_path / "machine.toml", "a") as file:
+        file.write("hysteresis_um = 20.0\n")
+    machine = Machine.load(tmp_path)
+    nominal = "G0 X0 Z0\nG1 X10 F100\nG1 Z20\nZ30\nZ40\nZ50\n"
+    output = "G0 X0 Z0\nG1 X10 F100\nG1 X9.985 Z20\nX9.99 Z30\nX9.981 Z40\nX9.979 Z50\n"
+    report = residual(nominal, output, "linuxcnc", machine)
+    ends = [1000 * block.end_mm for block in report.by_block[2:]]
+    assert ends == approx([15.0, 10.0, 19.0, 13.0], abs=1e-3)
+
+
+def test_an_arc_turns_its_axis_behind_its_quadrant(tmp_path):
+    """Half a circle over the top of X, R = 10: the side changes when X has come back by 1.1 µm."""
+    machine = two_way(tmp_path, axes="XY", chain="w-X-b-Y-t")
+    (arc,) = run("G3 X0 Y10 J10 F100\n", "linuxcnc", axes="XY", start={"X": 0, "Y": -10})
+    judge = Judge(machine, 1.0, False, 0.5, 0.5)
+    judge.execute([arc])
+    turned = 0.5 + math.acos(1 - 0.0011 / 10) / math.pi
+    assert [judge.approach(arc, t)["X"] for t in (0.0, 0.5, turned - 1e-6, turned + 1e-6, 1.0)] == [1, 1, 1, -1, -1]
+    assert judge.approach(arc, 0.5)["Y"] == 1
 
 
 def test_a_circle_in_four_pieces_and_two_circles_one_after_the_other(tmp_path):
