@@ -3,8 +3,9 @@
 The nut of a slide moves with play B about the commanded position c: the slide stays where it is as long as it lies within
 c - B/2 .. c + B/2, and is taken along at the ends (the play operator). Every commanded motion counts, take-ups and
 corrections included, in the order of execution. The share (c - slide) / (B/2), from -1 to +1, says how much of a table's
-difference between its directions acts; it is the sign of the last motion where an axis has no play of its own. Follows the
-written program, leg by leg, and shares no code with what decided the take-ups.
+difference between its directions acts. The side is the direction of the last commanded motion; a slide that goes back by no
+more than the hysteresis keeps it. Where an axis has no play of its own the share is the side. Follows the written program, leg
+by leg, and shares no code with what decided the take-ups.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.compensate.arcs import points, turning_points
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.units import TICKS_PER_MM
@@ -34,7 +36,7 @@ class Legs:
 
 @dataclass(frozen=True)
 class Led:
-    """One batch as the slides lived it: side (A, L), sign of the last motion, and slide (A, L) mm before each leg."""
+    """One batch as the slides lived it: side (A, L) along each leg, and slide (A, L) mm before it."""
 
     slides: Slides
     legs: Legs
@@ -55,8 +57,7 @@ class Led:
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
         motion there, which says the side of an axis that it moves; one that rests was moved by commands alone."""
         leg = self.leg(motion, t)
-        way = np.where(sense != 0, sense, self.way(leg))
-        side = np.where(way != 0, way, self.side[:, leg])
+        side = np.where(sense != 0, sense, self.side[:, leg])
         share, half = side.copy(), self.half(command)
         for k, row in enumerate(self.slides.rows):
             low, high = command[row] - half[k], command[row] + half[k]
@@ -70,13 +71,12 @@ class Led:
 
 
 class Slides:
-    """The slides of one machine running one program. Keeps, between batches, where they stand."""
+    """The slides of one machine running one program. Keeps, between batches, where they stand. hysteresis: mm."""
 
-    def __init__(self, machine: Machine):
+    def __init__(self, machine: Machine, hysteresis: float):
         self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
         self.more = [machine.pretravel.get(machine.letters[row], 0.0) for row in self.rows]
-        self.slide = [float("nan")] * len(machine.letters)
-        self.side = [0.0] * len(machine.letters)
+        self.one = [_Slide(hysteresis if x in XYZ else 0.0) for x in machine.letters]
 
     def half(self, position: np.ndarray) -> np.ndarray:
         """(R, N) mm: half the play of the two-way axes, and of the way over which it builds up."""
@@ -89,27 +89,37 @@ class Slides:
         side, slide = np.zeros(legs.end.shape), np.full(legs.end.shape, np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
-            where, to = self.slide[row], self.side[row]
-            before = []
             columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
-            for begin, end, reach in zip(*columns, strict=True):
-                if begin != begin or end != end:  # from or to nobody knows where
-                    before.append((0.0, end))
-                    where, to = end, 0.0
-                    continue
-                if where != where:
-                    where = begin
-                before.append((to, where))
-                if where < end - reach:
-                    where = end - reach
-                elif where > end + reach:
-                    where = end + reach
-                if end != begin:
-                    to = 1.0 if end > begin else -1.0
-            self.slide[row], self.side[row] = where, to
-            if before:
-                side[row], slide[row] = np.array(before).T
+            lived = [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]
+            if lived:
+                side[row], slide[row] = np.array(lived).T
         return Led(self, legs, side, slide)
+
+
+class _Slide:
+    """One slide: where it stands, mm, its side, and how far its command has gone in that direction."""
+
+    def __init__(self, hysteresis: float):
+        self.hysteresis = hysteresis
+        self.place = self.far = float("nan")
+        self.side = 0.0
+
+    def move(self, begin: float, end: float, half: float) -> tuple[float, float]:
+        """Command from begin to end, mm, with half the play. The side along it, and where the slide stood before."""
+        if begin != begin or end != end:  # from or to nobody knows where
+            self.place, self.far, self.side = end, end, 0.0
+            return 0.0, end
+        if self.place != self.place:
+            self.place = self.far = begin
+        before = self.place
+        self.place = min(max(before, end - half), end + half)
+        back = (end - self.far) * self.side
+        if back < -self.hysteresis or (self.side == 0.0 and end != self.far):
+            self.side = 1.0 if end > self.far else -1.0
+            self.far = end
+        elif back > 0:
+            self.far = end
+        return self.side, before
 
 
 def _legs(m: Motions) -> Legs:

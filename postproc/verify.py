@@ -55,7 +55,7 @@ class Verifier:
         self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
         self.grid = max(axis.least_increment for axis in self.machine.axes.values())  # mm, larger in inch blocks
         filter_.watchers.append(self.check)
-        self.nominal_slides, self.slides = Slides(self.machine), Slides(self.machine)
+        self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
         self.corrected, self.uncorrected = Largest(), Largest()
         self.motions_in = self.motions_out = 0
 
@@ -244,9 +244,11 @@ class Verifier:
 
     @property
     def allowed(self) -> float:
-        """mm: the tolerance and half an increment; where sides are followed, the hysteresis too."""
-        beyond = self.hysteresis if self.follows else 0.0
-        return self.tolerance + beyond + self.grid / 2 + 1e-9
+        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis may be held back by: the
+        hysteresis at the ends of strokes and half of it along them."""
+        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
+        beyond = 1.5 * self.hysteresis * np.sqrt(axes) if self.follows else 0.0
+        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
 
     @property
     def passed(self) -> bool:

@@ -276,8 +276,8 @@ class Batch:
         self.way[rows] = course[:, -1]
         if out.any():
             step = self.m.grid[rows][:, self.motion]
-            far = np.maximum(np.maximum(self.c.hysteresis, play) * TICKS_PER_MM / step, 2)
-            over = np.ceil(far).astype(np.int64) * step
+            far = np.maximum(self.c.hysteresis, play) * TICKS_PER_MM / step
+            over = (np.ceil(far).astype(np.int64) + 2) * step
             self.beyond = self.begin.copy()
             self.beyond[rows] -= np.where(out, self.weight_begin[rows] * over, 0).astype(np.int64)
 

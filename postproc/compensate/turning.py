@@ -52,7 +52,8 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Per axis (K,) motion and t of the places where its wanted place turns back by more than the hysteresis."""
+    """Per axis (K,) motion and t of the places where its wanted place turns back by more than half the hysteresis: what it
+    goes to and fro by inside a stroke is not seen."""
     m, rows = b.m, b.c.followed
     if not len(rows):
         return []
@@ -74,7 +75,7 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     for axes in (m.arcs.first, m.arcs.second):
         plane[axes, m.arcs.motion] = True
     course = np.where(plane[:, owner], 0.0, place - deviation)
-    return [_turns(owner, t, course[row], b.c.hysteresis) for row in rows]
+    return [_turns(owner, t, course[row], b.c.hysteresis / 2) for row in rows]
 
 
 def _places(b: Batch, chosen: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
