@@ -22,7 +22,6 @@ from .interpreter import run
 from .machine import UNIT
 
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-RESTING = 1e-6  # mm; an arc whose axis moves by less has not moved it: its ends were rounded
 BEHIND = 1e-4  # mm, what a short piece behind the end of a motion is taken to be farther off
 KINDS = {"rapid": ("rapid",), "feed": ("feed",), "arc": ("arc", "feed"), "machine": ("machine",)}
 
@@ -67,7 +66,7 @@ class Report:
 class Slide:
     """On which side of its play one slide stands: the sign of its last commanded motion, and how far it has come there.
 
-    keeps: mm that it may turn back without another side.
+    keeps: mm that it may turn back without another side, or move from its first place without any.
     """
 
     def __init__(self, axis, keeps):
@@ -78,8 +77,8 @@ class Slide:
         """[(t, side from there on)] of a block, which is thereby passed."""
         start, end = block.start[self.axis], block.end[self.axis]
         if start is None or end is None:
-            if start != end:
-                self.side = 0  # a move from or to nowhere known has no known direction
+            if start != end:  # a move from or to nowhere known has no known direction
+                self.side, self.farthest = 0, end
             return [(0.0, self.side)]
         changes = [(0.0, self.side)]
         cuts = turning_points(block, self.axis)
@@ -92,22 +91,21 @@ class Slide:
     def _change(self, block, begin, stop):
         """Pass a stretch without a reversal; where the side changes, or None."""
         at = lambda t: place(block, self.axis, t)
-        moved = at(stop) - at(begin)
-        if self.side == 0:
-            if abs(moved) <= RESTING:
-                return None
-            self.side, self.farthest = (1 if moved > 0 else -1), at(stop)
-            return begin
-        back = lambda t: (self.farthest - at(t)) * self.side
-        if back(stop) <= self.keeps:
-            if back(stop) < 0:
+        if self.farthest is None:
+            self.farthest = at(begin)
+        way = 1 if at(stop) > at(begin) else -1
+        beyond = lambda t: (at(t) - self.farthest) * way
+        if way == self.side:
+            if beyond(stop) > 0:
                 self.farthest = at(stop)
+            return None
+        if beyond(stop) <= self.keeps:
             return None
         low, high = begin, stop
         for _ in range(40):
             middle = (low + high) / 2
-            low, high = (low, middle) if back(middle) > self.keeps else (middle, high)
-        self.side, self.farthest = -self.side, at(stop)
+            low, high = (low, middle) if beyond(middle) > self.keeps else (middle, high)
+        self.side, self.farthest = way, at(stop)
         return high
 
 

@@ -104,6 +104,14 @@ def test_the_side_is_that_of_the_commanded_motion_though_the_axis_rests(tmp_path
     assert report.uncompensated_mm == approx(0.004, abs=NANOMETRE)  # the mean, at the first place
 
 
+@pytest.mark.parametrize("x, um", [(10.001, 5.0), (10.0012, 1.2), (9.999, 3.0), (9.998, 6.0)])
+def test_before_it_has_moved_the_mean_holds(tmp_path, x, um):
+    """From its first place by no more than the hysteresis and an increment it has not moved: there it stands 4 µm high."""
+    nominal = "G0 X10 Z0\nG1 Z20 F100\n"
+    report = residual(nominal, f"G0 X10 Z0\nG1 X{x} Z20 F100\n", "linuxcnc", two_way(tmp_path))
+    assert report.by_block[1].end_mm == approx(um / 1000, abs=NANOMETRE)
+
+
 def test_the_machine_says_how_far_a_slide_may_turn_back(tmp_path):
     """20 µm: 15 back, 5 on, 9 back are 19 from the farthest; 2 more and the side is the other."""
     two_way(tmp_path)
@@ -124,8 +132,9 @@ def test_an_arc_turns_its_axis_behind_its_quadrant(tmp_path):
     judge = Judge(machine, 1.0, False, 0.5, 0.5)
     judge.execute([arc])
     turned = 0.5 + math.acos(1 - 0.0011 / 10) / math.pi
-    assert [judge.approach(arc, t)["X"] for t in (0.0, 0.5, turned - 1e-6, turned + 1e-6, 1.0)] == [1, 1, 1, -1, -1]
-    assert judge.approach(arc, 0.5)["Y"] == 1
+    moved = math.acos(1 - 0.0011 / 10) / math.pi  # of Y from its first place: there it begins along X
+    assert [judge.approach(arc, t)["X"] for t in (1e-3, 0.5, turned - 1e-6, turned + 1e-6, 1.0)] == [1, 1, 1, -1, -1]
+    assert [judge.approach(arc, t)["Y"] for t in (0.0, moved - 1e-6, moved + 1e-6, 1.0)] == [0, 0, 1, 1]
 
 
 def test_a_circle_in_four_pieces_and_two_circles_one_after_the_other(tmp_path):
