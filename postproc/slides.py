@@ -55,11 +55,13 @@ class Led:
 
     def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray, sense: np.ndarray):
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
-        motion there, which says the side of an axis that it moves; one that rests was moved by commands alone."""
+        motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell."""
         leg = self.leg(motion, t)
-        side = np.where(sense != 0, sense, self.side[:, leg])
-        share, half = side.copy(), self.half(command)
+        side, half = self.side[:, leg], self.half(command)
+        share = side.copy()
         for k, row in enumerate(self.slides.rows):
+            untold = (2 * half[k] <= self.slides.hysteresis) & (sense[row] != 0)
+            side[row] = np.where(untold, sense[row], side[row])
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
@@ -75,8 +77,10 @@ class Slides:
 
     def __init__(self, machine: Machine, hysteresis: float):
         self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
+        self.hysteresis = hysteresis
         self.more = [machine.pretravel.get(machine.letters[row], 0.0) for row in self.rows]
-        self.one = [_Slide(hysteresis if x in XYZ else 0.0) for x in machine.letters]
+        rounding = [axis.least_increment for axis in machine.axes.values()]
+        self.one = [_Slide(hysteresis + r if x in XYZ else 0.0) for x, r in zip(machine.letters, rounding, strict=True)]
 
     def half(self, position: np.ndarray) -> np.ndarray:
         """(R, N) mm: half the play of the two-way axes, and of the way over which it builds up."""
@@ -114,7 +118,7 @@ class _Slide:
         before = self.place
         self.place = min(max(before, end - half), end + half)
         back = (end - self.far) * self.side
-        if back < -self.hysteresis or (self.side == 0.0 and end != self.far):
+        if back < -self.hysteresis or (self.side == 0.0 and abs(end - self.far) > self.hysteresis):
             self.side = 1.0 if end > self.far else -1.0
             self.far = end
         elif back > 0:

@@ -31,7 +31,7 @@ from .evaluate import KINDS, Judge, Misaligned, check_lengths
 from .interpreter import run
 from .machine import ROTATIONS, TRANSLATIONS, UM, UNIT, rotation
 
-SHORTEST_TAKE_UP = 0.02  # mm; a piece up to this or 1.5 times the play can be a take-up
+SHORTEST_TAKE_UP = 0.02  # mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
 NEWTON = 6  # steps; the foot of a point on an arc converges by (distance / radius) a step
 NEVER = 1e3  # mm: the distance of a point from a motion whose ends nobody knows
 
@@ -337,9 +337,10 @@ def follow(
 
     density: samples per mm of path. The tables are held past their ends. near_mm: how far an end may lie from the
     nominal end in any axis (default: the machine's max_correction). take_up_mm: the longest piece that can be a take-up
-    (default: 1.5 times the widest play, at least SHORTEST_TAKE_UP).
+    (default: 1.2 times the widest play in every axis at once, at least SHORTEST_TAKE_UP).
     """
-    take_up = max(1.5 * widest_play(machine) + 2 * UM, SHORTEST_TAKE_UP) if take_up_mm is None else take_up_mm
+    longest = 1.2 * math.sqrt(len(machine.axes)) * widest_play(machine) + 2 * UM
+    take_up = max(longest, SHORTEST_TAKE_UP) if take_up_mm is None else take_up_mm
     settings = dict(
         axes=list(machine.axes),
         diameter=machine.diameter if diameter is None else diameter,
