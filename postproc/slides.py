@@ -36,11 +36,12 @@ class Legs:
 
 @dataclass(frozen=True)
 class Led:
-    """One batch as the slides lived it: side (A, L) along each leg, and slide (A, L) mm before it."""
+    """One batch as the slides lived it: side (A, L) along each leg and before it, and slide (A, L) mm before it."""
 
     slides: Slides
     legs: Legs
     side: np.ndarray
+    before: np.ndarray
     slide: np.ndarray
 
     def leg(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -53,15 +54,17 @@ class Led:
         way = np.sign(self.legs.end - self.legs.begin)[:, leg]
         return np.where(np.isnan(way), 0.0, way)
 
-    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray, sense: np.ndarray):
+    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray, sense: np.ndarray, rapid: np.ndarray):
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
-        motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell."""
+        motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell;
+        rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
         leg = self.leg(motion, t)
         side, half = self.side[:, leg], self.half(command)
         share = side.copy()
         for k, row in enumerate(self.slides.rows):
-            untold = (2 * half[k] <= self.slides.hysteresis) & (sense[row] != 0)
-            side[row] = np.where(untold, sense[row], side[row])
+            untold = 2 * half[k] <= self.slides.hysteresis
+            rests = np.where(rapid, self.before[row, leg], side[row])
+            side[row] = np.where(untold, np.where(sense[row] != 0, sense[row], rests), side[row])
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
@@ -90,14 +93,16 @@ class Slides:
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""
         legs = _legs(motions)
-        side, slide = np.zeros(legs.end.shape), np.full(legs.end.shape, np.nan)
+        side, before, slide = np.zeros(legs.end.shape), np.zeros(legs.end.shape), np.full(legs.end.shape, np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
             columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
+            first = self.one[row].side
             lived = [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]
             if lived:
                 side[row], slide[row] = np.array(lived).T
-        return Led(self, legs, side, slide)
+                before[row] = [first, *side[row, :-1]]
+        return Led(self, legs, side, before, slide)
 
 
 class _Slide:

@@ -119,7 +119,8 @@ class Verifier:
             top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
             command[row] = top + (bottom - top) * t
             of = np.full(len(t), drilled.motion[k])
-            for slides, weight in enumerate(led.at(of, np.ones(len(t)), command, np.zeros_like(command))):
+            rapid = np.ones(len(t), bool)
+            for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
                 weight[row] = np.sign(bottom - top)
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
@@ -158,7 +159,7 @@ class Verifier:
             # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
-            weights = led[1].at(row, place, command, sense)
+            weights = led[1].at(row, place, command, sense, run.code[row] == RAPID)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)

@@ -66,6 +66,7 @@ class Batch:
             way = self.end_nominal[:, parts] - self.begin_nominal[:, parts]
             travel[:, parts] = np.rint(way * TICKS_PER_MM).astype(np.int64)
         sure = (m.start_known & m.target_known)[:, motion]
+        idle = sure.all(axis=0) & (m.code[motion] <= FEED) & (t1 - t0 == 1.0)
         self.forget = np.zeros_like(sure)
         if not sure.all():
             travel = np.where(sure, travel, 0)
@@ -77,7 +78,8 @@ class Batch:
         self.jumps = self.jumped[:, motion] & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
         free = self.free[motion]
-        self.left = ~free & (m.word[:, motion] < 0)
+        # So does everything where the nominal path does not move at all.
+        self.left = (~free & (m.word[:, motion] < 0)) | (idle & (travel == 0).all(axis=0))
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
 
@@ -255,7 +257,7 @@ class Batch:
         return np.array(value, np.int64)
 
     def lead_beyond(self) -> None:
-        """`beyond` (A, S) ticks: where resting axes are led before a stroke is begun, `begin` where not. An axis that turns twice
+        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not. An axis that turns twice
         where a stroke begins is led over its play first. A map that has forward beyond reverse holds for the direction of
         the last command, which its take-up has contrary to the side. `way` (A,): of the last command, for the next batch."""
         rows = self.c.followed
@@ -271,13 +273,13 @@ class Batch:
         ways = [np.sign(self.begin - self.before)[rows], sides, np.sign(self.end - self.begin)[rows]]
         course = np.stack(ways, axis=2).reshape(len(rows), -1)
         course = hold_last(course, course != 0, self.carry.way[rows])
-        out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & rests)
+        out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & cutting)
         self.way = self.carry.way.copy()
         self.way[rows] = course[:, -1]
         if out.any():
             step = self.m.grid[rows][:, self.motion]
-            far = np.maximum(self.c.hysteresis, play) * TICKS_PER_MM / step
-            over = (np.ceil(far).astype(np.int64) + 2) * step
+            far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
+            over = (np.ceil(far).astype(np.int64) + 1) * step
             self.beyond = self.begin.copy()
             self.beyond[rows] -= np.where(out, self.weight_begin[rows] * over, 0).astype(np.int64)
 

@@ -71,7 +71,8 @@ class Compensator:
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
-        self.hold, self.hold_rapid = self.chord / 2, inner
+        # An axis that rests in a rapid may be left beside its place by what chords of the others leave of the tolerance.
+        self.hold, self.hold_rapid = self.chord / 2, float(np.sqrt(inner**2 - (n - 1) * self.chord**2))
         self.by_tool: dict[tuple[float, ...], Compensator] = {}
         self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
         self._directions()
@@ -90,6 +91,7 @@ class Compensator:
             ramps = {}
         self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
         self.reach[~slides] = 0
+        self.overshoots = slides & (m.least_play < -self.chord)
         self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else ()
 
     def _ramp(self) -> float:

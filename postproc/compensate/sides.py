@@ -16,6 +16,7 @@ import numpy as np
 
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
 from postproc.compensate.inverse import command
+from postproc.motions import RAPID
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -51,7 +52,9 @@ class Course:
         sense = np.where(b.jumps, np.sign(b.travel), sense)
         unknown = ~b.m.target_known[:, b.motion]
         self.sense, self.given = sense[self.rows], given[self.rows]
-        self.stays = (unknown | b.left)[self.rows] & ~self.given
+        # Where forward lies beyond reverse an axis turns by being led beyond its place and back, which no rapid does.
+        rests = (b.travel == 0) & (m.code[b.motion] == RAPID) & b.c.overshoots[:, None]
+        self.stays = (unknown | b.left | rests)[self.rows] & ~self.given
 
     def _begin(self) -> Sides:
         """The carry of these rows; an axis that has not stood anywhere yet begins where its first stroke does."""

@@ -210,6 +210,17 @@ class Machine:
         own = {x: [k for k in range(6) if k != (XYZ + ROTARY).index(x)] for x, _ in tables}
         return any(np.any(half[own[x]]) for x, half in tables)
 
+    @cached_property
+    def least_play(self) -> np.ndarray:
+        """(A,) mm: the smallest lost motion of each axis anywhere; below zero where forward lies beyond reverse."""
+        least = np.zeros(len(self.letters))
+        for row in self.corrected:
+            nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
+            place = np.zeros((len(self.letters), len(nodes)))
+            place[row] = nodes
+            least[row] = self.lost_motion(place, np.array([row])).min(initial=0.0)
+        return least
+
     def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the deviation of an axis along itself
         when it was approached in - less that in +. Angles and straightness measured both ways are not in it."""
