@@ -36,12 +36,13 @@ class Legs:
 
 @dataclass(frozen=True)
 class Led:
-    """One batch as the slides lived it: side (A, L) along each leg and before it, and slide (A, L) mm before it."""
+    """One batch as the slides lived it. Before each leg, (A, L): side, the farthest command `far` mm in that direction,
+    and slide mm, where it stood."""
 
     slides: Slides
     legs: Legs
     side: np.ndarray
-    before: np.ndarray
+    far: np.ndarray
     slide: np.ndarray
 
     def leg(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -58,13 +59,15 @@ class Led:
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
         motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell;
         rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
-        leg = self.leg(motion, t)
-        side, half = self.side[:, leg], self.half(command)
-        share = side.copy()
+        leg, half = self.leg(motion, t), self.half(command)
+        side, share = np.zeros(command.shape), np.zeros(command.shape)
         for k, row in enumerate(self.slides.rows):
+            before, off = self.side[row, leg], command[row] - self.far[row, leg]
+            turned = np.abs(off) > self.slides.band[row]
+            turned &= (off * before < 0) | (before == 0)
             untold = 2 * half[k] <= self.slides.hysteresis
-            rests = np.where(rapid, self.before[row, leg], side[row])
-            side[row] = np.where(untold, np.where(sense[row] != 0, sense[row], rests), side[row])
+            rests = np.where(turned & ~(rapid & untold), np.sign(off), before)
+            side[row] = np.where(untold & (sense[row] != 0), sense[row], rests)
             low, high = command[row] - half[k], command[row] + half[k]
             slide = np.minimum(np.maximum(self.slide[row, leg], low), high)
             part = (command[row] - slide) / np.maximum(half[k], LEAST)
@@ -76,14 +79,15 @@ class Led:
 
 
 class Slides:
-    """The slides of one machine running one program. Keeps, between batches, where they stand. hysteresis: mm."""
+    """The slides of one machine running one program. Keeps, between batches, where they stand. hysteresis: mm; `band`
+    (A,): the same, and one increment, by which words are rounded."""
 
     def __init__(self, machine: Machine, hysteresis: float):
         self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
         self.hysteresis = hysteresis
         self.more = [machine.pretravel.get(machine.letters[row], 0.0) for row in self.rows]
-        rounding = [axis.least_increment for axis in machine.axes.values()]
-        self.one = [_Slide(hysteresis + r if x in XYZ else 0.0) for x, r in zip(machine.letters, rounding, strict=True)]
+        self.band = [hysteresis + a.least_increment if x in XYZ else 0.0 for x, a in machine.axes.items()]
+        self.one = [_Slide(band) for band in self.band]
 
     def half(self, position: np.ndarray) -> np.ndarray:
         """(R, N) mm: half the play of the two-way axes, and of the way over which it builds up."""
@@ -93,42 +97,40 @@ class Slides:
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""
         legs = _legs(motions)
-        side, before, slide = np.zeros(legs.end.shape), np.zeros(legs.end.shape), np.full(legs.end.shape, np.nan)
+        lived = np.full((3, *legs.end.shape), np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
             columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
-            first = self.one[row].side
-            lived = [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]
-            if lived:
-                side[row], slide[row] = np.array(lived).T
-                before[row] = [first, *side[row, :-1]]
-        return Led(self, legs, side, before, slide)
+            states = [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]
+            if states:
+                lived[:, row] = np.array(states).T
+        return Led(self, legs, *lived)
 
 
 class _Slide:
     """One slide: where it stands, mm, its side, and how far its command has gone in that direction."""
 
-    def __init__(self, hysteresis: float):
-        self.hysteresis = hysteresis
+    def __init__(self, band: float):
+        self.band = band
         self.place = self.far = float("nan")
         self.side = 0.0
 
-    def move(self, begin: float, end: float, half: float) -> tuple[float, float]:
-        """Command from begin to end, mm, with half the play. The side along it, and where the slide stood before."""
+    def move(self, begin: float, end: float, half: float) -> tuple[float, float, float]:
+        """Command from begin to end, mm, with half the play. Side, far and place before it."""
         if begin != begin or end != end:  # from or to nobody knows where
             self.place, self.far, self.side = end, end, 0.0
-            return 0.0, end
+            return 0.0, end, end
         if self.place != self.place:
             self.place = self.far = begin
-        before = self.place
-        self.place = min(max(before, end - half), end + half)
-        back = (end - self.far) * self.side
-        if back < -self.hysteresis or (self.side == 0.0 and abs(end - self.far) > self.hysteresis):
+        before = self.side, self.far, self.place
+        self.place = min(max(self.place, end - half), end + half)
+        ahead = (end - self.far) * self.side
+        if ahead < -self.band or (self.side == 0.0 and abs(end - self.far) > self.band):
             self.side = 1.0 if end > self.far else -1.0
             self.far = end
-        elif back > 0:
+        elif ahead > 0:
             self.far = end
-        return self.side, before
+        return before
 
 
 def _legs(m: Motions) -> Legs:

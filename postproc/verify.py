@@ -28,6 +28,9 @@ SEEN = 0.005 * UM  # less is said as 0.00, and has no ratio
 PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0  # golden section: never in step with the nodes
 
 
+NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
+
+
 @dataclass
 class Largest:
     """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such."""
@@ -93,12 +96,14 @@ class Verifier:
             line = first_line + words.line[motions.block] + 1
             every, one = np.arange(len(motions)), np.ones(len(motions))
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
-            self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, None)
+            self._measure(
+                motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH
+            )
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
-            counts = ~pieces.take_up & pieces.corrected
+            counts = np.where(pieces.corrected, np.where(pieces.take_up, END, PATH), NOTHING)
             end = begin + pieces.share
             self._measure(motions, owner, begin, end, back, (own, led), line, self.corrected, counts)
             self._measure_holes(motions, motions, own, line, self.uncorrected)
@@ -130,19 +135,20 @@ class Verifier:
                 into.take(float(distance.max()), int(line[motion]), bool(slides))
 
     def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts) -> None:
-        """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
+        """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led: the slides of the nominal
+        program and of this one. counts: PATH; END of a take-up, which counts for the slides alone; or NOTHING."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
         known &= run.code != HOLE
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
-        if counts is not None:
-            known &= counts
+        known &= counts != NOTHING
+        path = counts == PATH
         length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
         curved = np.full(len(run), -1)
         curved[run.arcs.motion] = np.arange(len(run.arcs))
         arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
         length[run.arcs.motion] = arc_length
-        count = np.where(whole & known, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
+        count = np.where(whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
         group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
         for g in range(int(group[-1]) + 1 if len(group) else 0):  # so many at a time that memory stays flat
             which = np.flatnonzero(group == g)
@@ -163,6 +169,7 @@ class Verifier:
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
+                distance = distance if slides else np.where(path[row], distance, 0.0)
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 

@@ -2,9 +2,9 @@
 
 The wanted place of a slide is where the nominal path asks for it, all errors taken off but its own lost motion; approach.py
 turns its course into sides. It depends a little on the sides themselves, because the straightness and the angles of an axis
-may have been measured both ways. So each stroke is decided in two steps from what was before it: with the sides that the
-nominal motion alone gives, then with the sides that follow from that. A whole batch is repeated until nothing changes;
-since a stroke depends on earlier ones only, the answer is the same however the input is cut.
+may have been measured both ways. So each stroke is decided in steps from what was before it: with the sides that the nominal
+motion alone gives, then with the sides that follow from that. A whole batch is repeated until nothing changes; since a stroke
+depends on earlier ones only, the answer is the same however the input is cut.
 """
 
 from __future__ import annotations
@@ -140,25 +140,26 @@ class Course:
 
     def settle(self) -> None:
         """Decide side, middle, exact and behind."""
-        first = self.nominal(None)
-        exact = self.commands(first)
-        place = self.wanted(first, exact)
+        led = self.nominal(None)
+        known = (led, self.commands(led))
+        place = self.wanted(*known)
         side, middle = self.bear(place)
-        one, two = (first, exact), (first, exact)
-        done = bool((side == first).all())
+        done = bool((side == led).all())
         while not done:
-            start = self.nominal(self.before(side, self.carry.side))
-            one = (start, self.commands(start, one))
-            led = self.once(self.wanted(*one), side, middle)
-            two = (led, self.commands(led, two))
-            place = self.wanted(*two)
+            led = self.nominal(self.before(side, self.carry.side))
+            for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
+                known = (led, self.commands(led, known))
+                place = self.wanted(*known)
+                last, led = led, self.once(place, side, middle)
+                if (led == last).all():
+                    break
             found, now = self.bear(place)
             done = bool((found == side).all() and (now == middle).all())
             side, middle = found, now
         self.side, self.middle = side, middle
-        self.exact = self.commands(side, two)
-        led = middle + side * (self.band // 2)[:, None]
-        self.behind = np.where(self.given | self.stays, 0, led - place[1])
+        self.exact = self.commands(side, known)
+        held = middle + side * (self.band // 2)[:, None]
+        self.behind = np.where(self.given | self.stays, 0, held - place[1])
 
 
 def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
