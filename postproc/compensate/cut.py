@@ -28,11 +28,12 @@ def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
     return np.rint(b.begin_nominal[:, which] * TICKS_PER_MM).astype(np.int64)
 
 
-def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None):
+def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None, radius=None):
     n = len(stroke)
     pieces = Pieces(
         motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
         arc=np.full(n, -1) if arc is None else arc, centre=np.zeros((2, n), np.int64) if centre is None else centre,
+        radius=np.zeros(n, np.int64) if radius is None else radius,
         nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]], bottom=b.bottom[b.motion[stroke]],
     )  # fmt: skip
     return np.stack([stroke, order], axis=1), pieces
@@ -181,12 +182,16 @@ def arc_pieces(b: Batch):
         )
     rows = Rows(
         arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which], begin=b.begin[:, which],
-        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), chord=np.zeros(len(which), bool),
+        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), radius=np.zeros(len(which), np.int64),
+        chord=np.zeros(len(which), bool),
     )  # fmt: skip
     written = written_centre(m)
+    single = np.zeros(len(arcs), bool)
+    single[b.arc_of[motion[which]]] = (b.begin == b.before).all(axis=0)[which]
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
+        single=single,
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
     )  # fmt: skip
@@ -197,7 +202,7 @@ def arc_pieces(b: Batch):
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
     key, pieces = pack(b,
         rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
-        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre,
+        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre, radius=np.where(rows.chord, 0, rows.radius),
     )  # fmt: skip
     if none.any():
         fields = Pieces.__dataclass_fields__
