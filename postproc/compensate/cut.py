@@ -114,17 +114,22 @@ def _cuts(b: Batch, chosen: np.ndarray):
     there = start[axis[node], owner[node]] + way * t[node]
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
     exact[:, node] = _along(b, chosen, owner[node], t[node])
+    worth = ~nodes.worthless(b.machine, target - start, owner, t, axis, b.c.chord / 2)
+    owner, t, exact = owner[worth], t[worth], exact[:, worth]
+    written = (b.grid(chosen[owner], exact) / TICKS_PER_MM) - exact
     correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
     begin, end = b.begin[:, chosen] / TICKS_PER_MM - start, b.end[:, chosen] / TICKS_PER_MM - target
     owner, t = np.concatenate([owner, every, every]), np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
     correction, exact = np.concatenate([correction, begin, end], axis=1), np.concatenate([exact, start, target], axis=1)
+    written = correction + np.concatenate([written, np.zeros((len(written), 2 * len(every)))], axis=1)
     order = nodes.tidy(owner, t)
     owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
     tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
+    tolerance += b.m.grid[:, b.motion[chosen]] / TICKS_PER_MM / 2  # what is written is rounded
     rows = b.rows
-    cut = nodes.merge(owner, t, correction[rows], tolerance[rows])
+    cut = nodes.merge(owner, t, correction[rows], written[:, order][rows], tolerance[rows])
     if b.machine.chain.rotary:
         return _on_increments(b, chosen, owner[cut], t[cut], exact[:, cut])
     return owner[cut], t[cut], exact[:, cut]
