@@ -11,7 +11,7 @@ the difference that they had, and a full circle ends where it begins to the last
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -224,18 +224,14 @@ class Fitter:
     def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
         """The same for a few rows with `count` (R,) samples each."""
         s = self.samples(rows, count)
-        exact = self._centre(rows, s)
-        base = np.where(rows.t0 == 0, self.base[:, rows.arc], 0)
-        grid = self.arcs.grid[:, rows.arc]
-        centre = base + np.rint(((exact - s.begin) * TICKS_PER_MM - base) / grid).astype(np.int64) * grid
-        good, radius = self._proven(rows, s, s.begin + centre / TICKS_PER_MM), np.zeros(len(rows), np.int64)
-        if self.arcs.by_radius[rows.arc].any():
-            for word in self._radius_words(rows, s, exact):
-                there = self._drawn(rows, s, word)
-                holds = (radius == 0) & ~np.isnan(there[0]) & self._proven(rows, s, there)
-                good, radius = good | holds, np.where(holds, word, radius)
-                ticks = np.rint(np.where(holds, there - s.begin, 0.0) * TICKS_PER_MM).astype(np.int64)
-                centre = np.where(holds, ticks, centre)
+        good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
+        centre = np.zeros((2, len(rows)), np.int64)
+        for there, word in self._candidates(rows, s):
+            holds = ~good & self._proven(rows, s, there)
+            ticks = np.rint(np.where(holds, there - s.begin, 0.0) * TICKS_PER_MM).astype(np.int64)
+            good, radius, centre = good | holds, np.where(holds, word, radius), np.where(holds, ticks, centre)
+            if good.all():
+                break
         bent = self._bent(rows, s)
         in_plane = np.zeros((len(self.start), len(rows)), bool)
         k = np.arange(len(rows))
@@ -245,6 +241,26 @@ class Fitter:
         halfway = self.round_to(rows, k, s.command[:, middle])
         # A chord leaves the plane's axes no bow either.
         return good, np.logical_not(bent.any(axis=0)), replace(rows, centre=centre, radius=radius), halfway
+
+    def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(2, R) mm centres as the control will have them, nan for none, and (R,) the R words that make them, best first:
+        R as programmed, R as fitted, the centre as fitted, and the one that keeps the radius (in an arc so short that a
+        micrometre of rounding outweighs its whole bow the fit knows no radius)."""
+        exact, none = self._centre(rows, s), np.zeros(len(rows), np.int64)
+        if self.arcs.by_radius[rows.arc].any():
+            for word in self._radius_words(rows, s, exact):
+                yield self._drawn(rows, s, word), word
+        yield self._rounded(rows, s, exact), none
+        radius = self.arcs.radius[rows.arc] * np.where(np.abs(s.sweep) > np.pi, -1, 1)
+        yield self._rounded(rows, s, centre_by_radius(s.begin, s.end, radius, s.sweep > 0)), none
+
+    def _rounded(self, rows: Rows, s: Samples, centre: np.ndarray) -> np.ndarray:
+        """(2, R) mm: centres as I J K will say them: whole increments from the programmed words."""
+        base = np.where(rows.t0 == 0, self.base[:, rows.arc], 0)
+        grid = self.arcs.grid[:, rows.arc]
+        way = base + np.rint(((centre - s.begin) * TICKS_PER_MM - base) / grid) * grid
+        result: np.ndarray = s.begin + way / TICKS_PER_MM
+        return result
 
     def samples(self, rows: Rows, count: np.ndarray) -> Samples:
         """`count` (R,) samples of each row, in equal parts."""
