@@ -226,8 +226,8 @@ class Fitter:
         s = self.samples(rows, count)
         good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
         centre = np.zeros((2, len(rows)), np.int64)
-        for there, word in self._candidates(rows, s):
-            holds = ~good & self._proven(rows, s, there)
+        for there, word, tolerance in self._candidates(rows, s):
+            holds = ~good & self._proven(rows, s, there, tolerance)
             ticks = np.rint(np.where(holds, there - s.begin, 0.0) * TICKS_PER_MM).astype(np.int64)
             good, radius, centre = good | holds, np.where(holds, word, radius), np.where(holds, ticks, centre)
             if good.all():
@@ -242,17 +242,20 @@ class Fitter:
         # A chord leaves the plane's axes no bow either.
         return good, np.logical_not(bent.any(axis=0)), replace(rows, centre=centre, radius=radius), halfway
 
-    def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """(2, R) mm centres as the control will have them, nan for none, and (R,) the R words that make them, best first:
-        R as programmed, R as fitted, the centre as fitted, and the one that keeps the radius (in an arc so short that a
+    def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+        """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make them, and the mm that
+        each may miss the samples; best first: R as programmed, held like an axis at rest while that costs half of the
+        tolerance at most, R as fitted, the centre as fitted, and the one that keeps the radius (in an arc so short that a
         micrometre of rounding outweighs its whole bow the fit knows no radius)."""
         exact, none = self._centre(rows, s), np.zeros(len(rows), np.int64)
         if self.arcs.by_radius[rows.arc].any():
-            for word in self._radius_words(rows, s, exact):
-                yield self._drawn(rows, s, word), word
-        yield self._rounded(rows, s, exact), none
+            programmed, fitted = self._radius_words(rows, s, exact)
+            yield self._drawn(rows, s, programmed), programmed, self.tolerance / 2
+            yield self._drawn(rows, s, fitted), fitted, self.tolerance
+        yield self._rounded(rows, s, exact), none, self.tolerance
         radius = self.arcs.radius[rows.arc] * np.where(np.abs(s.sweep) > np.pi, -1, 1)
-        yield self._rounded(rows, s, centre_by_radius(s.begin, s.end, radius, s.sweep > 0)), none
+        same = centre_by_radius(s.begin, s.end, radius, s.sweep > 0)
+        yield self._rounded(rows, s, same), none, self.tolerance
 
     def _rounded(self, rows: Rows, s: Samples, centre: np.ndarray) -> np.ndarray:
         """(2, R) mm: centres as I J K will say them: whole increments from the programmed words."""
@@ -326,8 +329,9 @@ class Fitter:
         reaches = (word != 0) & (half > 0) & (half - np.abs(radius) <= short)
         return np.where(reaches, centre_by_radius(s.begin, s.end, radius, s.sweep > 0), np.nan)
 
-    def _proven(self, rows: Rows, s: Samples, centre: np.ndarray) -> np.ndarray:
-        """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the tolerance, and are arcs to a control."""
+    def _proven(self, rows: Rows, s: Samples, centre: np.ndarray, tolerance: float) -> np.ndarray:
+        """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the tolerance, mm, and are arcs to a
+        control."""
         arcs, row = self.arcs, s.row
         radius0, radius1 = np.hypot(*(s.begin - centre)), np.hypot(*(s.end - centre))
         radius = radius0[row] + (radius1 - radius0)[row] * s.share
@@ -339,7 +343,7 @@ class Fitter:
             angle = np.arctan2(*(s.begin - centre)[::-1])[row] + turned[row] * s.share
             there = centre[:, row] + radius * np.stack([np.cos(angle), np.sin(angle)])
             off = np.where(helix[row], np.hypot(*(s.wanted - there)), off)
-        good = s.largest(off) <= self.tolerance + 0.5 * arcs.grid[:, rows.arc].min(axis=0) / TICKS_PER_MM
+        good = s.largest(off) <= tolerance + 0.5 * arcs.grid[:, rows.arc].min(axis=0) / TICKS_PER_MM
         # Rounding must not turn a sliver into a circle, nor a circle into a sliver.
         good &= np.abs(turned - s.sweep) < np.minimum(0.5 * np.abs(s.sweep), np.pi)
         full = np.abs(s.sweep / TURN - np.rint(s.sweep / TURN)) < SAME_ANGLE
