@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.compensate import nodes
-from postproc.compensate.arcs import Fitter, Rows, points
+from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
+from postproc.compensate.fit import Fitter, Rows
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID
 from postproc.pieces import Pieces
