@@ -1,8 +1,9 @@
 """R stays R, a full circle stays one block, and no cut lies where it can tell nothing.
 
-Golden values by hand: on a machine whose deviation is a shift, commands are shifted; where it grows with the place by s,
-command = place / (1 + s), radii too. Laws on random arcs are judged by tests/reference, which shares no line with the
-product; LinuxCNC's interpreter judges the same words in tests/linuxcnc/test_arcs_are_accepted.py.
+Golden values by hand: on a machine whose deviation is a shift, commands are shifted; where it grows
+with the place by s, command = place / (1 + s), radii too. Laws on random arcs are judged by
+tests/reference, which shares no line with the product; LinuxCNC's interpreter judges the same words
+in tests/linuxcnc/test_arcs_are_accepted.py.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def shift(tmp_path):
 
 @pytest.fixture
 def growth(tmp_path):
-    """100 um in a metre... 1e-4 of the place in X and Y alike: a similarity."""
+    """1e-4 of the place in X and Y alike: a similarity."""
     return flat(tmp_path / "growth", lambda p: 0.1 * p)
 
 
@@ -94,7 +95,8 @@ def test_growth_changes_the_number_of_R(growth):
 
 
 def test_growth_within_the_tolerance_keeps_the_programmed_R(growth):
-    """R 5 is to become 4.9995: in a quarter of a turn that moves the middle by 0.0005 (sqrt 2 - 1) mm, 0.2 um."""
+    """R 5 is to become 4.9995: in a quarter of a turn that moves the middle by 0.0005 (sqrt 2 - 1)
+    mm, 0.2 um."""
     lines = corrected(growth, BEGIN + "G3 X5 Y15 R5.\n", tolerance=0.001)
     assert lines[2:] == ["G3 X4.9995 Y14.9985 R5."]
 
@@ -110,7 +112,8 @@ def test_turns_stay_with_a_full_circle(growth):
 
 
 def test_a_circle_that_becomes_an_ellipse_is_cut(tmp_path):
-    """X alone grows by 1e-4: at radius 100 that is an ellipse of 10 um, and no circle within 0.5 um."""
+    """X alone grows by 1e-4: at radius 100 that is an ellipse of 10 um, and no circle within 0.5
+    um."""
     machine = flat(tmp_path / "one", lambda p: 0.1 * p)
     (tmp_path / "one" / "Y.csv").write_text("Y_mm,EYY_um\n-500,0\n500,0\n")
     machine = read_machine(tmp_path / "one")
@@ -132,8 +135,8 @@ def test_pieces_behind_are_spelled_as_their_own_block(tmp_path, dialect, spellin
 
 
 def test_half_a_turn_by_R_becomes_a_centre_where_R_is_too_coarse(tmp_path):
-    """100 / 1.000019 = 99.9981, and half of that is 49.99905: R 49.9990 is too short, and R 49.9991 puts the centre
-    sqrt(49.9991^2 - 49.99905^2) = 0.07 mm beside the chord."""
+    """100 / 1.000019 = 99.9981, and half of that is 49.99905: R 49.9990 is too short, and R 49.9991
+    puts the centre sqrt(49.9991^2 - 49.99905^2) = 0.07 mm beside the chord."""
     machine = flat(tmp_path / "bent", lambda p: 0.019 * p)
     lines = corrected(machine, "G17 G21 G54 G90 F500\nG0 X0 Y0 Z0\nG2 X100 Y0 R50\n", tolerance=0.0005)
     assert lines[2] in [f"G2 X99.9981 Y0 I{i} J0.0000" for i in ("49.9990", "49.9991")]
@@ -162,7 +165,8 @@ def random_arcs(seed: int, count: int, radii: tuple[float, float] = (1.0, 25.0))
 @pytest.mark.parametrize("two_way", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 def test_random_R_arcs_and_circles_stay_within_the_tolerance(tmp_path, two_way, seed):
-    """Judged by another interpreter, another model and exact quadrants; most of what had R has it still."""
+    """Judged by another interpreter, another model and exact quadrants; most of what had R has it
+    still."""
     folder = write_mill(tmp_path / "mill", two_way)
     text, filter_ = random_arcs(seed, 40), filter_of(read_machine(folder), tolerance=0.001)
     out = (filter_.feed(text.encode()) + filter_.finish()).decode()
@@ -183,9 +187,11 @@ def test_one_line_at_a_time_gives_the_same_bytes(tmp_path):
 
 
 def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
-    """Lines that end a few um beside the nodes, and whose words are coarse: cuts of 1 to 4 um came of that.
+    """Lines that end a few um beside the nodes, and whose words are coarse: cuts of 1 to 4 um came
+    of that.
 
-    A node nearer to an end than spare / kink is none; it moves by less than the correction when the command is to pass it.
+    A node nearer to an end than spare / kink is none; it moves by less than the correction when the
+    command is to pass it.
     """
     folder = write_mill(tmp_path / "mill", True)
     toml = (folder / "machine.toml").read_text()

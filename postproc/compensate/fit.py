@@ -1,12 +1,15 @@
-"""Arcs stay arcs where that is provable, else they are halved, and where they get too short they become chords.
+"""Arcs stay arcs where that is provable, else they are halved, and where they get too short they
+become chords.
 
-A circle stays a circle only under a similarity; a map that stretches X and Z differently makes it an ellipse. So each arc
-is sampled so densely that nothing can hide between two samples (the chord of a piecewise linear map misses it by at most
-kink * step / 4), a circle through its two commanded ends is fitted, and the distance of every sample from the circle that
-the control will draw measured: about the centre that it computes from R and the ends as written where the arc is written
-with R (the programmed number if that will do, else a new one), else about I J rounded as they will be written. R near half
-a turn moves the centre by many times its own rounding: the same proof sends such arcs to I J. Radii of start and end keep
-the difference that they had, and a full circle ends where it begins to the last digit or is halved.
+A circle stays a circle only under a similarity; a map that stretches X and Z differently makes it
+an ellipse. So each arc is sampled so densely that nothing can hide between two samples (the chord
+of a piecewise linear map misses it by at most kink * step / 4), a circle through its two commanded
+ends is fitted, and the distance of every sample from the circle that the control will draw
+measured: about the centre that it computes from R and the ends as written where the arc is written
+with R (the programmed number if that will do, else a new one), else about I J rounded as they will
+be written. R near half a turn moves the centre by many times its own rounding: the same proof sends
+such arcs to I J. Radii of start and end keep the difference that they had, and a full circle ends
+where it begins to the last digit or is halved.
 """
 
 from __future__ import annotations
@@ -32,9 +35,9 @@ HALVINGS = 14
 
 @dataclass(frozen=True)
 class Rows:
-    """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end (A, R): ticks
-    commanded; accepted as an arc with centre (2, R) ticks from begin, written as radius (R,) ticks, the R word, where
-    that is not 0, or as a chord where chord (R,)."""
+    """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end
+    (A, R): ticks commanded; accepted as an arc with centre (2, R) ticks from begin, written as
+    radius (R,) ticks, the R word, where that is not 0, or as a chord where chord (R,)."""
 
     arc: np.ndarray
     stroke: np.ndarray
@@ -63,10 +66,10 @@ Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Samples:
-    """K samples of R rows. row (K,): whose; first, last (R,): the samples at its ends; share (K,): part of the row's way;
-    t (K,): part of the arc's; unit (2, K): outwards from the nominal centre; nominal, wanted (2, K): mm in the plane,
-    the point and its exact command; command (A, K): mm, that command in all axes. begin, end (2, R): mm, as written;
-    sweep (R,): rad, nominal."""
+    """K samples of R rows. row (K,): whose; first, last (R,): the samples at its ends; share (K,):
+    part of the row's way; unit (2, K): outwards from the nominal centre; nominal, wanted (2, K): mm
+    in the plane, the point and its exact command; command (A, K): mm, that command in all axes.
+    begin, end (2, R): mm, as written; sweep (R,): rad, nominal."""
 
     row: np.ndarray
     first: np.ndarray
@@ -92,7 +95,8 @@ class Samples:
 
 
 def turns(sweep: np.ndarray) -> np.ndarray:
-    """(R,) full turns before the last one, which may be full itself: what P counts beyond the first."""
+    """(R,) full turns before the last one, which may be full itself: what P counts beyond the
+    first."""
     return np.maximum(np.ceil(np.abs(sweep) / TURN - SAME_ANGLE) - 1, 0)
 
 
@@ -103,9 +107,10 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Fitter:
-    """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and along the third axis;
-    needed(rows, row, t, nominal) -> (A, K) mm: the exact command at a place; round_to(rows, row, command) -> ticks;
-    single (n,): arcs that nothing stands before in their own block, where the word that counts turns is."""
+    """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and
+    along the third axis; needed(rows, row, t, nominal) -> (A, K) mm: the exact command at a place;
+    round_to(rows, row, command) -> ticks; single (n,): arcs that nothing stands before in their own
+    block, where the word that counts turns is."""
 
     machine: Machine
     arcs: Arcs
@@ -121,8 +126,9 @@ class Fitter:
     single: np.ndarray
 
     def density(self, rows: Rows) -> np.ndarray:
-        """(R,) how many steps make each part's samples dense enough: between two of them at most an eighth of the
-        tolerance may hide, from nodes (kink * step / 4) and from the ellipse that a stretched circle is."""
+        """(R,) how many steps make each part's samples dense enough: between two of them at most an
+        eighth of the tolerance may hide, from nodes (kink * step / 4) and from the ellipse that a
+        stretched circle is."""
         arcs = self.arcs
         sweep = np.abs(arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
@@ -136,7 +142,8 @@ class Fitter:
         return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)
 
     def settle(self, rows: Rows) -> Rows:
-        """Accept, halve or turn to chords until every part is within tolerance; in no particular order."""
+        """Accept, halve or turn to chords until every part is within tolerance; in no particular
+        order."""
         done: list[Rows] = []
         for halving in range(HALVINGS + 1):
             if not len(rows):
@@ -152,7 +159,8 @@ class Fitter:
         return joined(done)
 
     def _short(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """(R,) parts not to be halved again: shorter than the control resolves well, and flatter than a share of the tolerance."""
+        """(R,) parts not to be halved again: shorter than the control resolves well, and flatter
+        than a share of the tolerance."""
         sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = self.arcs.radius[rows.arc]
         sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
@@ -194,10 +202,11 @@ class Fitter:
         return good, np.logical_not(bent.any(axis=0)), replace(rows, centre=centre, radius=radius), halfway
 
     def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
-        """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make them, and the mm that
-        each may miss the samples; best first: R as programmed, held like an axis at rest while that costs half of the
-        tolerance at most, R as fitted, the centre as fitted, and the one that keeps the radius (in an arc so short that a
-        micrometre of rounding outweighs its whole bow the fit knows no radius)."""
+        """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make
+        them, and the mm that each may miss the samples; best first: R as programmed, held like an
+        axis at rest while that costs half of the tolerance at most, R as fitted, the centre as
+        fitted, and the one that keeps the radius (in an arc so short that a micrometre of rounding
+        outweighs its whole bow the fit knows no radius)."""
         exact, none = self._centre(rows, s), np.zeros(len(rows), np.int64)
         if self.arcs.by_radius[rows.arc].any():
             programmed, fitted = self._radius_words(rows, s, exact)
@@ -239,8 +248,9 @@ class Fitter:
         )  # fmt: skip
 
     def _centre(self, rows: Rows, s: Samples) -> np.ndarray:
-        """(2, R) mm: the centre whose circle through the written begin passes the samples best, by least squares in the
-        radial shifts; where the row ends elsewhere than it begins, it passes the written end too."""
+        """(2, R) mm: the centre whose circle through the written begin passes the samples best, by
+        least squares in the radial shifts; where the row ends elsewhere than it begins, it passes
+        the written end too."""
         unit0, unit1 = s.unit[:, s.first], s.unit[:, s.last]
         radial0 = dot(unit0, s.begin - s.nominal[:, s.first])
         radial1 = dot(unit1, s.end - s.nominal[:, s.last])
@@ -261,7 +271,8 @@ class Fitter:
         return self.arcs.centre[:, rows.arc] + along * move_along + across * move_across
 
     def _radius_words(self, rows: Rows, s: Samples, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(R,) ticks twice: what R may be, 0 in arcs that have none: the programmed number, and the fitted one as rounded."""
+        """(R,) ticks twice: what R may be, 0 in arcs that have none: the programmed number, and the
+        fitted one as rounded."""
         own = self.arcs.by_radius[rows.arc]
         whole = (rows.t0 == 0) & (rows.t1 == 1)
         sign = np.where(whole, np.sign(own), np.where(np.abs(s.sweep) > np.pi, -1, 1)) * (own != 0)
@@ -271,8 +282,9 @@ class Fitter:
         return sign * np.abs(own), sign * rounded
 
     def _drawn(self, rows: Rows, s: Samples, word: np.ndarray) -> np.ndarray:
-        """(2, R) mm: the centre that a control computes from R `word` (R,) ticks and the written ends; nan where it has
-        none, or where R is shorter than half the way by more than the programmed one was."""
+        """(2, R) mm: the centre that a control computes from R `word` (R,) ticks and the written
+        ends; nan where it has none, or where R is shorter than half the way by more than the
+        programmed one was."""
         half = np.hypot(*(s.end - s.begin)) / 2
         nominal = np.hypot(*(s.nominal[:, s.last] - s.nominal[:, s.first])) / 2
         short = np.maximum(nominal - np.abs(self.arcs.by_radius[rows.arc]) / TICKS_PER_MM, EXACT)
@@ -281,8 +293,8 @@ class Fitter:
         return np.where(reaches, centre_by_radius(s.begin, s.end, radius, s.sweep > 0), np.nan)
 
     def _proven(self, rows: Rows, s: Samples, centre: np.ndarray, tolerance: float) -> np.ndarray:
-        """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the tolerance, mm, and are arcs to a
-        control."""
+        """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
+        tolerance, mm, and are arcs to a control."""
         arcs, row = self.arcs, s.row
         radius0, radius1 = np.hypot(*(s.begin - centre)), np.hypot(*(s.end - centre))
         radius = radius0[row] + (radius1 - radius0)[row] * s.share
@@ -306,7 +318,8 @@ class Fitter:
         return good
 
     def _turned(self, s: Samples, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(R,) rad that a control turns about `centre`, and whether it ends where it begins: then it makes a full turn."""
+        """(R,) rad that a control turns about `centre`, and whether it ends where it begins: then
+        it makes a full turn."""
         closed = (s.begin == s.end).all(axis=0)
         counter = np.where(s.sweep > 0, 1.0, -1.0)
         way = np.arctan2(*(s.end - centre)[::-1]) - np.arctan2(*(s.begin - centre)[::-1])
@@ -321,7 +334,8 @@ class Fitter:
         return result
 
     def _bent(self, rows: Rows, s: Samples) -> np.ndarray:
-        """(A, R) whether a corrected axis leaves the straight line between its ends by more than its tolerance."""
+        """(A, R) whether a corrected axis leaves the straight line between its ends by more than
+        its tolerance."""
         begin, end = rows.begin / TICKS_PER_MM, rows.end / TICKS_PER_MM
         bent = np.zeros(begin.shape, bool)
         for axis in self.machine.corrected:

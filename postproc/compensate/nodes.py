@@ -75,8 +75,9 @@ def tidy(owner: np.ndarray, t: np.ndarray) -> np.ndarray:
 def worthless(
     machine: Machine, way: np.ndarray, owner: np.ndarray, t: np.ndarray, axis: np.ndarray, spare: float
 ) -> np.ndarray:
-    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to that end misses what is
-    there by more than `spare` mm: slopes differ by at most `bounds.kink`, so it misses by kink times the distance at most."""
+    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to that
+    end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`, so it
+    misses by kink times the distance at most."""
     near = np.minimum(t, 1 - t) * np.linalg.norm(way, axis=0)[owner]
     result: np.ndarray = (axis >= 0) & (near * machine.bounds.kink < spare)
     return result
@@ -87,10 +88,10 @@ def merge(
 ) -> np.ndarray:
     """(K,) bool: which candidates to cut at; the ends of each motion are never marked.
 
-    correction (A, K) mm at the candidates, and as it will be written there; tolerance (A, M) mm per motion and axis. Greedy:
-    from the last cut a piece grows while its chord, rounded ends and all, passes within tolerance of every candidate
-    between; the slopes that do so form an interval per axis, which each further candidate narrows. All motions take
-    their k-th step together.
+    correction (A, K) mm at the candidates, and as it will be written there; tolerance (A, M) mm per
+    motion and axis. Greedy: from the last cut a piece grows while its chord, rounded ends and all,
+    passes within tolerance of every candidate between; the slopes that do so form an interval per
+    axis, which each further candidate narrows. All motions take their k-th step together.
     """
     first = np.flatnonzero(np.concatenate([[True], owner[1:] != owner[:-1]]))
     count = np.diff(np.concatenate([first, [len(owner)]]))

@@ -1,4 +1,5 @@
-"""I J K and R of the arcs that are written: kept as they are where they hold, anew where the arc is cut, none in a chord."""
+"""I J K and R of the arcs that are written: kept as they are where they hold, anew where the arc is
+cut, none in a chord."""
 
 from __future__ import annotations
 
