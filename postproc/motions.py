@@ -22,7 +22,8 @@ class Arcs:
     centre (2, n): mm, machine coordinates. angle (n,): rad, of the start seen from the centre. sweep (n,): rad, whole
     way, + is counter-clockwise from `first` to `second`. radius, radius_end (n,): mm. grid (2, n): ticks of one least
     increment of the two centre words. words (3, n): word index of the two centre words and of R, -1 where not written.
-    absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so.
+    absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so. by_radius (n,): ticks,
+    the R word with its sign, 0 where a centre is written.
     """
 
     motion: np.ndarray
@@ -37,9 +38,21 @@ class Arcs:
     words: np.ndarray
     absolute: np.ndarray
     origin: np.ndarray
+    by_radius: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)
+
+
+def centre_by_radius(start: np.ndarray, end: np.ndarray, radius: np.ndarray, counter: np.ndarray) -> np.ndarray:
+    """(2, n): the centre of arcs with an R word, from start and end (2, n) and R with its sign: left of the chord for
+    a short counter-clockwise arc, else right of it; in its middle where R is too short."""
+    chord = end - start
+    length = np.hypot(*chord)
+    height = np.sqrt(np.maximum(radius**2 - (length / 2) ** 2, 0.0))
+    side = np.where(counter == (radius > 0), 1.0, -1.0)
+    normal = np.stack([-chord[1], chord[0]]) / np.where(length > 0, length, 1.0)
+    return (start + end) / 2 + normal * (height * side)
 
 
 @dataclass(frozen=True)

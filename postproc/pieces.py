@@ -15,7 +15,8 @@ class Pieces:
 
     motion (P,): whose piece it is; code (P,): RAPID, FEED, CLOCKWISE, COUNTER; start, end (A, P): ticks commanded;
     share (P,): part of the motion's length, 0 for a take-up; arc (P,): row of the motions' arcs, or -1;
-    centre (2, P): ticks from the piece's start to its centre, along the plane axes; nominal (A, P): ticks, where its end
+    centre (2, P): ticks from the piece's start to its centre, along the plane axes; radius (P,): ticks, the R word of an
+    arc that is written with R, 0 elsewhere; nominal (A, P): ticks, where its end
     lies on the nominal path. take_up (P,): turns the slides round, does not advance on the path. corrected (P,): whether its
     motion was corrected at all; one that was not is left as written. bottom (P,): ticks commanded at the bottom of a HOLE, 0
     elsewhere.
@@ -28,6 +29,7 @@ class Pieces:
     share: np.ndarray
     arc: np.ndarray
     centre: np.ndarray
+    radius: np.ndarray
     nominal: np.ndarray
     take_up: np.ndarray
     corrected: np.ndarray

@@ -177,6 +177,12 @@ def _bottoms(motions: Motions) -> np.ndarray:
     return bottom
 
 
+def _radii(motions: Motions) -> np.ndarray:
+    radius = np.zeros(len(motions), np.int64)
+    radius[motions.arcs.motion] = motions.arcs.by_radius
+    return radius
+
+
 def _untouched(motions: Motions) -> Pieces:
     n = len(motions)
     arc = np.full(n, -1)
@@ -184,5 +190,5 @@ def _untouched(motions: Motions) -> Pieces:
     return Pieces(
         motion=np.arange(n), code=motions.code, start=motions.start, end=motions.target, share=np.ones(n), arc=arc,
         centre=written_centre(motions)[:, np.maximum(arc, 0)] if len(motions.arcs) else np.zeros((2, n), np.int64),
-        nominal=motions.target, take_up=np.zeros(n, bool), corrected=np.zeros(n, bool), bottom=_bottoms(motions),
+        radius=_radii(motions), nominal=motions.target, take_up=np.zeros(n, bool), corrected=np.zeros(n, bool), bottom=_bottoms(motions),
     )  # fmt: skip

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.compensate import nodes
-from postproc.compensate.arcs import Fitter, Rows, points
+from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
+from postproc.compensate.fit import Fitter, Rows
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID
 from postproc.pieces import Pieces
@@ -32,11 +33,12 @@ def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
     return np.rint(b.begin_nominal[:, which] * TICKS_PER_MM).astype(np.int64)
 
 
-def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None):
+def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None, radius=None):
     n = len(stroke)
     pieces = Pieces(
         motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
         arc=np.full(n, -1) if arc is None else arc, centre=np.zeros((2, n), np.int64) if centre is None else centre,
+        radius=np.zeros(n, np.int64) if radius is None else radius,
         nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]], bottom=b.bottom[b.motion[stroke]],
     )  # fmt: skip
     return np.stack([stroke, order], axis=1), pieces
@@ -122,19 +124,24 @@ def _cuts(b: Batch, chosen: np.ndarray):
     there = start[axis[node], owner[node]] + way * t[node]
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
     exact[:, node] = _along(b, chosen, owner[node], t[node])
+    worth = ~nodes.worthless(b.machine, target - start, owner, t, axis, b.c.chord / 2)
+    owner, t, exact = owner[worth], t[worth], exact[:, worth]
+    written = (b.grid(chosen[owner], exact) / TICKS_PER_MM) - exact
     correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
     begin, end = b.begin[:, chosen] / TICKS_PER_MM - start, b.end[:, chosen] / TICKS_PER_MM - target
     owner, t = np.concatenate([owner, every, every]), np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
     correction, exact = np.concatenate([correction, begin, end], axis=1), np.concatenate([exact, start, target], axis=1)
+    written = correction + np.concatenate([written, np.zeros((len(written), 2 * len(every)))], axis=1)
     order = nodes.tidy(owner, t)
     owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
     onward = _onward(b, chosen[owner], t, exact)
-    correction, exact = correction + onward, exact + onward
+    correction, exact, written = correction + onward, exact + onward, written[:, order] + onward
     tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
+    tolerance += b.m.grid[:, b.motion[chosen]] / TICKS_PER_MM / 2  # what is written is rounded
     rows = b.rows
-    cut = nodes.merge(owner, t, correction[rows], tolerance[rows])
+    cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows])
     if b.machine.chain.rotary:
         return _on_increments(b, chosen, owner[cut], t[cut], exact[:, cut])
     return owner[cut], t[cut], exact[:, cut]
@@ -213,12 +220,16 @@ def arc_pieces(b: Batch):
         )
     rows = Rows(
         arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which], begin=b.begin[:, which],
-        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), chord=np.zeros(len(which), bool),
+        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), radius=np.zeros(len(which), np.int64),
+        chord=np.zeros(len(which), bool),
     )  # fmt: skip
     written = written_centre(m)
+    single = np.zeros(len(arcs), bool)
+    single[b.arc_of[motion[which]]] = (b.begin == b.before).all(axis=0)[which]
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
+        single=single,
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p, t), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
     )  # fmt: skip
@@ -229,7 +240,7 @@ def arc_pieces(b: Batch):
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
     key, pieces = pack(b,
         rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
-        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre,
+        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre, radius=np.where(rows.chord, 0, rows.radius),
     )  # fmt: skip
     if none.any():
         fields = Pieces.__dataclass_fields__

@@ -72,12 +72,26 @@ def tidy(owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     return order[keep]
 
 
-def merge(owner: np.ndarray, t: np.ndarray, correction: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
+def worthless(
+    machine: Machine, way: np.ndarray, owner: np.ndarray, t: np.ndarray, axis: np.ndarray, spare: float
+) -> np.ndarray:
+    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to that
+    end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`, so it
+    misses by kink times the distance at most."""
+    near = np.minimum(t, 1 - t) * np.linalg.norm(way, axis=0)[owner]
+    result: np.ndarray = (axis >= 0) & (near * machine.bounds.kink < spare)
+    return result
+
+
+def merge(
+    owner: np.ndarray, t: np.ndarray, correction: np.ndarray, written: np.ndarray, tolerance: np.ndarray
+) -> np.ndarray:
     """(K,) bool: which candidates to cut at; the ends of each motion are never marked.
 
-    correction (A, K) mm at the candidates; tolerance (A, M) mm per motion and axis. Greedy: from the last cut a piece grows
-    while its chord passes within tolerance of every candidate between; the slopes that do so form an interval per axis,
-    which each further candidate narrows. All motions take their k-th step together.
+    correction (A, K) mm at the candidates, and as it will be written there; tolerance (A, M) mm per
+    motion and axis. Greedy: from the last cut a piece grows while its chord, rounded ends and all,
+    passes within tolerance of every candidate between; the slopes that do so form an interval per
+    axis, which each further candidate narrows. All motions take their k-th step together.
     """
     first = np.flatnonzero(np.concatenate([[True], owner[1:] != owner[:-1]]))
     count = np.diff(np.concatenate([first, [len(owner)]]))
@@ -91,15 +105,14 @@ def merge(owner: np.ndarray, t: np.ndarray, correction: np.ndarray, tolerance: n
         here = first[active] + k
         tol = tolerance[:, active]
         span = t[here] - t[anchor[active]]
-        rise = correction[:, here] - correction[:, anchor[active]]
-        slope = rise / span
+        slope = (written[:, here] - written[:, anchor[active]]) / span
         fails = ((slope < low[:, active]) | (slope > high[:, active])).any(axis=0)
         turned = active[fails]
         cut[here[fails] - 1] = True
         anchor[turned] = here[fails] - 1
         low[:, turned], high[:, turned] = -np.inf, np.inf
         span = t[here] - t[anchor[active]]
-        rise = correction[:, here] - correction[:, anchor[active]]
+        rise = correction[:, here] - written[:, anchor[active]]
         low[:, active] = np.maximum(low[:, active], (rise - tol) / span)
         high[:, active] = np.minimum(high[:, active], (rise + tol) / span)
     return cut

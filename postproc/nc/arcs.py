@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.motions import CLOCKWISE, COUNTER, Arcs
+from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
 from postproc.nc.batch import Batch
 from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
@@ -127,21 +127,19 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     return Arcs(
         motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
         radius_end=radius_end, grid=grid, words=centre_word, absolute=stated, origin=origin,
+        by_radius=np.where(by_radius, value[2], 0),
     )  # fmt: skip
 
 
 def _empty() -> Arcs:
     i, f = np.zeros(0, np.int64), np.zeros(0)
     two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
-    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, two.astype(bool), two.astype(np.int64))
+    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, two.astype(bool), two.astype(np.int64), i)
 
 
 def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
-    """(2, n) mm: the centre left of the chord for a short counter-clockwise arc, else right of it."""
-    chord = end - start
-    length = np.hypot(*chord)
-    safe = np.where(length > 0, length, 1.0)
-    height2 = radius**2 - (length / 2) ** 2
+    """(2, n) mm: the centre; what can not be one is blamed."""
+    length = np.hypot(*(end - start))
     tolerance = batch.dialect.radius_tolerance_mm
     short = by_radius & (length / 2 > np.abs(radius) + tolerance)
     for i in short.nonzero()[0][:1]:
@@ -155,10 +153,7 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
         "an R arc that ends where it begins has no centre",
         "write full circles with I J K",
     )
-    height = np.sqrt(np.maximum(height2, 0.0))
-    side = np.where(counter == (radius > 0), 1.0, -1.0)
-    normal = np.stack([-chord[1], chord[0]]) / safe
-    return (start + end) / 2 + normal * (height * side)
+    return centre_by_radius(start, end, radius, counter)
 
 
 def _turns(batch: Batch, circle: Circle, arc, sweep):

@@ -1,4 +1,5 @@
-"""I J K of the arcs that are written: kept as they are where they hold, anew where the arc is cut, none in a chord."""
+"""I J K and R of the arcs that are written: kept as they are where they hold, anew where the arc is
+cut, none in a chord."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
 
 def centre_words(b: Batch) -> None:
-    """I J K of kept arcs; R becomes a centre where the arc changes; none in what became a chord."""
-    m, p, w = b.m, b.p, b.w
+    """I J K or R of kept arcs; R becomes a centre where no R will do; none in what became a chord."""
+    m, p = b.m, b.p
     if not len(m.arcs):
         return
     first_piece = b.first.nonzero()[0]
@@ -26,55 +27,92 @@ def centre_words(b: Batch) -> None:
     mine = mine[p.corrected[first_piece[mine]]]
     arc_of = np.full(len(m), -1)
     arc_of[m.arcs.motion] = np.arange(len(m.arcs))
-    piece = first_piece[mine]
-    arc = arc_of[mine]
-    is_arc = p.arc[piece] >= 0
-    by_radius = m.arcs.words[2, arc] >= 0
-    changed = b.touched[mine] | b.several[piece]
+    piece, arc = first_piece[mine], arc_of[mine]
+    later = (~b.first & (p.arc >= 0)).nonzero()[0]
+    _turns(b, mine[b.several[piece]])
+    _radii(b, mine, piece, arc, later)
+    later = later[p.radius[later] == 0]
     for k in range(2):
-        word = m.arcs.words[k, arc]
-        gone = (word >= 0) & ~is_arc
-        b.delete(word[gone], mine[gone])
-    gone = by_radius & changed
-    b.delete(m.arcs.words[2, arc[gone]], mine[gone])
-    _turns(b, mine[changed & b.several[piece]])
-    for k in range(2):
-        word = m.arcs.words[k, arc]
-        value = _centre(b, piece, arc, k)
-        wanted = np.where(m.arcs.absolute[k, arc], value, p.centre[k, piece])
-        decimals = _centre_decimals(b, arc, k, word)
-        number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
-        own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
-        stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
-        replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
-        b.splice.numbers(
-            w.number[word[replace]],
-            w.stop[word[replace]],
-            np.zeros(len(replace)),
-            number[replace],
-            decimals[replace],
-        )
-        add = (is_arc & (word < 0) & np.where(by_radius, changed, number != stands)).nonzero()[0]
-        _insert_centre(
-            b,
-            mine[add],
-            arc[add],
-            k,
-            number[add],
-            decimals[add],
-            b.at[mine[add]],
-            np.full(len(add), INSERT_WORD + 20 + k),
-        )
-        b.touched[mine[replace]] = b.touched[mine[add]] = True
-        later = (~b.first & (p.arc >= 0)).nonzero()[0]
-        decimals = _centre_decimals(b, p.arc[later], k, np.full(len(later), -1))
-        # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have it are incremental.
-        word = m.arcs.words[k, p.arc[later]]
-        absolute = m.arcs.absolute[k, p.arc[later]] & ~_by_letter(b, word)
-        wanted = np.where(absolute, _centre(b, later, p.arc[later], k), p.centre[k, later])
-        number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, p.arc[later], k))
-        motion = p.motion[later]
-        _insert_centre(b, motion, p.arc[later], k, number, decimals, b.behind()[motion], b.rank(later) + 30 + k)
+        _centres(b, mine, piece, arc, k)
+        _further_centres(b, later, k)
+
+
+def _radii(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray) -> None:
+    """R words: their numbers in the blocks that have them, none where a piece needs a centre, new ones behind."""
+    word = b.m.arcs.words[2, arc]
+    gone = (word >= 0) & (b.p.radius[piece] == 0)
+    b.delete(word[gone], mine[gone])
+    kept = (b.p.radius[piece] != 0).nonzero()[0]
+    number, decimals = _radius_number(b, piece[kept], arc[kept])
+    differs = number != b._stands(word[kept], decimals)
+    b._replace(word[kept], number, decimals, differs)
+    b.touched[mine[kept[differs]]] = True
+    later = later[b.p.radius[later] != 0]
+    number, decimals = _radius_number(b, later, b.p.arc[later])
+    motion = b.p.motion[later]
+    at = b.behind()[motion]
+    b.splice.numbers(at, at, b.rank(later) + 30, number, decimals, _spelling(b, motion, b.p.arc[later]))
+
+
+def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) whole numbers and decimals of the R words of pieces; the programmed number keeps its own decimals."""
+    word, radius = b.m.arcs.words[2, arc], b.p.radius[piece]
+    least = np.minimum(*(_centre_decimals(b, arc, k, np.full(len(arc), -1)) for k in range(2)))
+    own = np.minimum(b.w.decimals[word], MOST_DECIMALS)
+    same = np.abs(radius) == np.abs(b.m.arcs.by_radius[arc])
+    decimals = np.where(same, own, np.maximum(least, own))
+    return counts(radius, np.full(len(arc), 1), decimals, _unit(b, arc, 0)), decimals
+
+
+def _spelling(b: Batch, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
+    """(K, L) uint8: what stands before the number of an R word, as the motion's own block has it: " R", " CR="."""
+    word = b.m.arcs.words[2, arc]
+    texts = [b.w.text[i:j].strip() for i, j in zip(b.w.start[word], b.w.number[word], strict=True)]
+    prefix = np.zeros((len(texts), 1 + max(map(len, texts), default=0)), np.uint8)
+    prefix[:, 0] = np.where(b.spaced[motion], ord(" "), 0)
+    for k, text in enumerate(texts):
+        prefix[k, 1 : 1 + len(text)] = np.frombuffer(text, np.uint8)
+    return prefix
+
+
+def _centres(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: int) -> None:
+    """The words for k = 0 or 1, the plane's first or second centre word, in the motions' own blocks."""
+    m, p, w = b.m, b.p, b.w
+    is_arc, by_radius = p.arc[piece] >= 0, m.arcs.words[2, arc] >= 0
+    word = m.arcs.words[k, arc]
+    gone = (word >= 0) & ~is_arc
+    b.delete(word[gone], mine[gone])
+    value = _centre(b, piece, arc, k)
+    wanted = np.where(m.arcs.absolute[k, arc], value, p.centre[k, piece])
+    decimals = _centre_decimals(b, arc, k, word)
+    number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
+    own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
+    stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
+    replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
+    b.splice.numbers(
+        w.number[word[replace]],
+        w.stop[word[replace]],
+        np.zeros(len(replace)),
+        number[replace],
+        decimals[replace],
+    )
+    new = np.where(by_radius, p.radius[piece] == 0, number != stands)
+    add = (is_arc & (word < 0) & new).nonzero()[0]
+    at, rank = b.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k)
+    _insert_centre(b, mine[add], arc[add], k, number[add], decimals[add], at, rank)
+    b.touched[mine[replace]] = b.touched[mine[add]] = True
+
+
+def _further_centres(b: Batch, later: np.ndarray, k: int) -> None:
+    """The same in blocks put in behind."""
+    m, p, arc = b.m, b.p, b.p.arc[later]
+    decimals = _centre_decimals(b, arc, k, np.full(len(later), -1))
+    # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have it are incremental.
+    absolute = m.arcs.absolute[k, arc] & ~_by_letter(b, m.arcs.words[k, arc])
+    wanted = np.where(absolute, _centre(b, later, arc, k), p.centre[k, later])
+    number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, arc, k))
+    motion = p.motion[later]
+    _insert_centre(b, motion, arc, k, number, decimals, b.behind()[motion], b.rank(later) + 30 + k)
 
 
 def _centre(b: Batch, piece, arc, k):
