@@ -84,11 +84,11 @@ class Bounds:
         """mm: the longest arm of an axis."""
         m = self.machine
         axis = m.axes[letter]
-        arm = np.abs(m.tool - axis.measured_at)
+        arm = np.abs(m.tool - m.measured[letter])
         if m.chain.rotary:  # turned about, every part of the arm may point anywhere
             slides = sum(self._travel(x) for x in m.chain.axes if x in XYZ)
             centres = sum(2 * float(np.linalg.norm(m.axes[x].centre)) for x in m.chain.rotary)
-            return float(np.linalg.norm(m.tool) + np.linalg.norm(axis.measured_at)) + slides + centres
+            return float(np.linalg.norm(m.tool) + np.linalg.norm(m.measured[letter])) + slides + centres
         if letter in m.chain.axes:
             for other in m.chain.arm(letter, axis.optic):
                 arm[XYZ.index(other)] += self._travel(other)

@@ -35,7 +35,7 @@ class Expansion:
 @dataclass(frozen=True)
 class Axis:
     """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
-    word; measured_at (3,): mm, where the other axes stood; optic: what the measured point was fixed to, "" for the side
+    word; measured_at (3,): mm, where the other axes stood, as stated (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
     that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
     mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too."""
 
@@ -241,9 +241,13 @@ class Machine:
         return result
 
     @cached_property
+    def measured(self) -> dict[str, np.ndarray]:
+        """Axis to (3,) mm: where the axes of its arm stood while it was measured; 0 for those that are none of it."""
+        return {x: self.chain.counted(x, axis.measured_at) for x, axis in self.axes.items()}
+
+    @cached_property
     def _arms(self) -> Arms:
-        measured = {x: axis.measured_at for x, axis in self.axes.items()}
-        return arms(self.chain, self.tool, measured, {x: axis.optic for x, axis in self.axes.items()})
+        return arms(self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()})
 
     @cached_property
     def _leans(self) -> dict[str, list[tuple[int, float]]]:
@@ -254,7 +258,7 @@ class Machine:
         """What of the machine does not move, as rotary chains need it."""
         a = self.axes
         return rotary.Geometry(
-            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, {x: a[x].measured_at for x in a},
+            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, self.measured,
             {x: a[x].optic for x in a},
         )  # fmt: skip
 
