@@ -245,7 +245,8 @@ class Fitter:
         good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
-        good &= np.abs(radius1 - radius0) <= was + self.mismatch
+        # Together they must stay below the control's limit, twice the mismatch; what misses by more already, by no more.
+        good &= np.abs(radius1 - radius0) <= np.where(was <= self.mismatch, was + self.mismatch, was)
         straight = np.ones(len(rows), bool)
         for axis in self.machine.corrected:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)

@@ -21,7 +21,6 @@ from postproc.nc.zeros import (
 )
 from postproc.units import TICKS_PER_MM
 
-
 UNNAMED = ("G43 without H takes the length of the tool in the spindle, and which that is is not known",
            "write the tool's number with T and M6 before it, or G43 H with its number")  # fmt: skip
 

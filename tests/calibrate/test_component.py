@@ -222,7 +222,9 @@ def test_measured_at_names_the_axes_of_the_arm_only():
 def test_the_measured_point_counts():
     """Along X, which Z carries, as a position; along Z, where no axis makes an arm, in the translations: EXZ - 120 EBZ."""
     at, away = (
-        calibrate(everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST), Options(GRINDER, point=p))
+        calibrate(
+            everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST), Options(GRINDER, point=p)
+        )
         for p in ((5.0, 0.0, 0.0), (5.0, 0.0, 120.0))
     )
     assert at.measured_at["Z"] == away.measured_at["Z"] == {"X": 85.0}

@@ -28,7 +28,8 @@ class Dialect:
     `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis. `dwell`: letters
     of the dwell time in a G4 block. `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and
     `arc_tolerance_relative`: start and end radius of an arc may differ by the former, and by more only within the
-    latter, never by more than `arc_tolerance_most_mm`; a smaller radius than `radius_tolerance_mm` is none, and R
+    latter, never by more than `arc_tolerance_most_mm`; `arc_tolerance_inch`: how many times as much, both, in blocks
+    under G20; a smaller radius than `radius_tolerance_mm` is none, and R
     may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell
     who writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one
     block are an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module
@@ -68,6 +69,7 @@ class Dialect:
     arc_tolerance_mm: float = 0.01
     arc_tolerance_relative: float = 0.0
     arc_tolerance_most_mm: float = 0.01
+    arc_tolerance_inch: float = 1.0
     radius_tolerance_mm: float = 0.001
     tool_offsets: bool = False
     integer_notice: str = ""
