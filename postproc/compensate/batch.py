@@ -12,6 +12,7 @@ import numpy as np
 from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.inverse import command
+from postproc.compensate.known import known
 from postproc.errors import Notice
 from postproc.motions import COUNTER, FEED, FREE, HOLE, Motions
 from postproc.units import TICKS_PER_MM
@@ -42,10 +43,9 @@ class Batch:
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
-        chained = list(self.machine.chained)
-        self.known: np.ndarray = np.all(motions.target_known[chained], axis=0)
-        self.start_known: np.ndarray = np.all(motions.start_known[chained], axis=0)
-        self.free = self.known & ~motions.alone  # motions whose end is corrected
+        self.places = known(self.machine, motions)
+        self.known, self.start_known = self.places.end, self.places.start
+        self.free = self.known & ~motions.alone & ~self.places.idle  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
@@ -162,6 +162,9 @@ class Batch:
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
         self.end[self.fixed] = nominal_ticks[self.fixed]
+        self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
+        if not self.told.all():
+            self.end = np.where(self.told, self.end, nominal_ticks)
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
@@ -195,6 +198,7 @@ class Batch:
             exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
             self.wanted[:, which] = self.grid(which, exact)
         self.wanted[self.fixed] = self.before[self.fixed]
+        self.wanted = np.where(self.told, self.wanted, self.before)
 
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its correction has changed by
@@ -204,11 +208,12 @@ class Batch:
         turning, all_known = self.turning.any(), known.all()
         held = (self.travel == 0).any(axis=1)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
-        left = np.zeros(held.shape + free.shape, bool) if free.all() else ~free & (self.m.word[:, self.motion] < 0)
+        followed = free & self.told
+        left = np.zeros_like(followed) if followed.all() else ~followed & (self.m.word[:, self.motion] < 0)
         holes = self.m.holes
         if len(holes):  # the cycle brings the axis back to where it was
             left[holes.axis[holes.initial], self.hole[holes.initial]] = True
-        if all_known and not turning and not held[self.rows].any() and not left.any():
+        if all_known and followed.all() and not turning and not held[self.rows].any() and not left.any():
             self.begin = self.before
             return
         self.begin = self.before.copy()

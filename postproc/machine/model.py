@@ -9,9 +9,10 @@ from types import ModuleType
 
 import numpy as np
 
-from postproc.machine import rotary
+from postproc.machine import dependence, rotary
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, arms, leans, tip_deviation
+from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, leans, tip_deviation
+from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 
@@ -133,6 +134,11 @@ class Machine:
         return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes)
 
     @cached_property
+    def depends(self) -> np.ndarray:
+        """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j; none for an axis without one."""
+        return dependence.closed(dependence.direct(self))
+
+    @cached_property
     def grids(self) -> tuple[GridTable, ...]:
         own = tuple(grid for axis in self.axes.values() for grid in axis.grids)
         return own + tuple(grid for term in self.effects for grid in term.grids)
@@ -234,7 +240,7 @@ class Machine:
         if self.chain.rotary:
             parts = rotary.tip_deviation(self.geometry, each, q)
         else:
-            parts = tip_deviation(self._arms, each, self._leans, q)
+            parts = tip_deviation(self.arms, each, self._leans, q)
         result = np.zeros(position.shape)
         for row in self.corrected:
             result[row] = parts[XYZ.index(self.letters[row])]
@@ -246,8 +252,9 @@ class Machine:
         return {x: self.chain.counted(x, axis.measured_at) for x, axis in self.axes.items()}
 
     @cached_property
-    def _arms(self) -> Arms:
-        return arms(self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()})
+    def arms(self) -> Arms:
+        """Axis to the part of its arm that stays and the slide that adds to it, per direction."""
+        return chain_arms(self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()})
 
     @cached_property
     def _leans(self) -> dict[str, list[tuple[int, float]]]:
