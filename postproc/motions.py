@@ -109,7 +109,8 @@ class Motions:
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
     (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
     motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
-    the code that makes it end in an exact stop (G61, G9), 0: none. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
+    the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
+    (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
     """
 
     block: np.ndarray
@@ -140,6 +141,8 @@ class Motions:
     relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     sent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
+    whole: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    lead: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.block)

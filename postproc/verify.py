@@ -139,6 +139,7 @@ class Verifier:
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
         known &= run.code != HOLE
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
+        whole &= ~nominal.whole[owner]  # a thread in one block is corrected at its ends, as a notice says
         if counts is not None:
             known &= counts
         length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, holes, limits
+from postproc.compensate import approach, cut, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault, Notice
 from postproc.machine.model import Machine
@@ -135,6 +135,7 @@ class Compensator:
         b.starts()
         b.settle_ends()
         b.spread_reversals()
+        threads.say(b)
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)

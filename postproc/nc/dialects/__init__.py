@@ -43,6 +43,10 @@ class Dialect:
     the first increment after TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
 
+    `threads_chained`: ten times the thread codes that go on in step with the spindle where one stands behind another, so
+    that a thread may be cut into blocks; `threads_under`: ten times the codes of the group "path" under which they do,
+    NONE for a program that names none. `thread_words`: letters of a thread's lead.
+
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
     outside of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
     motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
@@ -87,6 +91,9 @@ class Dialect:
     motion: int = NONE
     increments_travel_shifts: bool = False
     exact_stops: tuple[int, ...] = ()
+    threads_chained: tuple[int, ...] = ()
+    threads_under: tuple[int, ...] = (NONE, 640)
+    thread_words: str = ""
     remarks: tuple[str, ...] = ()
     ends: tuple[int, ...] = END_OF_PROGRAM
     modal_motion: bool = True

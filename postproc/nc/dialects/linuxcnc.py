@@ -76,6 +76,8 @@ DIALECT = Dialect(
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
     local_is_preset=True,
     exact_stops=(611,),
+    threads_chained=(330,),
+    thread_words="K",
     letters="E",
     signs=(
         r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)[ \t]*((END)?(SUB|IF|WHILE|REPEAT)|ELSE(IF)?|DO|CALL|RETURN)\b",
