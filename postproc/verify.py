@@ -47,6 +47,8 @@ class Verifier:
         filter_.watchers.append(self.check)
         self.turn = np.zeros(len(self.machine.axes), np.int64)
         self.corrected, self.uncorrected = Largest(), Largest()
+        self.hole_tolerance = filter_.compensator.hole_tolerance
+        self.holes, self.taps = Largest(), Largest()  # how far axes of holes stay off sideways, whose cycle holds its place
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -105,12 +107,12 @@ class Verifier:
                 self.corrected,
                 ~pieces.take_up & pieces.corrected,
             )
-            self._measure_holes(motions, motions, line, self.uncorrected)
-            self._measure_holes(motions, back, line, self.corrected)
+            self._measure_holes(motions, motions, line, self.uncorrected, self.uncorrected, self.uncorrected)
+            self._measure_holes(motions, back, line, self.corrected, self.holes, self.taps)
             self.turn = self.after
 
-    def _measure_holes(self, nominal: Motions, run: Motions, line, into: Largest) -> None:
-        """The axis of each hole from R to its bottom, sideways, and the bottom along it too."""
+    def _measure_holes(self, nominal: Motions, run: Motions, line, ends: Largest, axes: Largest, taps: Largest) -> None:
+        """The axis of each hole from R to its bottom sideways (`axes`, `taps`), and the bottom along it (`ends`)."""
         holes, drilled = nominal.holes, run.holes
         counts = (
             self._all(nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
@@ -127,11 +129,12 @@ class Verifier:
             weight[row] = np.sign(bottom - top) if self.limit else 0.0
             off = command + self._deviation(run, np.full(len(t), drilled.motion[k]), command, weight)
             off -= nominal.target[:, [motion]] / TICKS_PER_MM
-            off[row, :-1] = 0.0
-            off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
-            distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
-            if distance.max() > into.deviation:
-                into.deviation, into.line = float(distance.max()), int(line[motion])
+            deep = abs(float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM))
+            off[row] = 0.0
+            aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
+            for found, into in ((deep if row in self.machine.corrected else 0.0, ends), (aside, taps if holes.tap[k] else axes)):
+                if found > into.deviation:
+                    into.deviation, into.line = found, int(line[motion])
 
     def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, line, into: Largest, counts) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`."""
@@ -299,7 +302,9 @@ class Verifier:
     @property
     def passed(self) -> bool:
         """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
-        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
+        rounding = self.grid / 2 + 1e-9
+        holes = self.holes.deviation <= self.hole_tolerance + rounding
+        return self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.tolerance + rounding)
 
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
@@ -308,5 +313,13 @@ class Verifier:
         return (
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}; tolerance {self.tolerance / UM:g} um; "
-            f"{self.motions_in} motions in, {self.motions_out} out"
+            f"{self.motions_in} motions in, {self.motions_out} out{self._of_holes()}"
         )
+
+    def _of_holes(self) -> str:
+        """What bends in holes, where the tolerance of holes was used."""
+        said = ""
+        for what, off in (("holes", self.holes), ("taps, which hold their place,", self.taps)):
+            if off.deviation > self.tolerance + self.grid / 2:
+                said += f"; {what} up to {off.deviation / UM:.2f} um aside (line {off.line}; tolerance of holes {self.hole_tolerance / UM:g} um)"
+        return said

@@ -20,11 +20,16 @@ from postproc.pieces import Pieces, in_order, joined, without_rests
 from postproc.units import TICKS_PER_MM
 
 
+# mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter (ISO 5458), leaves to one side.
+HOLE_TOLERANCE = 0.005
+
+
 @dataclass(frozen=True)
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
     outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
-    arc_mismatch: mm that radii of start and end may come to differ by."""
+    arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a hole's axis may bend while its
+    cycle holds its place (None: HOLE_TOLERANCE; the tolerance at least)."""
 
     tolerance: float | None = None
     outside: str | None = None
@@ -32,6 +37,7 @@ class Options:
     ramp: float | None = None
     cut_rapids: bool = False
     arc_mismatch: float = 0.005
+    hole_tolerance: float | None = None
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,8 @@ class Compensator:
         least = [axis.least_increment for axis in machine.axes.values()]
         rounding = np.array([a.least_increment / (2 if x in machine.diameter else 1) for x, a in machine.axes.items()])
         self.tolerance = options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
+        asked = options.hole_tolerance if options.hole_tolerance is not None else HOLE_TOLERANCE
+        self.hole_tolerance = max(asked, self.tolerance)
         # Where no table and no effect asks for it, there is no direction to follow.
         self.mode = (options.reversal or machine.reversal) if machine.two_way.any() else "mean"
         self.outside = options.outside or machine.limits.outside

@@ -1,8 +1,9 @@
 """Holes of canned cycles: X and Y are corrected for the middle of the hole's axis, the bottom for the bottom.
 
-A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within the tolerance of the
-nominal one over the whole depth: deviations are linear between the nodes, so ends and nodes tell. The level R and the way
-back are rapids, and stay as written.
+A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within the tolerance of holes
+of the nominal one over the whole depth: deviations are linear between the nodes, so ends and nodes tell. A tap can not be
+written out, since its feed is the spindle's: what bends stays, and is said. The level R and the way back are rapids, and
+stay as written.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 
 from postproc.compensate.batch import Batch
 from postproc.compensate.inverse import command
-from postproc.errors import MotionFault
+from postproc.errors import MotionFault, Notice
 from postproc.units import TICKS_PER_MM, UM
 
 
@@ -30,12 +31,7 @@ def settle(b: Batch) -> None:
         low, high = correction[across].min(axis=1, initial=np.inf), correction[across].max(axis=1, initial=-np.inf)
         bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
         if bend > b.c.tolerance:
-            letter = b.machine.letters[row]
-            raise MotionFault(
-                int(holes.motion[k]),
-                f"the hole's axis bends by {bend / UM:.2f} um between {letter} = {target[row, 0]:.3f} and {target[row, -1]:.3f} mm (tolerance {b.c.tolerance / UM:g} um)",
-                "a cycle holds its place over the depth: --expand writes it out as plain blocks",
-            )
+            _bends(b, k, bend, target[row])
         place = b.end_nominal[:, i].copy()
         place[across] += (low + high) / 2
         place[row] = exact[row, -1]
@@ -59,14 +55,31 @@ def settle(b: Batch) -> None:
     b.before = np.where(b._jumps(), b.m.start[:, b.motion], before)
 
 
+def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
+    """Say that the axis of hole k bends by `bend` mm over `depth` (K,) mm, or raise MotionFault where that is too much."""
+    motion, letter = int(b.m.holes.motion[k]), b.machine.letters[int(b.m.holes.axis[k])]
+    where = f"between {letter} = {depth[0]:.3f} and {depth[-1]:.3f} mm"
+    limit = f"tolerance of holes {b.c.hole_tolerance / UM:g} um"
+    if bend <= b.c.hole_tolerance:
+        what = f"a hole's axis bends by up to {bend / UM:.2f} um and is corrected for the middle ({limit})"
+        b.notices.append(Notice("hole", what, motion, bend))
+    elif b.m.holes.tap[k]:
+        what = f"a tapped hole's axis bends by {bend / UM:.2f} um {where} ({limit}); a tap holds its place: corrected for the middle"
+        b.notices.append(Notice("tap", what, motion, bend))
+    else:
+        raise MotionFault(
+            motion,
+            f"the hole's axis bends by {bend / UM:.2f} um {where} ({limit})",
+            f"a cycle holds its place over the depth: --expand writes it out as plain blocks, --hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is",
+        )
+
+
 def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:
     """(A, K) mm places down a hole, from R to the bottom with every node between, and (A, K) their approach."""
     top, bottom = b.m.holes.level[k] / TICKS_PER_MM, b.m.holes.bottom[k] / TICKS_PER_MM
-    table = b.machine.tables.get(b.machine.letters[row])
-    inner = np.zeros(0)
-    if table is not None:
-        inner = table.nodes[(table.nodes > min(top, bottom)) & (table.nodes < max(top, bottom))]
-    place = np.concatenate([[top], np.sort(inner) if bottom > top else np.sort(inner)[::-1], [bottom]])
+    inner = np.unique(np.concatenate([np.zeros(0), *b.machine.knots.get(b.machine.letters[row], [])]))
+    inner = inner[(inner > min(top, bottom)) & (inner < max(top, bottom))]
+    place = np.concatenate([[top], inner if bottom > top else inner[::-1], [bottom]])
     target = np.repeat(b.end_nominal[:, stroke : stroke + 1], len(place), axis=1)
     target[row] = place
     weight = np.repeat(b.weight_end[:, stroke : stroke + 1], len(place), axis=1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
-from postproc.nc.columns import hold_index
+from postproc.nc.columns import hold_index, spread
 from postproc.nc.state import NONE, Cycle
 from postproc.units import TICKS_PER_MM
 
@@ -141,4 +141,5 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level, zero=cycle.zero,
         word=cycle.word, initial=cycle.initial,
+        tap=b.dialect.is_tap[spread(b.held("motion"), b.n)[cycle.blocks]],
     )  # fmt: skip

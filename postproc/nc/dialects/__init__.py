@@ -157,6 +157,13 @@ class Dialect:
         return table
 
     @cached_property
+    def is_tap(self) -> np.ndarray:
+        """(LARGEST_G,) cycles for holes whose feed is tied to the spindle."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        table[[code.number for code in self.codes if code.does == "tap"]] = True
+        return table
+
+    @cached_property
     def modal_stops(self) -> tuple[int, ...]:
         """Those of the exact stops that hold until G64."""
         return tuple(n for n in self.exact_stops if n in self.by_number and self.by_number[n].group)
