@@ -60,7 +60,9 @@ def test_a_hole_that_bends_more_is_refused_and_both_ways_out_work(cycle):
     assert verifier.passed and "tolerance of holes 7 um" in verifier.report()
 
 
-@pytest.mark.parametrize("cycle, dialect", [("G84", "fanuc-mill"), ("G74", "fanuc-mill"), ("G84", "haas"), ("G84", "linuxcnc")])
+@pytest.mark.parametrize(
+    "cycle, dialect", [("G84", "fanuc-mill"), ("G74", "fanuc-mill"), ("G84", "haas"), ("G84", "linuxcnc")]
+)
 def test_a_tap_is_corrected_for_the_middle_and_said(cycle, dialect):
     """It can not be written out, so --expand would say the same again."""
     out, notices, verifier = corrected(7.0, cycle, dialect)

@@ -19,7 +19,6 @@ from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
 from postproc.units import TICKS_PER_MM
 
-
 # mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
 
@@ -55,6 +54,8 @@ class Compensator:
     """A machine and the options, ready to correct batches. Holds no state."""
 
     def __init__(self, machine: Machine, options: Options = Options()):
+        if options.outside and options.outside != machine.limits.outside:  # what can be reached, and so every bound
+            machine = replace(machine, limits=replace(machine.limits, outside=options.outside))
         self.machine, self.options = machine, options
         least = [axis.least_increment for axis in machine.axes.values()]
         rounding = np.array([a.least_increment / (2 if x in machine.diameter else 1) for x, a in machine.axes.items()])

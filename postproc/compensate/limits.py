@@ -48,7 +48,9 @@ def check_unknown(b: Batch) -> None:
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
     for i in lost.nonzero()[0][:1]:
-        b.notices.append(Notice("rapid", "rapids before every axis that matters has its position are left as they are", int(i)))
+        b.notices.append(
+            Notice("rapid", "rapids before every axis that matters has its position are left as they are", int(i))
+        )
     for i in (b.free & ~b.start_known & (b.m.code == FEED)).nonzero()[0][:1]:
         b.notices.append(
             Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))

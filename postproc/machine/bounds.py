@@ -1,7 +1,7 @@
 """How far a machine's deviation can bend between two places, and how fast it can change: what makes cuts and samples safe.
 
 Tables are linear between nodes. What bends in between are products: an angle times an arm that grows (twist), a table of
-two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place inside the travel.
+two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place that a program can reach (`Machine.reached`).
 """
 
 from __future__ import annotations
@@ -95,7 +95,9 @@ class Bounds:
         return float(np.linalg.norm(arm))
 
     def _travel(self, letter: str) -> float:
-        return min(max(abs(t) for t in self.machine.axes[letter].travel), FARTHEST)
+        m = self.machine
+        farthest = max(abs(t) for t in m.reached[letter]) + m.limits.max_correction
+        return min(farthest, max(abs(t) for t in m.axes[letter].travel), FARTHEST)
 
     @cached_property
     def second_order(self) -> float:

@@ -169,6 +169,19 @@ class Machine:
         return {x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c))) for x, c in covered.items()}
 
     @cached_property
+    def reached(self) -> dict[str, tuple[float, float]]:
+        """Axis to where a nominal program can take it, mm or degrees: its travel, and, where places outside the tables are an
+        error, within them."""
+        found = {}
+        for x, axis in self.axes.items():
+            low, high = axis.travel
+            if self.limits.outside == "error" and x in self.ranges and x in XYZ:
+                first, last = self.ranges[x]
+                low, high = max(low, first), min(high, last)
+            found[x] = (low, high) if low < high else axis.travel
+        return found
+
+    @cached_property
     def expansions(self) -> dict[str, Expansion]:
         return {x: a.expansion for x, a in self.axes.items() if a.expansion is not None and a.expansion.rate}
 
