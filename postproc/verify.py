@@ -48,7 +48,10 @@ class Verifier:
         self.turn = np.zeros(len(self.machine.axes), np.int64)
         self.corrected, self.uncorrected = Largest(), Largest()
         self.hole_tolerance = filter_.compensator.hole_tolerance
-        self.holes, self.taps = Largest(), Largest()  # how far axes of holes stay off sideways, whose cycle holds its place
+        self.holes, self.taps = (
+            Largest(),
+            Largest(),
+        )  # how far axes of holes stay off sideways, whose cycle holds its place
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -132,7 +135,10 @@ class Verifier:
             deep = abs(float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM))
             off[row] = 0.0
             aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
-            for found, into in ((deep if row in self.machine.corrected else 0.0, ends), (aside, taps if holes.tap[k] else axes)):
+            for found, into in (
+                (deep if row in self.machine.corrected else 0.0, ends),
+                (aside, taps if holes.tap[k] else axes),
+            ):
                 if found > into.deviation:
                     into.deviation, into.line = found, int(line[motion])
 
