@@ -49,7 +49,7 @@ class Holes:
     motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks, machine coordinates, of
     the bottom and of R. zero (n,): ticks, where the bottom's word counts from. word (n,): index of that word, -1 where
     it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R. tap (n,): whether
-    its feed is tied to the spindle, so that it can not be written out.
+    its feed is tied to the spindle, so that it can not be written out; place (n,): whether the cycle goes to its place, else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -60,6 +60,7 @@ class Holes:
     word: np.ndarray
     initial: np.ndarray
     tap: np.ndarray
+    place: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)
@@ -88,7 +89,7 @@ class Presets:
 def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
-    return Holes(i, i, i, i, i, i, i.astype(bool), i.astype(bool))
+    return Holes(i, i, i, i, i, i, i.astype(bool), i.astype(bool), i.astype(bool))
 
 
 def no_presets() -> Presets:

@@ -77,3 +77,18 @@ def test_the_tolerance_of_paths_is_the_least():
     machine = mill(1.0)
     filter_ = Filter(machine, dialects.load("haas"), setup_of(machine), Options(tolerance=0.02, hole_tolerance=0.001))
     assert filter_.compensator.hole_tolerance == 0.02
+
+
+def test_g33_1_goes_straight_down_from_where_the_axes_stand():
+    """No X or Y word may come into a rigid tap of G33.1, which would slant it; its bend from there is said, at z = -20: 14 um."""
+    machine = mill(7.0)
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+    verifier = Verifier(filter_)
+    text = "G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\nG90 G0 Z50.\nM2\n"
+    out = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    assert "\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\n" in out
+    assert [n.code for n in filter_.notices] == ["tap"] and "bends by 14.00 um" in filter_.notices[0].message
+    assert verifier.passed and verifier.taps.deviation == pytest.approx(0.014, abs=2e-4)
+    with pytest.raises(ProgramError, match="a rigid tap with a word of X"):
+        filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+        filter_.feed(b"G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 X11. Z-40. K1.\n")

@@ -213,6 +213,7 @@ class Batch:
         holes = self.m.holes
         if len(holes):  # the cycle brings the axis back to where it was
             left[holes.axis[holes.initial], self.hole[holes.initial]] = True
+            left[:, self.hole[~holes.place]] = True
         if all_known and followed.all() and not turning and not held[self.rows].any() and not left.any():
             self.begin = self.before
             return

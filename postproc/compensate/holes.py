@@ -30,6 +30,10 @@ def settle(b: Batch) -> None:
         across = [r for r in b.rows if r != row]
         low, high = correction[across].min(axis=1, initial=np.inf), correction[across].max(axis=1, initial=-np.inf)
         bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
+        stands = (b.end[:, i - 1] if i else b.carry.issued)[across]
+        if not holes.place[k]:  # the tap goes straight down from there
+            off = exact[across] - stands[:, None] / TICKS_PER_MM
+            bend = float(np.linalg.norm(off, axis=0).max()) if across else 0.0
         if bend > b.c.tolerance:
             _bends(b, k, bend, target[row])
         place = b.end_nominal[:, i].copy()
@@ -38,7 +42,7 @@ def settle(b: Batch) -> None:
         b.exact[:, i] = place
         step = b.m.grid[:, holes.motion[k]]
         whole = np.rint((place - b.end_nominal[:, i]) * TICKS_PER_MM / step).astype(np.int64) * step
-        b.end[across, i] = b.nominal_end[across, i] + whole[across]
+        b.end[across, i] = b.nominal_end[across, i] + whole[across] if holes.place[k] else stands
         depth = np.rint(correction[row, -1] * TICKS_PER_MM / step[row])
         bottom = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
         if (bottom > holes.level[k]) != (holes.bottom[k] > holes.level[k]) and bottom != holes.level[k]:
@@ -59,12 +63,15 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
     """Say that the axis of hole k bends by `bend` mm over `depth` (K,) mm, or raise MotionFault where that is too much."""
     motion, letter = int(b.m.holes.motion[k]), b.machine.letters[int(b.m.holes.axis[k])]
     where = f"between {letter} = {depth[0]:.3f} and {depth[-1]:.3f} mm"
+    how = (
+        "it is corrected for the middle" if b.m.holes.place[k] else "G33.1 goes straight down from where the axes stand"
+    )
     limit = f"tolerance of holes {b.c.hole_tolerance / UM:g} um"
     if bend <= b.c.hole_tolerance:
-        what = f"a hole's axis bends by up to {bend / UM:.2f} um and is corrected for the middle ({limit})"
+        what = f"a hole's axis bends by up to {bend / UM:.2f} um while its cycle holds its place ({limit})"
         b.notices.append(Notice("hole", what, motion, bend))
     elif b.m.holes.tap[k]:
-        what = f"a tapped hole's axis bends by {bend / UM:.2f} um {where} ({limit}); a tap holds its place: corrected for the middle"
+        what = f"a tapped hole's axis bends by {bend / UM:.2f} um {where} ({limit}); {how}"
         b.notices.append(Notice("tap", what, motion, bend))
     else:
         raise MotionFault(

@@ -106,7 +106,12 @@ def plain(motions, words, first_line) -> list[dict]:
             k = arc_of[i]
             one["centre"] = tuple(motions.arcs.centre[:, k])
             one["sweep"] = float(motions.arcs.sweep[k])
-        if one["kind"] == "arc" or start != end:
+        hole = np.flatnonzero((motions.holes.motion == i) & ~motions.holes.place)
+        if len(hole):  # G33.1: there and back
+            down = list(end)
+            down[int(motions.holes.axis[hole[0]])] = float(motions.holes.bottom[hole[0]]) / TICKS_PER_MM
+            result += [{**one, "end": down}, {**one, "start": down}]
+        elif one["kind"] == "arc" or start != end:
             result.append(one)
     return result
 

@@ -15,6 +15,7 @@ from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, C
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
+HOLES = ("drill", "tap", "there and back")  # of CYCLE_KEYS; the latter two go with the spindle
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -153,14 +154,21 @@ class Dialect:
     def is_hole(self) -> np.ndarray:
         """(LARGEST_G,) canned cycles for holes."""
         table = np.zeros(LARGEST_G, dtype=bool)
-        table[[code.number for code in self.codes if code.does in ("drill", "tap")]] = True
+        table[[code.number for code in self.codes if code.does in HOLES]] = True
         return table
 
     @cached_property
     def is_tap(self) -> np.ndarray:
         """(LARGEST_G,) cycles for holes whose feed is tied to the spindle."""
         table = np.zeros(LARGEST_G, dtype=bool)
-        table[[code.number for code in self.codes if code.does == "tap"]] = True
+        table[[code.number for code in self.codes if code.does in HOLES[1:]]] = True
+        return table
+
+    @cached_property
+    def there_and_back(self) -> np.ndarray:
+        """(LARGEST_G,) taps that go from where the axes stand to their words, and back there."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        table[[code.number for code in self.codes if code.does == "there and back"]] = True
         return table
 
     @cached_property
@@ -193,7 +201,7 @@ class Dialect:
         """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or
         end."""
         table = np.zeros(LARGEST_G, dtype=bool)
-        cycles = any(code.does in ("drill", "tap") for code in self.codes)
+        cycles = any(code.does in HOLES for code in self.codes)
         for code in self.codes:
             table[code_number(code.word)] = (
                 code.does in FRAME_KEYS
