@@ -70,6 +70,7 @@ def test_g43_alone_with_no_tool_known_names_a_way_out_that_works():
         "T1 M6\nG0 X1\nG43 H2\nG0 Z5\nG43 H0\nG0 Z6\n",
         "T1 M6\nG0 X1\nG43 H0\nG0 Z5\nT0 M6\nG0 X2\nG43 H0\nG0 Z7\n",
         "T2 M6\nG0 X1\nG43 H1\nG43.2 H0\nG0 Z5\n",
+        "T1 M6\nG0 X1\nT2 M6 G43.2 H0\nG0 X2 Z5\nG43.2 H0\nG0 X3 Z5\n",
     ],
 )
 def test_h0_against_linuxcnc(text):

@@ -58,7 +58,7 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
     if number is None:
         number = float(_tool_in_spindle(b))
     elif number == 0 and b.dialect.local_is_preset:
-        number = _of_h0(b)
+        number = _of_h0(b, add)
     if _units_changed(b):
         return
     place = stated_tool(b, "H", int(number)) if number >= 0 else None
@@ -75,9 +75,10 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
     b.frame = with_known(replace(b.frame, length=length, length_units=units), "length")
 
 
-def _of_h0(b: Batch) -> float:
-    """The tool whose length H0 of LinuxCNC takes: the one in the spindle; before any M6 none, which is said."""
-    number = _tool_in_spindle(b)
+def _of_h0(b: Batch, add: bool) -> float:
+    """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's own M6, as measured);
+    before any M6 none, which is said."""
+    number = b.state.tool_number if add else _tool_in_spindle(b)
     if number >= 0:
         return float(number)
     if stated_tool(b, "H", 0) is None:
