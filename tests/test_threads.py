@@ -57,6 +57,7 @@ ALONE = {
     "fanuc-lathe-a": "G0 X20. Z100.\nG32 Z0. F2. Q180000\nG0 X30.\n",
     "fanuc-lathe-c": "G90 G0 X20. Z100.\nG9 G33 Z0. F2.\nG0 X30.\n",
     "siemens": "G90 G18\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n",
+    "fanuc-lathe inverse time": "G90 G93 G0 X20. Z100.\nG33 Z0. F2.\nG0 X30.\n",
 }
 
 

@@ -34,6 +34,7 @@ def thread_columns(b: Batch, block: np.ndarray, code: np.ndarray, motion: np.nda
     at = block[thread]
     d = b.dialect
     chained = np.isin(motion[thread], d.threads_chained) & np.isin(spread(b.held("path"), b.n)[at], d.threads_under)
+    chained &= spread(b.held("feed mode"), b.n)[at] != 930  # F is a time there, not a lead
     for number in d.exact_stops:
         chained &= ~np.isin(at, b.single.get(number, ()))
     chained &= ~np.isin(at, b.words.block[b.places.get(START_ANGLE, np.zeros(0, np.int64))])
