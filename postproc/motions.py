@@ -49,7 +49,8 @@ class Holes:
     motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks, machine coordinates, of
     the bottom and of R. zero (n,): ticks, where the bottom's word counts from. word (n,): index of that word, -1 where
     it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R. tap (n,): whether
-    its feed is tied to the spindle, so that it can not be written out; place (n,): whether the cycle goes to its place, else the axes stand there already.
+    its feed is tied to the spindle, so that it can not be written out; place (n,): whether the cycle
+    goes to its place, else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -113,7 +114,8 @@ class Motions:
     (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
     motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
     the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
-    (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
+    (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
+    correction can not be trusted here.
     """
 
     block: np.ndarray

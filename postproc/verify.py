@@ -327,5 +327,8 @@ class Verifier:
         said = ""
         for what, off in (("holes", self.holes), ("taps, which hold their place,", self.taps)):
             if off.deviation > self.tolerance + self.grid / 2:
-                said += f"; {what} up to {off.deviation / UM:.2f} um aside (line {off.line}; tolerance of holes {self.hole_tolerance / UM:g} um)"
+                said += (
+                    f"; {what} up to {off.deviation / UM:.2f} um aside "
+                    f"(line {off.line}; tolerance of holes {self.hole_tolerance / UM:g} um)"
+                )
         return said

@@ -19,7 +19,8 @@ from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
 from postproc.units import TICKS_PER_MM
 
-# mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter (ISO 5458), leaves to one side.
+# mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
+# (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
 
 
@@ -27,8 +28,8 @@ HOLE_TOLERANCE = 0.005
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
     outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
-    arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a hole's axis may bend while its
-    cycle holds its place (None: HOLE_TOLERANCE; the tolerance at least)."""
+    arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a
+    hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at least)."""
 
     tolerance: float | None = None
     outside: str | None = None

@@ -77,7 +77,8 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
         raise MotionFault(
             motion,
             f"the hole's axis bends by {bend / UM:.2f} um {where} ({limit})",
-            f"a cycle holds its place over the depth: --expand writes it out as plain blocks, --hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is",
+            "a cycle holds its place over the depth: --expand writes it out as plain blocks, "
+            f"--hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is",
         )
 
 

@@ -1,7 +1,8 @@
 """Which motions can be corrected where positions are not known: only what a correction depends on must be.
 
-An axis matters in a motion if its correction may change there, since it moves or one that it depends on does. A motion is known if
-all that the corrections of those axes depend on is; the other axes stay where they are.
+An axis matters in a motion if its correction may change there, since it moves or one that it depends
+on does. A motion is known if all that the corrections of those axes depend on is; the other axes stay
+where they are.
 """
 
 from __future__ import annotations

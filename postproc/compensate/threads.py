@@ -39,14 +39,15 @@ def say(b: Batch) -> None:
     for worst in np.argsort(-np.where(b.m.whole[b.motion[stroke]], bend, 0.0))[:1]:
         if b.m.whole[b.motion[stroke[worst]]] and bend[worst] > b.c.tolerance:
             b.notices.append(Notice(
-                "thread", f"a thread that stays one block is corrected at its ends only: between them it stays off by up to {bend[worst] / UM:.1f} um",
+                "thread", "a thread that stays one block is corrected at its ends only: between them "
+                f"it stays off by up to {bend[worst] / UM:.1f} um",
                 int(b.motion[stroke[worst]]), float(bend[worst])))  # fmt: skip
     worst = int(np.argmax(drift))
     if drift[worst] > b.c.tolerance:
         turn = f", {slope[worst] * lead[worst] / UM:.3f} um a turn of {lead[worst]:g} mm" if lead[worst] else ""
         b.notices.append(Notice(
-            "lead", f"along a thread the axis follows the spindle: its lead stays off by up to {slope[worst] * 1e6:.0f} um/m{turn}, "
-            f"which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip
+            "lead", "along a thread the axis follows the spindle: its lead stays off by up to "
+            f"{slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip
 
 
 def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,7 +1,8 @@
 """How far a machine's deviation can bend between two places, and how fast it can change: what makes cuts and samples safe.
 
 Tables are linear between nodes. What bends in between are products: an angle times an arm that grows (twist), a table of
-two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place that a program can reach (`Machine.reached`).
+two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place that a program can reach
+(`Machine.reached`).
 """
 
 from __future__ import annotations

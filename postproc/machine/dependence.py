@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def direct(machine: Machine) -> np.ndarray:
-    """(A, A) bool: [i, j], whether the deviation along axis i changes with the position of axis j; by what the tables hold, not
-    by their numbers."""
+    """(A, A) bool: [i, j], whether the deviation along axis i changes with the position of axis j; by
+    which components the tables hold."""
     letters, chain = machine.letters, machine.chain
     result = np.zeros((len(letters),) * 2, bool)
     if chain.rotary:  # what turns is turned by every axis between it and the part
@@ -45,8 +45,8 @@ def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tupl
 
 
 def closed(direct: np.ndarray) -> np.ndarray:
-    """(A, A) bool: the same through the commands of other axes, which are corrected themselves; and an axis that is corrected
-    depends on its own place."""
+    """(A, A) bool: the same through the commands of other axes, which are corrected themselves; and an
+    axis that is corrected depends on its own place."""
     result = direct | np.diag(direct.any(axis=1))
     for _ in range(len(result)):
         result = result | (result.astype(np.int64) @ result.astype(np.int64) > 0)

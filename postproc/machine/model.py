@@ -36,8 +36,8 @@ class Expansion:
 @dataclass(frozen=True)
 class Axis:
     """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
-    word; measured_at (3,): mm, where the other axes stood, as stated (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
-    that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
+    word; measured_at (3,): mm, where the other axes stood, as stated (`Machine.measured`: what counts);
+    optic: what the measured point was fixed to, "" for the side that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
     mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too."""
 
     letter: str
@@ -135,7 +135,7 @@ class Machine:
 
     @cached_property
     def depends(self) -> np.ndarray:
-        """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j; none for an axis without one."""
+        """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j."""
         return dependence.closed(dependence.direct(self))
 
     @cached_property
@@ -170,8 +170,8 @@ class Machine:
 
     @cached_property
     def reached(self) -> dict[str, tuple[float, float]]:
-        """Axis to where a nominal program can take it, mm or degrees: its travel, and, where places outside the tables are an
-        error, within them."""
+        """Axis to where a nominal program can take it, mm or degrees: its travel, and, where places
+        outside the tables are an error, within them."""
         found = {}
         for x, axis in self.axes.items():
             low, high = axis.travel

@@ -143,7 +143,7 @@ class Machine:
     def load(cls, folder, *, measured_at="stood"):
         """Read `machine.toml` and its tables.
 
-        measured_at = "point": the stated numbers are the point m in the carriage's frame, literally (before 2026-11).
+        measured_at = "point": the stated numbers are the point m in the carriage's frame, literally.
         measured_at = "stood" (the contract): they are positions of the other axes, so an axis that does not stand between the
         carriage and the tool (tool's side), or does not carry towards it (workpiece's side), gives no arm.
         """
