@@ -242,19 +242,13 @@ def wide(machine: Machine, travel: float) -> Machine:
     return replace(machine, axes=axes)
 
 
-def test_a_travel_far_wider_than_the_tables_changes_no_bound_and_no_table():
+def test_a_travel_far_wider_than_the_tables_lengthens_no_arm():
     """Places outside the tables are an error, so no arm is longer than they are: within 0.5 mm of a correction."""
     from postproc.machine import places
-    from postproc.machine.marginals import marginals
 
     machine = places.load(str(Path(__file__).resolve().parents[1] / "machines" / "example-mill"))
     far = wide(machine, 5000.0)
     for name in ("steepest", "kink", "second_order"):
         assert getattr(far.bounds, name) == pytest.approx(getattr(machine.bounds, name), rel=2e-3)
-    near_tables, near_said = marginals(machine)
-    tables, said = marginals(far)
-    assert said == near_said
-    for one, other in zip(near_tables, tables, strict=True):
-        assert one[:2] == other[:2] and all(np.array_equal(a, b) for a, b in zip(one[2:], other[2:], strict=True))
     clamped = replace(far, limits=replace(far.limits, outside="clamp"))
     assert clamped.bounds.steepest > 4 * machine.bounds.steepest  # there the arm may be 5 m long

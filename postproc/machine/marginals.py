@@ -22,9 +22,6 @@ NODES = 2000
 SHARES = (0.25, 0.382, 0.5, 0.75)  # where a table is compared between its nodes; 0.382 so that no period escapes
 
 
-Reach = dict[str, tuple[float, float]]  # axis to mm, as Machine.reached
-
-
 class Marginal(NamedTuple):
     """One deviation over one axis: moving and along are letters; nodes (K,) mm; forward, reverse (K,) mm, for targets
     approached in + and in -."""
@@ -57,9 +54,9 @@ def marginals(machine: Machine, at: dict[str, float] | None = None) -> tuple[lis
     for moving in slides:
         pose = pose_of(machine, moving, at or {})
         own = _alone(machine, moving)
-        nodes, missed = _nodes(own, moving, pose, machine.reached)
+        nodes, missed = _nodes(own, moving, pose)
         values = [_along(own, moving, pose, nodes, way) for way in (1.0, -1.0)]
-        spread, by = _spread(own, moving, pose, nodes, machine.reached)
+        spread, by = _spread(own, moving, pose, nodes)
         for row, along in enumerate(machine.letters):
             if along not in slides:
                 continue
@@ -110,9 +107,9 @@ def _along(machine: Machine, moving: str, pose: dict[str, float], nodes: np.ndar
     return machine.deviation(np.stack(rows), np.stack(ways))
 
 
-def _nodes(own: Machine, moving: str, pose: dict[str, float], reach: Reach) -> tuple[np.ndarray, np.ndarray]:
+def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """Positions between which straight lines follow the deviation, and (A,) mm of what they still miss."""
-    low, high = reach[moving]
+    low, high = own.axes[moving].travel
     knots = own.knots.get(moving, [])
     nodes = np.unique(np.concatenate(knots)) if knots else np.array([low, high])
     ends = np.unique(np.clip(np.concatenate([[low, high], nodes]), min(low, nodes[0]), max(high, nodes[-1])))
@@ -146,17 +143,17 @@ def _missed(own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray
 
 
 def _spread(
-    own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray, reach: Reach
+    own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """(A,) mm: how far the deviation is from that at the pose, wherever all others can be, and of each other alone."""
+    """(A,) mm: how far the deviation is from that at the pose, over the travel of all others, and of each other alone."""
     places = {}
     for x, axis in own.axes.items():
         if x != moving and x in own.chain.axes:
             extra = [g.others for g in axis.grids if g.other == x] + [
                 g.others for g in own.axes[moving].grids if g.other == x
             ]
-            inside = np.concatenate([[*reach[x], pose[x]], *extra])
-            places[x] = np.unique(np.clip(inside, *reach[x]))
+            inside = np.concatenate([[*axis.travel, pose[x]], *extra])
+            places[x] = np.unique(np.clip(inside, *axis.travel))
     base = [_along(own, moving, pose, nodes, way) for way in (1.0, -1.0)]
 
     def off(chosen: dict[str, float]) -> np.ndarray:
@@ -180,7 +177,7 @@ def _spread(
 
 def _rest(machine: Machine, slides: list[str]) -> list[str]:
     """A notice where the axes' own parts do not add up to the machine: rotary axes, effects of several axes."""
-    rows = [machine.reached[x] for x in machine.letters]
+    rows = [machine.axes[x].travel for x in machine.letters]
     if not np.all(np.isfinite([rows[machine.letters.index(x)] for x in machine.chain.axes])):
         return []
     inside = [np.where(np.isfinite(r), r, 0.0) for r in rows]

@@ -106,12 +106,12 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
 
 def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
     """Component to mm: by how much the tool stays off where only the mean of both directions is written; a rotation at its
-    longest arm that a program can reach."""
+    longest arm within the machine's travel."""
     left: dict[str, float] = {}
     tables: list[AxisTable | GridTable] = [*found.axes.values(), *found.grids]
     for table in tables:
         half = np.abs(table.forward - table.reverse).reshape(6, -1).max(axis=1) / 2
-        arm = [max(abs(t) for t in machine.reached[x]) for x in machine.chain.arm(table.letter)]
+        arm = [max(abs(t) for t in machine.axes[x].travel) for x in machine.chain.arm(table.letter)]
         reach = float(np.linalg.norm(arm)) if arm else 0.0
         sizes = {
             f"{COMPONENTS[i]}{table.letter}": float(h * (1.0 if i < 3 else reach)) for i, h in enumerate(half) if h
