@@ -85,3 +85,4 @@ class Notice:
     code: str
     message: str
     line: int = 0
+    size: float = 0.0  # of several of one code the largest is told

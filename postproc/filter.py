@@ -136,7 +136,7 @@ class Filter:
         self._rest = b""
         self._numbering = checksums.START
         self._begun = False
-        self._told: set[str] = set()
+        self._told: dict[str, float] = {}
 
     # -- the two verbs -------------------------------------------------------------------------------------------------
 
@@ -270,6 +270,7 @@ class Filter:
         return ProgramError(message, advice, Place(self.name, self.summary.lines + 1, line, start, stop))
 
     def _tell(self, notice: Notice) -> None:
-        if notice.code not in self._told:
-            self._told.add(notice.code)
+        if self._told.get(notice.code, -1.0) < notice.size:
+            self._told[notice.code] = notice.size
+            self.notices[:] = [n for n in self.notices if n.code != notice.code or not notice.size]
             self.notices.append(notice)

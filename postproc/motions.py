@@ -61,7 +61,9 @@ class Holes:
 
     motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks, machine coordinates, of
     the bottom and of R. zero (n,): ticks, where the bottom's word counts from. word (n,): index of that word, -1 where
-    it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R.
+    it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R. tap (n,): whether
+    its feed is tied to the spindle, so that it can not be written out; place (n,): whether the cycle
+    goes to its place, else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -71,6 +73,8 @@ class Holes:
     zero: np.ndarray
     word: np.ndarray
     initial: np.ndarray
+    tap: np.ndarray
+    place: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)
@@ -99,7 +103,7 @@ class Presets:
 def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
-    return Holes(i, i, i, i, i, i, i.astype(bool))
+    return Holes(i, i, i, i, i, i, i.astype(bool), i.astype(bool), i.astype(bool))
 
 
 def no_presets() -> Presets:
@@ -122,7 +126,9 @@ class Motions:
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
     (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
     motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
-    the code that makes it end in an exact stop (G61, G9), 0: none. reason (N,): index into `reasons`, 0: none, of why a correction can not be trusted here.
+    the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
+    (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
+    correction can not be trusted here.
     """
 
     block: np.ndarray
@@ -153,6 +159,8 @@ class Motions:
     relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     sent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
+    whole: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    lead: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.block)

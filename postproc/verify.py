@@ -60,6 +60,11 @@ class Verifier:
         filter_.watchers.append(self.check)
         self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
         self.corrected, self.uncorrected = Largest(), Largest()
+        self.hole_tolerance = filter_.compensator.hole_tolerance
+        self.holes, self.taps = (
+            Largest(),
+            Largest(),
+        )  # how far axes of holes stay off sideways, whose cycle holds its place
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -106,11 +111,13 @@ class Verifier:
             counts = np.where(pieces.corrected, np.where(pieces.take_up, END, PATH), NOTHING)
             end = begin + pieces.share
             self._measure(motions, owner, begin, end, back, (own, led), line, self.corrected, counts)
-            self._measure_holes(motions, motions, own, line, self.uncorrected)
-            self._measure_holes(motions, back, led, line, self.corrected)
+            self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
+            self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
 
-    def _measure_holes(self, nominal: Motions, run: Motions, led: Led, line, into: Largest) -> None:
-        """The axis of each hole from R to its bottom, sideways, and the bottom along it too."""
+    def _measure_holes(
+        self, nominal: Motions, run: Motions, led: Led, line, ends: Largest, axes: Largest, taps: Largest
+    ) -> None:
+        """The axis of each hole from R to its bottom sideways (`axes`, `taps`), and the bottom along it (`ends`)."""
         holes, drilled = nominal.holes, run.holes
         counts = (
             self._all(nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
@@ -123,16 +130,17 @@ class Verifier:
             command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
             top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
             command[row] = top + (bottom - top) * t
-            of = np.full(len(t), drilled.motion[k])
-            rapid = np.ones(len(t), bool)
+            of, rapid = np.full(len(t), drilled.motion[k]), np.ones(len(t), bool)
             for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
                 weight[row] = np.sign(bottom - top)
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
-                off[row, :-1] = 0.0
-                off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
-                distance = np.linalg.norm(off[list(self.machine.corrected)], axis=0)
-                into.take(float(distance.max()), int(line[motion]), bool(slides))
+                deep = float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM)
+                off[row] = 0.0
+                aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
+                if row in self.machine.corrected:
+                    ends.take(abs(deep), int(line[motion]), bool(slides))
+                (taps if holes.tap[k] else axes).take(aside, int(line[motion]), bool(slides))
 
     def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led: the slides of the nominal
@@ -141,6 +149,7 @@ class Verifier:
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
         known &= run.code != HOLE
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
+        whole &= ~nominal.whole[owner]  # a thread in one block is corrected at its ends, as a notice says
         known &= counts != NOTHING
         path = counts == PATH
         length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
@@ -261,7 +270,8 @@ class Verifier:
     @property
     def passed(self) -> bool:
         """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
-        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.allowed
+        holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
+        return self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
 
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
@@ -281,3 +291,14 @@ class Verifier:
             f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}), uncorrected {before.slide / UM:.2f} um, "
             f"hysteresis {self.hysteresis / UM:g} um"
         )
+
+    def _of_holes(self) -> str:
+        """What bends in holes, where the tolerance of holes was used."""
+        said = ""
+        for what, off in (("holes", self.holes), ("taps, which hold their place,", self.taps)):
+            if off.deviation > self.tolerance + self.grid / 2:
+                said += (
+                    f"; {what} up to {off.deviation / UM:.2f} um aside "
+                    f"(line {off.line}; tolerance of holes {self.hole_tolerance / UM:g} um)"
+                )
+        return said

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from postproc.compensate import Options
 from postproc.errors import GcompError, MachineError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
+from postproc.machine.model import Machine
 from postproc.nc import dialects
 from postproc.verify import Verifier
 
@@ -232,3 +234,21 @@ def test_random_machines_are_machines(tmp_path):
             raise AssertionError(str(error)) from None
         kinds.add((len(m.chain.rotary), len(m.corrected), bool(m.grids)))
     assert len(kinds) >= 8
+
+
+def wide(machine: Machine, travel: float) -> Machine:
+    """The same machine, said to travel much farther than its tables reach."""
+    axes = {x: replace(a, travel=(-travel, travel)) for x, a in machine.axes.items()}
+    return replace(machine, axes=axes)
+
+
+def test_a_travel_far_wider_than_the_tables_lengthens_no_arm():
+    """Places outside the tables are an error, so no arm is longer than they are: within 0.5 mm of a correction."""
+    from postproc.machine import places
+
+    machine = places.load(str(Path(__file__).resolve().parents[1] / "machines" / "example-mill"))
+    far = wide(machine, 5000.0)
+    for name in ("steepest", "kink", "second_order"):
+        assert getattr(far.bounds, name) == pytest.approx(getattr(machine.bounds, name), rel=2e-3)
+    clamped = replace(far, limits=replace(far.limits, outside="clamp"))
+    assert clamped.bounds.steepest > 4 * machine.bounds.steepest  # there the arm may be 5 m long

@@ -49,7 +49,7 @@ def corrected(folder: Path, dialect: str, text: str, offsets=None, **options) ->
 def left(folder: Path, dialect: str, text: str, density: float = 2.0, offsets=None):
     """(report, limit): what is left of a program, and how much may be."""
     out, limit = corrected(folder, dialect, text, offsets)
-    machine = Machine.load(folder, measured_at="stood")
+    machine = Machine.load(folder)
     settings = {} if offsets is None else {"offsets": {**machine.offsets, **offsets}}
     return residual(text, out, dialect, machine, samples_per_mm=density, **settings), limit
 

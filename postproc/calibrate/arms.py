@@ -40,6 +40,9 @@ def bring_together(
 ) -> tuple[dict[str, Component], dict[str, dict[str, float]], dict[str, str], list[str]]:
     """All translations of an axis as at one place of the other axes, where its positioning was measured.
 
+    Beside the axes of the arm the measured point itself counts: a file has no word for it, so translations are written as
+    they would be at the carriage, and the tool's own place brings the arm back.
+
     Returns the components, `measured_at` (axis to other axis to mm, those of the arm only), the optic of each axis, and
     what was moved or could not be.
     """
@@ -56,22 +59,23 @@ def bring_together(
         moved = [c for c in mine.values() if not c.angle]
         first = min(moved, key=lambda c: c.name != f"E{letter}{letter}", default=next(iter(mine.values())))
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
-        for x, offset in zip(XYZ, options.point, strict=True):  # without an arm only the point itself counts
-            if x not in arm and offset:
-                measured[letter][x] = offset
+        beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
         for x in arm:
             if any(x not in c.rest for c in moved):
                 told.append(f"{letter}: the recordings do not say where {x} stood; taken as 0")
         for component in moved:
             away = {x: first.rest.get(x, 0.0) - component.rest.get(x, 0.0) for x in arm}
             away = {x: d for x, d in away.items() if abs(d) > SAME_PLACE}
-            if away:
-                result[component.name], says = _carried(component, away, mine)
+            if away or beside:
+                why = f"elsewhere than E{letter}{letter}" if away else "beside the carriage"
+                result[component.name], says = _carried(component, beside | away, mine, why)
                 told.append(says)
     return result, measured, optics, told
 
 
-def _carried(component: Component, away: dict[str, float], mine: dict[str, Component]) -> tuple[Component, str]:
+def _carried(
+    component: Component, away: dict[str, float], mine: dict[str, Component], why: str
+) -> tuple[Component, str]:
     """A translation as it would be with the others `away` mm further: what the axis' own angles make of that arm."""
     row = XYZ.index(component.name[1])
     extra, variance = np.zeros_like(component.value), np.zeros_like(component.value)
@@ -93,7 +97,7 @@ def _carried(component: Component, away: dict[str, float], mine: dict[str, Compo
             extra[way] += sign * distance * np.interp(component.nodes, angle.nodes, angle.value[way])
             variance[way] += (distance * np.interp(component.nodes, angle.nodes, np.nan_to_num(angle.u[way]))) ** 2
     where = ", ".join(f"{x} {d:+g} mm" for x, d in away.items())
-    says = f"{component.name} was measured elsewhere than E{component.letter}{component.letter} ({where} to go)"
+    says = f"{component.name} was measured {why} ({where} to go)"
     if used:
         says += f": carried there with {', '.join(used)}, by up to {np.abs(extra).max() * 1e3:.2f} um"
     if missing:

@@ -69,7 +69,9 @@ def show(machine: Machine) -> str:
             lines.append("  no error table")
             continue
         table = axis.table
-        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes")
+        lines.append(
+            f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes{_beyond(machine, letter)}"
+        )
         for row in range(6):
             forward, reverse = table.forward[row], table.reverse[row]
             if not (np.any(forward) or np.any(reverse)):
@@ -106,6 +108,19 @@ def show(machine: Machine) -> str:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
     return "\n".join(lines)
+
+
+def _beyond(machine: Machine, letter: str) -> str:
+    """What becomes of places where a slide can go and its table does not reach."""
+    axis, limits = machine.axes[letter], machine.limits
+    if axis.table is None or letter in ROTARY:
+        return ""
+    first, last = axis.table.nodes[0], axis.table.nodes[-1]
+    beyond = max(first - axis.travel[0], axis.travel[1] - last)
+    if beyond <= limits.max_correction:
+        return ""
+    held = "its end values hold there" if limits.outside == "clamp" else "places there are refused"
+    return f"; the travel goes {beyond:g} mm beyond it: {held}"
 
 
 def _chain(machine: Machine) -> list[str]:

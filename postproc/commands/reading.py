@@ -37,6 +37,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="how far the path may stay off: 0.5um, 0.001mm (default: one least increment, 0.5um at least)",
     )
     how.add_argument(
+        "--hole-tolerance",
+        metavar="LENGTH",
+        type=values.tolerance,
+        help="how far the axis of a hole or tap may bend while its cycle stays (default: 5um; --tolerance at least)",
+    )
+    how.add_argument(
         "--reversal",
         choices=("mean", "step", "ramp", "off"),
         help="what to do where an axis turns back (default: the machine's, or step)",
@@ -190,7 +196,10 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
         machine, offsets, options.start, options.block_delete == "on", options.arc_centre,
         (options.integers or "").replace("-", " "),
     )  # fmt: skip
-    how = Options(options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids)
+    how = Options(
+        options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
+        hole_tolerance=options.hole_tolerance,
+    )  # fmt: skip
     filter_ = Filter(machine, dialect, setup, how)
     filter_.notices += notices
     return filter_

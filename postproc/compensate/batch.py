@@ -13,6 +13,7 @@ from postproc.compensate import sides, turning
 from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
+from postproc.compensate.known import known
 from postproc.errors import Notice
 from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
@@ -38,10 +39,9 @@ class Batch:
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
-        chained = list(self.machine.chained)
-        self.known: np.ndarray = np.all(motions.target_known[chained], axis=0)
-        self.start_known: np.ndarray = np.all(motions.start_known[chained], axis=0)
-        self.free = self.known & ~motions.alone  # motions whose end is corrected
+        self.places = known(self.machine, motions)
+        self.known, self.start_known = self.places.end, self.places.start
+        self.free = self.known & ~motions.alone & ~self.places.idle  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
 
@@ -77,11 +77,13 @@ class Batch:
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
-        free = self.free[motion]
+        self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
+        self.left = ~(self.free[motion] & self.told) & (m.word[:, motion] < 0)
         # So does everything where the nominal path does not move at all.
-        self.left = (~free & (m.word[:, motion] < 0)) | (idle & (travel == 0).all(axis=0))
+        self.left |= idle & (travel == 0).all(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
+            self.left[:, self.hole[~m.holes.place]] = True
 
     def approach(self) -> None:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
@@ -172,6 +174,8 @@ class Batch:
             self.end[on, inner] = self.grid(inner, self.end_nominal[:, inner])[self.fixed]
         last = self.last.nonzero()[0]
         self.end[np.array(self.fixed, np.int64)[:, None], last] = nominal_ticks[self.fixed][:, last]
+        if not self.told.all():
+            self.end = np.where(self.told, self.end, nominal_ticks)
         if not free.all():
             self.end[:, ~free] = nominal_ticks[:, ~free]
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
@@ -202,13 +206,14 @@ class Batch:
             exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
             self.wanted[:, which] = self.grid(which, exact)
         self.wanted[self.fixed] = self.before[self.fixed]
+        self.wanted = np.where(self.told, self.wanted, self.before)
 
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its correction has changed by
         more than half the tolerance. Sets `begin` (A, S), where each stroke is begun, and the final `before` and `end`."""
         free, known = self.free[self.motion], self.known_before
         held = (self.travel == 0).any(axis=1)
-        if known.all() and not (self.turning.any() or held[self.rows].any() or self.left.any()):
+        if known.all() and self.told.all() and not (self.turning.any() or held[self.rows].any() or self.left.any()):
             self.begin = self.before
             return
         code = self.m.code[self.motion]

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, holes, limits
+from postproc.compensate import approach, cut, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import XYZ
@@ -20,13 +20,19 @@ from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
 from postproc.units import TICKS_PER_MM
 
+# mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
+# (ISO 5458), leaves to one side.
+HOLE_TOLERANCE = 0.005
+
 
 @dataclass(frozen=True)
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
     outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
-    arc_mismatch: mm that radii of start and end may come to differ by; hysteresis: mm that the wanted place of a slide
-    may turn back before it is taken to the other side of its lost motion (None: as the machine says)."""
+    arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a
+    hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
+    least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
+    taken up (None: as the machine says)."""
 
     tolerance: float | None = None
     outside: str | None = None
@@ -34,6 +40,7 @@ class Options:
     ramp: float | None = None
     cut_rapids: bool = False
     arc_mismatch: float = 0.005
+    hole_tolerance: float | None = None
     hysteresis: float | None = None
 
 
@@ -53,10 +60,14 @@ class Compensator:
     """A machine and the options, ready to correct batches. Holds no state."""
 
     def __init__(self, machine: Machine, options: Options = Options()):
+        if options.outside and options.outside != machine.limits.outside:  # what can be reached, and so every bound
+            machine = replace(machine, limits=replace(machine.limits, outside=options.outside))
         self.machine, self.options = machine, options
         least = [axis.least_increment for axis in machine.axes.values()]
         rounding = np.array([a.least_increment / (2 if x in machine.diameter else 1) for x, a in machine.axes.items()])
         self.tolerance = options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
+        asked = options.hole_tolerance if options.hole_tolerance is not None else HOLE_TOLERANCE
+        self.hole_tolerance = max(asked, self.tolerance)
         # Where no table and no effect asks for it, there is no direction to follow.
         self.mode = (options.reversal or machine.reversal) if machine.two_way.any() else "mean"
         self.outside = options.outside or machine.limits.outside
@@ -158,6 +169,7 @@ class Compensator:
         b.settle_ends()
         b.spread_reversals()
         b.lead_beyond()
+        threads.say(b)
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)

@@ -9,7 +9,7 @@ from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.fit import Fitter, Rows
 from postproc.errors import MotionFault
-from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID
+from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID, THREAD
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
@@ -52,6 +52,7 @@ def straight_pieces(b: Batch):
     if not len(straight):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
+    may |= (code[straight] == THREAD) & ~m.whole[motion[straight]]
     may &= b.free[motion[straight]] & b.known_before[straight] & (m.cutter[motion[straight]] != ENTRY)
     chosen = straight[may]
     if not b.c.reach.any():

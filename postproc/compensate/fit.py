@@ -314,7 +314,8 @@ class Fitter:
         good &= (turns(s.sweep) == 0) | (self.single[rows.arc] & (rows.t0 == 0) & (rows.t1 == 1))
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
-        good &= np.abs(radius1 - radius0) <= was + self.mismatch
+        # Together they must stay below the control's limit, twice the mismatch; what misses by more already, by no more.
+        good &= np.abs(radius1 - radius0) <= np.where(was <= self.mismatch, was + self.mismatch, was)
         return good
 
     def _turned(self, s: Samples, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -41,16 +41,16 @@ def check_unknown(b: Batch) -> None:
         return
     lost = ~b.known & ~b.m.alone
     for i in (lost & (b.m.code != RAPID)).nonzero()[0][:1]:
-        axes = " ".join(
-            x for k, x in enumerate(b.machine.letters) if k in b.machine.chained and not b.m.target_known[k, i]
-        )
+        axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
         raise MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
     for i in lost.nonzero()[0][:1]:
-        b.notices.append(Notice("rapid", "rapids before every axis has its position are left as they are", int(i)))
+        b.notices.append(
+            Notice("rapid", "rapids before every axis that matters has its position are left as they are", int(i))
+        )
     for i in (b.free & ~b.start_known & (b.m.code == FEED)).nonzero()[0][:1]:
         b.notices.append(
             Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))
@@ -70,7 +70,7 @@ def check_inside(b: Batch) -> None:
         first, last = ranges
         low, high = first - EDGE, last + EDGE
         value = b.end_nominal[row]
-        bad = (value < low) | (value > high)
+        bad = ((value < low) | (value > high)) & b.m.target_known[row, b.motion]
         if len(b.m.arcs):
             extent = _arc_extent(b, row, first)
             bad = (bad & free) | (extent[0] < low) | (extent[1] > high)
@@ -125,14 +125,14 @@ def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
 def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction, mm."""
     free = b.free[b.motion]
-    correction = np.abs(b.exact - b.end_nominal)[b.rows]
+    correction = np.where(b.told, np.abs(b.exact - b.end_nominal), 0.0)[b.rows]
     largest = b.machine.limits.max_correction
     over = (free & (correction > largest).any(axis=0)).nonzero()[0]
     faults = [(int(i), "over") for i in over[:1]]
     for row in b.rows:
         low, high = b.machine.axes[b.machine.letters[row]].travel
         value = b.end[row] / TICKS_PER_MM
-        beyond = (value < low - EDGE) | (value > high + EDGE)
+        beyond = ((value < low - EDGE) | (value > high + EDGE)) & b.m.target_known[row, b.motion]
         if beyond.any():
             faults += [(int(i), b.machine.letters[row]) for i in (free & beyond).nonzero()[0][:1]]
     if not faults:

@@ -93,7 +93,8 @@ class Course:
         at = which.nonzero()[0]
         if len(at):
             weight = self.spread(side)[:, at]
-            result[:, at] = command(b.machine, b.end_nominal[:, at], weight, b.motion[at])
+            found = command(b.machine, b.end_nominal[:, at], weight, b.motion[at])
+            result[:, at] = np.where(b.told[:, at], found, b.end_nominal[:, at])
         return result
 
     def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

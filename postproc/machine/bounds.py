@@ -1,7 +1,8 @@
 """How far a machine's deviation can bend between two places, and how fast it can change: what makes cuts and samples safe.
 
 Tables are linear between nodes. What bends in between are products: an angle times an arm that grows (twist), a table of
-two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place inside the travel.
+two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place that a program can reach
+(`Machine.reached`).
 """
 
 from __future__ import annotations
@@ -84,18 +85,20 @@ class Bounds:
         """mm: the longest arm of an axis."""
         m = self.machine
         axis = m.axes[letter]
-        arm = np.abs(m.tool - axis.measured_at)
+        arm = np.abs(m.tool - m.measured[letter])
         if m.chain.rotary:  # turned about, every part of the arm may point anywhere
             slides = sum(self._travel(x) for x in m.chain.axes if x in XYZ)
             centres = sum(2 * float(np.linalg.norm(m.axes[x].centre)) for x in m.chain.rotary)
-            return float(np.linalg.norm(m.tool) + np.linalg.norm(axis.measured_at)) + slides + centres
+            return float(np.linalg.norm(m.tool) + np.linalg.norm(m.measured[letter])) + slides + centres
         if letter in m.chain.axes:
             for other in m.chain.arm(letter, axis.optic):
                 arm[XYZ.index(other)] += self._travel(other)
         return float(np.linalg.norm(arm))
 
     def _travel(self, letter: str) -> float:
-        return min(max(abs(t) for t in self.machine.axes[letter].travel), FARTHEST)
+        m = self.machine
+        farthest = max(abs(t) for t in m.reached[letter]) + m.limits.max_correction
+        return min(farthest, max(abs(t) for t in m.axes[letter].travel), FARTHEST)
 
     @cached_property
     def second_order(self) -> float:

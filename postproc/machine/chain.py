@@ -48,6 +48,15 @@ class Chain:
         own = (optic or self.side(letter)) == "workpiece"
         return tuple(x for x in self.axes[at if own else at + 1 :] if x in XYZ)
 
+    def counted(self, letter: str, measured: np.ndarray) -> np.ndarray:
+        """(3,) mm: of the place (3,) mm where the others stood while `letter` was measured, what its arm counts from.
+
+        Only the axes that it carries, towards the tool, lie in its arm; where any other stood, itself among them, changes
+        nothing and is ignored (contract of a machine, "Meaning").
+        """
+        carried = self.axes[self.axes.index(letter) + 1 :] if letter in self.axes else ()
+        return np.where([x in carried for x in XYZ], measured, 0.0)
+
 
 def parse(text: str) -> Chain:
     """Read "w-X-Y-b-Z-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is wrong."""
@@ -68,7 +77,8 @@ def parse(text: str) -> Chain:
 def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]) -> Arms:
     """Per axis the part of the arm that stays, and per direction whether the slide of that direction adds to it.
 
-    tool (3,) mm; measured: axis to (3,) mm, where the others stood; optic: axis to what the measured point was fixed to.
+    tool (3,) mm; measured: axis to (3,) mm, where the others of its arm stood (`counted`); optic: axis to what the
+    measured point was fixed to.
     """
     return {
         x: [

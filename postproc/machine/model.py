@@ -9,9 +9,10 @@ from types import ModuleType
 
 import numpy as np
 
-from postproc.machine import rotary
+from postproc.machine import dependence, rotary
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, arms, leans, tip_deviation
+from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, leans, tip_deviation
+from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 
@@ -35,8 +36,8 @@ class Expansion:
 @dataclass(frozen=True)
 class Axis:
     """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
-    word; measured_at (3,): mm, where the other axes stood; optic: what the measured point was fixed to, "" for the side
-    that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
+    word; measured_at (3,): mm, where the other axes stood, as stated (`Machine.measured`: what counts);
+    optic: what the measured point was fixed to, "" for the side that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
     mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too."""
 
     letter: str
@@ -135,6 +136,11 @@ class Machine:
         return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes)
 
     @cached_property
+    def depends(self) -> np.ndarray:
+        """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j."""
+        return dependence.closed(dependence.direct(self))
+
+    @cached_property
     def grids(self) -> tuple[GridTable, ...]:
         own = tuple(grid for axis in self.axes.values() for grid in axis.grids)
         return own + tuple(grid for term in self.effects for grid in term.grids)
@@ -163,6 +169,19 @@ class Machine:
             covered.setdefault(grid.letter, []).append(grid.nodes)
             covered.setdefault(grid.other, []).append(grid.others)
         return {x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c))) for x, c in covered.items()}
+
+    @cached_property
+    def reached(self) -> dict[str, tuple[float, float]]:
+        """Axis to where a nominal program can take it, mm or degrees: its travel, and, where places
+        outside the tables are an error, within them."""
+        found = {}
+        for x, axis in self.axes.items():
+            low, high = axis.travel
+            if self.limits.outside == "error" and x in self.ranges and x in XYZ:
+                first, last = self.ranges[x]
+                low, high = max(low, first), min(high, last)
+            found[x] = (low, high) if low < high else axis.travel
+        return found
 
     @cached_property
     def expansions(self) -> dict[str, Expansion]:
@@ -274,16 +293,21 @@ class Machine:
         if self.chain.rotary:
             parts = rotary.tip_deviation(self.geometry, each, q)
         else:
-            parts = tip_deviation(self._arms, each, self._leans, q)
+            parts = tip_deviation(self.arms, each, self._leans, q)
         result = np.zeros(position.shape)
         for row in self.corrected:
             result[row] = parts[XYZ.index(self.letters[row])]
         return result
 
     @cached_property
-    def _arms(self) -> Arms:
-        measured = {x: axis.measured_at for x, axis in self.axes.items()}
-        return arms(self.chain, self.tool, measured, {x: axis.optic for x, axis in self.axes.items()})
+    def measured(self) -> dict[str, np.ndarray]:
+        """Axis to (3,) mm: where the axes of its arm stood while it was measured; 0 for those that are none of it."""
+        return {x: self.chain.counted(x, axis.measured_at) for x, axis in self.axes.items()}
+
+    @cached_property
+    def arms(self) -> Arms:
+        """Axis to the part of its arm that stays and the slide that adds to it, per direction."""
+        return chain_arms(self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()})
 
     @cached_property
     def _leans(self) -> dict[str, list[tuple[int, float]]]:
@@ -294,7 +318,7 @@ class Machine:
         """What of the machine does not move, as rotary chains need it."""
         a = self.axes
         return rotary.Geometry(
-            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, {x: a[x].measured_at for x in a},
+            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, self.measured,
             {x: a[x].optic for x in a},
         )  # fmt: skip
 

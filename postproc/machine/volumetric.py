@@ -77,7 +77,7 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     left: dict[str, float] = {}
     for x in machine.chain.axes:
         axis = machine.axes[x]
-        offset = machine.tool - axis.measured_at
+        offset = machine.tool - machine.measured[x]
         own = (x in machine.chain.arm(x, axis.optic)) - (x in machine.chain.arm(x))
         for table in (axis.table, *axis.grids):
             if table is None or not table.rows:

@@ -12,6 +12,7 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
 from postproc.nc.batch import Batch
+from postproc.nc.columns import spread
 from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.units import TICKS_PER_MM
@@ -189,16 +190,18 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
     d = batch.dialect
     miss = np.abs(radius - radius_end)
     largest = np.maximum(radius, radius_end)
-    wrong = (miss > d.arc_tolerance_most_mm) | (
-        (miss > d.arc_tolerance_mm) & (miss > d.arc_tolerance_relative * largest)
-    )
+    inch = spread(batch.held("units"), batch.n)[blocks] == 200
+    more = np.where(inch, d.arc_tolerance_inch, 1.0)
+    limit = d.arc_tolerance_mm * more
+    wrong = (miss > d.arc_tolerance_most_mm * more) | ((miss > limit) & (miss > d.arc_tolerance_relative * largest))
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
     bad = (wrong & good & ~zero).nonzero()[0]
     for i in bad:
+        arc_tolerance_mm = limit[i]
         batch.blame(
             blocks[i : i + 1],
-            f"the arc misses its own end point by {miss[i]:.4f} mm (limit {d.arc_tolerance_mm:g} mm)",
+            f"the arc misses its own end point by {miss[i]:.4f} mm (limit {arc_tolerance_mm:.4g} mm)",
             "I J K were read as " + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
             + ": if the program means it the other way, say so with --arc-centre",
         )  # fmt: skip

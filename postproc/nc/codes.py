@@ -42,7 +42,7 @@ FRAME_KEYS = (
     "no length", "extended", "trans", "atrans", "no frame", "store", "frame",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
-CYCLE_KEYS = ("drill", "tap", "thread")
+CYCLE_KEYS = ("drill", "tap", "there and back", "thread")
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
 QUIET_KEYS = ("words",)  # the axis words are data (limits, a pole): nothing moves, every place stays known
 DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *QUIET_KEYS)

@@ -23,6 +23,7 @@ from postproc.nc.lexer import RELATIVE, Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
 from postproc.nc.stops import exact_stops
+from postproc.nc.threads import thread_words
 from postproc.pieces import Pieces
 
 INSERT_CODE = 1
@@ -92,6 +93,7 @@ class Batch:
             inverse_time(self)
             self.late_codes()
             exact_stops(self)
+            thread_words(self)
             self.frames_of_blocks((~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
         state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)

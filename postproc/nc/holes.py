@@ -13,7 +13,7 @@ import numpy as np
 
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
-from postproc.nc.columns import hold_index
+from postproc.nc.columns import hold_index, spread
 from postproc.nc.state import NONE, Cycle
 from postproc.units import TICKS_PER_MM
 
@@ -57,6 +57,8 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     row = b.rows[letter]
     cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
+    if b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any():
+        return _there_and_back(b, mask, letter, cycle, absolute, axis_words)
     absolute_word, increment = axis_words[letter]
     depth = np.sort(np.concatenate([absolute_word, increment]))
     depth = depth[mask[b.words.block[depth]]]
@@ -100,6 +102,30 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     )  # fmt: skip
 
 
+def _there_and_back(b: Batch, mask: np.ndarray, letter: str, cycle: Cycle, absolute: np.ndarray, axis_words) -> InCycle:
+    """G33.1: in step with the spindle from where the axes stand to the words, and back there (LinuxCNC as measured)."""
+    row = b.rows[letter]
+    word = np.full(b.n, -1, np.int64)
+    place = axis_words[letter][0]
+    place = place[mask[b.words.block[place]]]
+    word[b.words.block[place]] = place
+    holes = (mask & b.has_axis & ~b.taken).nonzero()[0]
+    for other in (x for x in b.rows if x != letter):
+        named = np.isin(holes, b.words.block[axis_words[other][0]])
+        b.blame(
+            holes[named], f"a rigid tap with a word of {other}", f"go to its place before it: G33.1 with {letter} alone"
+        )
+    level = np.full(b.n, cycle.initial, np.int64)
+    zero = np.where(absolute, np.broadcast_to(b.offset[row], b.n), level)
+    scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
+    bottom = level.copy()
+    bottom[b.words.block[place]] = b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
+    return InCycle(
+        letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes], level=level[holes],
+        zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool), known=cycle.known, after=None,
+    )  # fmt: skip
+
+
 def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None):
     """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was ever given."""
     block = b.words.block[place]
@@ -137,8 +163,9 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
     """The holes among the motions whose blocks these are."""
     if cycle is None or not len(cycle.blocks):
         return no_holes()
-    motion = np.searchsorted(block, cycle.blocks)
+    motion, code = np.searchsorted(block, cycle.blocks), spread(b.held("motion"), b.n)[cycle.blocks]
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level, zero=cycle.zero,
         word=cycle.word, initial=cycle.initial,
+        tap=b.dialect.is_tap[code], place=~b.dialect.there_and_back[code],
     )  # fmt: skip

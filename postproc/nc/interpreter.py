@@ -37,6 +37,7 @@ from postproc.nc.refusals import (
     unnamed_motions,
 )
 from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
+from postproc.nc.threads import thread_columns
 from postproc.nc.zeros import offset_columns
 from postproc.units import TICKS_PER_MM
 
@@ -270,13 +271,14 @@ def columns(
         absolute=spread(b.held("arc centre"), n)[block] == 901, alone=alone,
     )  # fmt: skip
     arcs = arcs_of(b, places, circle, centre_words)
+    whole, lead = thread_columns(b, block, code, motion, feed[block])
     return Motions(
         block=block, code=code, start=places.start, target=places.target, start_known=places.start_known,
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
         reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
-        length=np.repeat(b.frame.length[:, None], len(block), axis=1),
+        length=np.repeat(b.frame.length[:, None], len(block), axis=1), whole=whole, lead=lead,
     )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.errors import Notice
 from postproc.nc.batch import Batch
 from postproc.nc.zeros import (
     changed,
@@ -19,6 +20,9 @@ from postproc.nc.zeros import (
     work_columns,
 )
 from postproc.units import TICKS_PER_MM
+
+UNNAMED = ("G43 without H takes the length of the tool in the spindle, and which that is is not known",
+           "write the tool's number with T and M6 before it, or G43 H with its number")  # fmt: skip
 
 
 def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
@@ -48,26 +52,39 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
 
 
 def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
-    """G43 H: the tool's length shifts the coordinates. Without H: the tool in use, or no tool at all."""
+    """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the offset value of H0 is
+    always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured): the length of the tool in the spindle."""
     number = number_of(b, "H")
-    if number is None or (number == 0 and b.dialect.local_is_preset and not add):
+    if number is None:
         number = float(_tool_in_spindle(b))
+    elif number == 0 and b.dialect.local_is_preset:
+        number = _of_h0(b, add)
     if _units_changed(b):
         return
-    if number == 0:
-        length: np.ndarray | None = np.zeros_like(b.frame.length)
-    else:
-        place = stated_tool(b, "H", int(number)) if number > 0 else None
-        length = None if place is None else sign * ticks_of(b, place)
+    place = stated_tool(b, "H", int(number)) if number >= 0 else None
+    if number == 0 and (place is None or not b.dialect.local_is_preset):
+        place = {}
+    length = None if place is None else sign * ticks_of(b, place)
     if length is None:
-        name = f"H{int(number)}" if number > 0 else "H"
-        reason = (f"the tool length {name} is not stated", f"say it in mm: --offset {name if number > 0 else 'H1'}=Z0 "
-                  "or --offsets FILE with the control's tool table")  # fmt: skip
+        reason = (f"the tool length H{int(number)} is not stated", f"say it in mm: --offset H{int(number)}=Z0 "
+                  "or --offsets FILE with the control's tool table") if number > 0 else UNNAMED  # fmt: skip
         b.frame = with_known(b.frame, "length", reason)
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
     length = b.frame.length + length if add else length
     b.frame = with_known(replace(b.frame, length=length, length_units=units), "length")
+
+
+def _of_h0(b: Batch, add: bool) -> float:
+    """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's own M6, as measured);
+    before any M6 none, which is said."""
+    number = b.state.tool_number if add else _tool_in_spindle(b)
+    if number >= 0:
+        return float(number)
+    if stated_tool(b, "H", 0) is None:
+        b.notices.append(Notice("H0", "G43 H0 takes the length of the tool in the spindle, and no M6 says which that is: "
+                                "taken as no length; else --offset H0=Z.. in mm", int(b.words.line[0])))  # fmt: skip
+    return 0.0
 
 
 def _tool_in_spindle(b: Batch) -> int:

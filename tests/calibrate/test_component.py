@@ -220,9 +220,22 @@ def test_measured_at_names_the_axes_of_the_arm_only():
 
 
 def test_the_measured_point_counts():
-    rng = np.random.default_rng(2)
-    result = calibrate(everything(rng, two_axes(rng), REST), Options(GRINDER, point=(5.0, 0.0, 120.0)))
-    assert result.measured_at["Z"] == {"X": 85.0, "Z": 120.0}
+    """Along X, which Z carries, as a position; along Z, where no axis makes an arm, in the translations: EXZ - 120 EBZ."""
+    at, away = (
+        calibrate(
+            everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST), Options(GRINDER, point=p)
+        )
+        for p in ((5.0, 0.0, 0.0), (5.0, 0.0, 120.0))
+    )
+    assert at.measured_at["Z"] == away.measured_at["Z"] == {"X": 85.0}
+    less = at.components["EXZ"].value - away.components["EXZ"].value
+    assert less == approx(120.0 * away.components["EBZ"].value, abs=1e-9)
+    assert np.abs(less).max() > 1 * UM
+    # At the measured point and at rest the machine deviates by what the laser said.
+    place, sense = np.array([[REST["X"]], [200.0]]), np.ones((2, 1))
+    rows = [at.machine.letters.index(x) for x in "XZ"]
+    said, same = (r.machine.deviation(place[rows], sense)[:, 0] for r in (at, away))
+    assert said == approx(same, abs=1e-9)
 
 
 def test_components_measured_at_two_places_are_brought_together_with_the_angles():

@@ -314,6 +314,8 @@ def _tolerance(dialect: dialects.Dialect) -> str:
     if dialect.arc_tolerance_relative:
         most = dialect.arc_tolerance_most_mm
         text += f", or {100 * dialect.arc_tolerance_relative:g} % of the radius up to {most:.3g} mm"
+    if dialect.arc_tolerance_inch != 1:
+        text += f"; under G20 {dialect.arc_tolerance_inch:g} times as much"
     return text
 
 

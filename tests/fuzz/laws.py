@@ -25,7 +25,7 @@ from postproc.compensate import Options
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import OWN_OUTPUT, Filter, setup_of
 from postproc.machine import places
-from postproc.motions import ENTRY, FREE, THREAD
+from postproc.motions import ENTRY, FREE
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
@@ -177,7 +177,7 @@ def filter_of(case: Case) -> Filter:
 
 
 class Watch(Verifier):
-    """The Verifier, and which lines are motions that are never cut: threads, and what leads into or out of cutter
+    """The Verifier, and which lines are motions that are never cut: what leads into or out of cutter
     radius compensation; and whether anything lies inside."""
 
     def __init__(self, filter_: Filter):
@@ -187,7 +187,7 @@ class Watch(Verifier):
 
     def check(self, words, motions, pieces, output, first_line) -> None:
         lines = first_line + words.line[motions.block] + 1
-        self.whole.update(lines[(motions.cutter == ENTRY) | (motions.code == THREAD)].tolist())
+        self.whole.update(lines[motions.cutter == ENTRY].tolist())
         self.beside |= bool((motions.cutter != FREE).any())
         super().check(words, motions, pieces, output, first_line)
 

@@ -106,7 +106,12 @@ def plain(motions, words, first_line) -> list[dict]:
             k = arc_of[i]
             one["centre"] = tuple(motions.arcs.centre[:, k])
             one["sweep"] = float(motions.arcs.sweep[k])
-        if one["kind"] == "arc" or start != end:
+        hole = np.flatnonzero((motions.holes.motion == i) & ~motions.holes.place)
+        if len(hole):  # G33.1: there and back
+            down = list(end)
+            down[int(motions.holes.axis[hole[0]])] = float(motions.holes.bottom[hole[0]]) / TICKS_PER_MM
+            result += [{**one, "end": down}, {**one, "start": down}]
+        elif one["kind"] == "arc" or start != end:
             result.append(one)
     return result
 
@@ -206,3 +211,21 @@ def test_what_linuxcnc_refuses_is_not_taken_for_a_motion(path):
     except ProgramError:
         refused = True
     assert refused != (path.stem in MANNERS)
+
+
+@pytest.mark.parametrize("units", ["G20", "G21"])
+def test_how_far_an_arc_may_miss_its_end_by_units(units):
+    """Radii 1 to 4000 (unit of the program), the miss on either side of each of LinuxCNC's limits: refused by both or by none."""
+    if oracle.available():
+        pytest.skip(oracle.available())
+    limit = 0.002 * 2**0.5 * (1 if units == "G20" else 10)
+    cases = []
+    for radius in (1.0, 2.0, 30.0, 4000.0):
+        for edge in (limit, 0.001 * radius, 100 * limit):
+            for miss in (edge * 0.98, edge * 1.02):
+                cases.append((miss, f"{units} G90\nG0 X0 Y0\nG2 X{2 * radius + miss:.6f} Y0 I{radius:g} J0 F10\nM2\n"))
+    judged = oracle.motions_of_many([(text, {}) for _, text in cases])
+    refused = [isinstance(answer, oracle.ProgramError) for answer in judged]
+    mine = [any("misses" in m["reason"][0] for m in ours(text, {})) for _, text in cases]
+    assert mine == refused
+    assert 4 < sum(refused) < len(cases) - 4

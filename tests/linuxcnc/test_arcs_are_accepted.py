@@ -141,3 +141,29 @@ def test_growth_is_below_two_and_every_arc_is_accepted(tmp_path):
     assert growth < 2.0
     accepted = oracle.motions(output)
     assert sum(m.kind == "arc" for m in accepted) >= ARCS
+
+
+@pytest.mark.parametrize("units, unit", [("G21", 1.0), ("G20", 25.4)])
+def test_arcs_that_miss_their_end_by_nearly_the_limit_are_still_accepted(tmp_path, units, unit):
+    """To the last digit what LinuxCNC allows (0.0028284 in, 0.028284 mm), which the correction must not raise over the limit: 60 arcs a unit."""
+    reason = oracle.available()
+    if reason:
+        pytest.skip(reason)
+    machine = smooth(tmp_path / "smooth")
+    rng, limit = random.Random(11), 0.00282 if units == "G20" else 0.02828
+    lines = [
+        f"{units} G90 G17 G54",
+        f"G0 X{200 / unit:.4f} Y{150 / unit:.4f} Z0",
+        f"G1 F{1000 / unit:.1f} Z{-1 / unit:.4f}",
+    ]
+    for _ in range(60):
+        x, y, radius = (round(rng.uniform(*edge) / unit, 5) for edge in ((60, 340), (60, 240), (5, 25)))
+        lines += [f"G1 X{x:.5f} Y{y:.5f}", f"G2 X{x + 2 * radius + limit:.5f} Y{y:.5f} I{radius:.5f} J0"]
+    text = "\n".join([*lines, "M2", ""])
+    assert len(oracle.motions(text)) > 100
+    filter_ = Filter(
+        machine, dialects.load("linuxcnc"), setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}), Options(tolerance=0.001)
+    )
+    output = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    assert filter_.summary.changed > 100
+    assert len(oracle.motions(output)) > 100

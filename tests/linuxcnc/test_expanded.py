@@ -130,8 +130,6 @@ REFUSED: dict[str, str] = {
     "rotate_and_reference": "G28 over a place within a turned work offset (G10 L2 R)",
     "rotate_and_reference_stored": "G28 over a place within a turned work offset (G10 L2 R)",
     "rotate_diameter": "X is a diameter within a turned work offset (G10 L2 R)",
-    "sync_g33_1": "G33.1 (rigid tapping)",
-    "sync_g33_1_modes": "G33.1 (rigid tapping)",
     "sync_g76_diameter": "G76 (threading in many passes)",
     "turn_g70_passes": "G70 along a shape that goes towards +Z",
     "turn_g71_1": "G71.1 chooses pockets",

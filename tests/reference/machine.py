@@ -165,11 +165,11 @@ class Machine:
         self.max_correction, self.outside = max_correction, outside
 
     @classmethod
-    def load(cls, folder, *, measured_at="point"):
+    def load(cls, folder, *, measured_at="stood"):
         """Read `machine.toml` and its tables.
 
         measured_at = "point": the stated numbers are the point m in the carriage's frame, literally.
-        measured_at = "stood": they are positions of the other axes, so an axis that does not stand between the
+        measured_at = "stood" (the contract): they are positions of the other axes, so an axis that does not stand between the
         carriage and the tool (tool's side), or does not carry towards it (workpiece's side), gives no arm.
         """
         if measured_at not in ("point", "stood"):

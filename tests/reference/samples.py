@@ -59,7 +59,7 @@ def write_machine(
     return folder
 
 
-def make(folder, *args, literal="point", **settings):
+def make(folder, *args, literal="stood", **settings):
     return Machine.load(write_machine(folder, *args, **settings), measured_at=literal)
 
 

@@ -47,7 +47,9 @@ def random_machine(rng, chain_text, scale=1.0):
         axes[letter] = Axis(letter, (-400.0, 400.0), 1e-4, measured, table, optic, centre, location)
         square[letter] = scale * lean
         q = float(rng.uniform(-300, 300) if linear else rng.uniform(-170, 170))
-        links.append(Link(letter, chain.side(letter), q, errors[:3], errors[3:], shift, lean, measured, centre, optic))
+        carried = chain.axes[chain.axes.index(letter) + 1 :]  # where any other stood is no arm
+        counts = np.where([x in carried for x in XYZ], measured, 0.0)
+        links.append(Link(letter, chain.side(letter), q, errors[:3], errors[3:], shift, lean, counts, centre, optic))
     links.sort(key=lambda link: chain.axes.index(link.letter))
     return Machine("m", "", "linuxcnc", chain, axes, square=square, tool=tool), links
 

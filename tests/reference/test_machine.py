@@ -168,7 +168,7 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
                 # The tool's side leaves its own travel out, the workpiece's side has it in.
                 carried = names[k + 1 :] if k >= bed else names[k:]
                 r = np.array([tool[a] for a in "XYZ"]) + sum((q[a] * unit[a] for a in carried), np.zeros(3))
-                m = np.array([measured_at[axis][a] for a in "XYZ"])
+                m = np.array([measured_at[axis][a] if a in names[k + 1 :] else 0.0 for a in "XYZ"])
                 total += d + np.cross(eps, r - m) + np.cross(scale * lean[axis], q[axis] * unit[axis])
             left.append(np.abs(machine.deviation(q, {}) - total).max())
         # 3 x 100 µrad (and the lean) turn 600 mm once more, and 3 x 87 µm: 6e-4 * (6e-4 * 1000 + 0.3) mm
@@ -178,8 +178,8 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
 
 def test_measured_at_of_an_axis_that_gives_no_arm(tmp_path):
     """w-b-Z-X-t: Z is below X, so where Z stood while X was measured is no arm, if the numbers are positions."""
-    point = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}})
-    stood = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}}, literal="stood")
+    point = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}}, literal="point")
+    stood = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}})
     assert point.deviation({"X": 0, "Z": 0}, {})[0] == approx(-0.025, abs=2e-6)
     assert stood.deviation({"X": 0, "Z": 0}, {})[0] == 0.0
 

@@ -15,6 +15,7 @@ from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, C
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
+HOLES = ("drill", "tap", "there and back")  # of CYCLE_KEYS; the latter two go with the spindle
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -28,7 +29,8 @@ class Dialect:
     `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis. `dwell`: letters
     of the dwell time in a G4 block. `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and
     `arc_tolerance_relative`: start and end radius of an arc may differ by the former, and by more only within the
-    latter, never by more than `arc_tolerance_most_mm`; a smaller radius than `radius_tolerance_mm` is none, and R
+    latter, never by more than `arc_tolerance_most_mm`; `arc_tolerance_inch`: how many times as much, both, in blocks
+    under G20; a smaller radius than `radius_tolerance_mm` is none, and R
     may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell
     who writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one
     block are an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module
@@ -41,6 +43,10 @@ class Dialect:
     of codes. `motion`: ten times the motion code that holds before a program names one. `increments_travel_shifts`:
     the first increment after TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
+
+    `threads_chained`: ten times the thread codes that go on in step with the spindle where one stands behind another, so
+    that a thread may be cut into blocks; `threads_under`: ten times the codes of the group "path" under which they do,
+    NONE for a program that names none. `thread_words`: letters of a thread's lead.
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
     outside of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
@@ -68,6 +74,7 @@ class Dialect:
     arc_tolerance_mm: float = 0.01
     arc_tolerance_relative: float = 0.0
     arc_tolerance_most_mm: float = 0.01
+    arc_tolerance_inch: float = 1.0
     radius_tolerance_mm: float = 0.001
     tool_offsets: bool = False
     integer_notice: str = ""
@@ -85,6 +92,9 @@ class Dialect:
     motion: int = NONE
     increments_travel_shifts: bool = False
     exact_stops: tuple[int, ...] = ()
+    threads_chained: tuple[int, ...] = ()
+    threads_under: tuple[int, ...] = (NONE, 640)
+    thread_words: str = ""
     remarks: tuple[str, ...] = ()
     ends: tuple[int, ...] = END_OF_PROGRAM
     modal_motion: bool = True
@@ -144,7 +154,21 @@ class Dialect:
     def is_hole(self) -> np.ndarray:
         """(LARGEST_G,) canned cycles for holes."""
         table = np.zeros(LARGEST_G, dtype=bool)
-        table[[code.number for code in self.codes if code.does in ("drill", "tap")]] = True
+        table[[code.number for code in self.codes if code.does in HOLES]] = True
+        return table
+
+    @cached_property
+    def is_tap(self) -> np.ndarray:
+        """(LARGEST_G,) cycles for holes whose feed is tied to the spindle."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        table[[code.number for code in self.codes if code.does in HOLES[1:]]] = True
+        return table
+
+    @cached_property
+    def there_and_back(self) -> np.ndarray:
+        """(LARGEST_G,) taps that go from where the axes stand to their words, and back there."""
+        table = np.zeros(LARGEST_G, dtype=bool)
+        table[[code.number for code in self.codes if code.does == "there and back"]] = True
         return table
 
     @cached_property
@@ -177,7 +201,7 @@ class Dialect:
         """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or
         end."""
         table = np.zeros(LARGEST_G, dtype=bool)
-        cycles = any(code.does in ("drill", "tap") for code in self.codes)
+        cycles = any(code.does in HOLES for code in self.codes)
         for code in self.codes:
             table[code_number(code.word)] = (
                 code.does in FRAME_KEYS

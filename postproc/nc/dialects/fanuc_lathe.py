@@ -58,6 +58,8 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="KL",
     exact_stops=(90, 610),
+    threads_chained=(320, 330),
+    thread_words="FE",
     integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on "
     "a control that reads them as least increments the program means something else",
     one_code_per_group=False,

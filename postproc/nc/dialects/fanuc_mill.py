@@ -101,6 +101,7 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="KL",
     exact_stops=(90, 610),
+    thread_words="F",
     signs=(
         *MACRO_SIGNS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",

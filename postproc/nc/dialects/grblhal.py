@@ -66,6 +66,7 @@ DIALECT = Dialect(
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
     letters="E",
+    thread_words="K",
     signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"#\d+[ \t]*=", r"G65[ \t]*P\d"),
     remarks=(r"\bGRBLHAL\b",),
 )  # fmt: skip

@@ -124,6 +124,8 @@ DIALECT = Dialect(
     extended_by_p=True,
     repeats="L",
     exact_stops=(90, 610),
+    threads_chained=(330,),
+    thread_words="FE",
     letters="E",
     signs=(
         r"^(N\d+[ \t]*)?T(?!0000)\d{3,4}\b",

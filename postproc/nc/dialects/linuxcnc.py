@@ -48,7 +48,7 @@ DIALECT = Dialect(
         *COMMON, *UNITS, *SPINDLE, *CUTTER, *DYNAMIC_CUTTER, *FEED_MODE, *NO_MOTION, *ARC_CENTRE, *DIAMETER, *MORE_WORK,
         *RETURN, *DATA, *LOCAL, *SET, *SET_ZERO, *SET_OFF, *STORE_REFERENCE, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE,
         *PROBE, *SPLINE, *NURBS, *PECKS, *DRILL, *BORE, *BORE_BY_HAND, *TAP, *BACK_BORE, *THREAD,
-        *rows("motion", {"33.1": "rigid tapping"}, refuses=codes.WRITE_OUT),
+        *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
         *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
         *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
@@ -72,9 +72,12 @@ DIALECT = Dialect(
     arc_tolerance_mm=0.02 * 2**0.5,  # CENTER_ARC_RADIUS_TOLERANCE_MM
     arc_tolerance_relative=0.001,  # SPIRAL_RELATIVE_TOLERANCE
     arc_tolerance_most_mm=2 * 2**0.5,
+    arc_tolerance_inch=2.54,  # CENTER_ARC_RADIUS_TOLERANCE_INCH, 2 * 0.001 * sqrt(2) inches
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
     local_is_preset=True,
     exact_stops=(611,),
+    threads_chained=(330,),
+    thread_words="K",
     letters="E",
     signs=(
         r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)[ \t]*((END)?(SUB|IF|WHILE|REPEAT)|ELSE(IF)?|DO|CALL|RETURN)\b",

@@ -141,6 +141,9 @@ DIALECT = Dialect(
     length_letter="D",
     ends=(2, 17, 30),
     exact_stops=(90, 600),
+    threads_chained=(330,),
+    threads_under=(640, 6410, 6420, 6430, 6440, 6450),  # not named: by machine data, often G60
+    thread_words="IJK",
     signs=(
         r"\b(CR|TURN|RPL|AR|CHR|CHF|RND|RNDM|ADIS|LIMS|SPOS|CTOL|OTOL|FRC)[ \t]*=",
         r"^[ \t]*%_N_\w+",

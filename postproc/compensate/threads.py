@@ -1,0 +1,64 @@
+"""Threads: what of a correction a motion tied to the spindle can take, and what it can not, with its numbers.
+
+Across the lead a thread is corrected along the way where its control goes through several blocks in step; elsewhere at its
+ends. Along the lead the axis follows the spindle, lead times turns, whatever the words say: only where it begins and ends is
+corrected, and the map's slope stays in the lead.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.compensate import nodes
+from postproc.compensate.batch import Batch
+from postproc.compensate.inverse import command
+from postproc.errors import Notice
+from postproc.motions import THREAD
+from postproc.units import UM
+
+
+def say(b: Batch) -> None:
+    """One notice of what bends between the ends of a thread that stays one block, one of what its lead is off by."""
+    stroke = ((b.m.code[b.motion] == THREAD) & b.free[b.motion] & b.known_before).nonzero()[0]
+    if not len(stroke):
+        return
+    owner, t, correction = _along(b, stroke)
+    way = (b.end_nominal - b.begin_nominal)[b.rows][:, stroke]
+    length = np.linalg.norm(way, axis=0)
+    ahead = (correction * (way / np.where(length > 0, length, 1.0))[:, owner]).sum(axis=0)
+    bend, slope, drift = np.zeros(len(stroke)), np.zeros(len(stroke)), np.zeros(len(stroke))
+    for k in range(len(stroke)):
+        mine = owner == k
+        at, own, along = t[mine], correction[:, mine], ahead[mine]
+        aside = own - own[:, :1] - (own[:, -1:] - own[:, :1]) * at
+        aside -= way[:, [k]] * (way[:, [k]] * aside).sum(axis=0) / max(length[k] ** 2, 1e-30)
+        bend[k] = np.linalg.norm(aside, axis=0).max()
+        slope[k] = np.abs(np.diff(along) / np.diff(at)).max() / max(length[k], 1e-9)
+        drift[k] = np.ptp(along)
+    lead = b.m.lead[b.motion[stroke]]
+    for worst in np.argsort(-np.where(b.m.whole[b.motion[stroke]], bend, 0.0))[:1]:
+        if b.m.whole[b.motion[stroke[worst]]] and bend[worst] > b.c.tolerance:
+            b.notices.append(Notice(
+                "thread", "a thread that stays one block is corrected at its ends only: between them "
+                f"it stays off by up to {bend[worst] / UM:.1f} um",
+                int(b.motion[stroke[worst]]), float(bend[worst])))  # fmt: skip
+    worst = int(np.argmax(drift))
+    if drift[worst] > b.c.tolerance:
+        turn = f", {slope[worst] * lead[worst] / UM:.3f} um a turn of {lead[worst]:g} mm" if lead[worst] else ""
+        b.notices.append(Notice(
+            "lead", "along a thread the axis follows the spindle: its lead stays off by up to "
+            f"{slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip
+
+
+def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(K,) index into stroke, (K,) t from 0 to 1 with every place where the map bends, (rows, K) mm correction there."""
+    start, target = b.begin_nominal[:, stroke], b.end_nominal[:, stroke]
+    owner, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
+    every = np.arange(len(stroke))
+    owner = np.concatenate([owner, every, every])
+    t = np.concatenate([t, np.zeros(len(stroke)), np.ones(len(stroke))])
+    order = nodes.tidy(owner, t)
+    owner, t = owner[order], t[order]
+    place = start[:, owner] + (target - start)[:, owner] * t
+    exact = command(b.machine, place, b.weight(stroke[owner], place, t), b.motion[stroke[owner]])
+    return owner, t, (exact - place)[b.rows]

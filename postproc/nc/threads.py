@@ -1,0 +1,63 @@
+"""Threads in the text: which of them a control cuts through several blocks, their lead, and the words that every piece repeats.
+
+A control that waits for the spindle's mark at the first block of a thread only, and goes on through the next ones in step,
+lets a thread be cut into pieces. Sources: Fanuc B-64304EN-1, "Constant lead threading" and "Continuous threading"; Haas,
+G32 ("this synchronization remains in effect for each line in a G32 sequence"); LinuxCNC, G33 (issue 704: G33 behind G33 does
+not wait for the index again, by design); Siemens, programming manual fundamentals, G33, chained threads under G64.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.motions import THREAD
+from postproc.nc.batch import Batch
+from postproc.nc.columns import spread
+from postproc.nc.numbers import INSERT_WORD
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.nc.emitter import Batch as Writing
+
+START_ANGLE = "Q"  # what it means in a block that does not start the thread, the manuals leave open
+
+
+def thread_columns(b: Batch, block: np.ndarray, code: np.ndarray, motion: np.ndarray, feed: np.ndarray):
+    """(N,) bool whether a motion must stay one block, and (N,) mm per turn of a thread, 0 where it is not said. code (N,): kind;
+    motion (N,): motion code in force; feed (N,): the F that holds."""
+    whole, lead = np.zeros(len(block), bool), np.zeros(len(block))
+    thread = (code == THREAD).nonzero()[0]
+    if not len(thread):
+        return whole, lead
+    at = block[thread]
+    d = b.dialect
+    chained = np.isin(motion[thread], d.threads_chained) & np.isin(spread(b.held("path"), b.n)[at], d.threads_under)
+    chained &= spread(b.held("feed mode"), b.n)[at] != 930  # F is a time there, not a lead
+    for number in d.exact_stops:
+        chained &= ~np.isin(at, b.single.get(number, ()))
+    chained &= ~np.isin(at, b.words.block[b.places.get(START_ANGLE, np.zeros(0, np.int64))])
+    whole[thread] = ~chained
+    per = np.broadcast_to(b.unit_scale("Z")[0], b.n)[at] / TICKS_PER_MM
+    value = np.where("F" in d.thread_words, feed[thread], 0.0)
+    for letter in d.thread_words.replace("F", ""):
+        place = b.places.get(letter, np.zeros(0, np.int64))
+        column = np.zeros(b.n)
+        column[b.words.block[place]] = np.abs(b.numbers(place))
+        value = np.where(column[at] > 0, column[at], value)
+    lead[thread] = np.nan_to_num(value) * per
+    return whole, lead
+
+
+def thread_words(b: Writing) -> None:
+    """Every piece of a thread that was cut names the lead as its block does."""
+    m, p, w = b.m, b.p, b.w
+    letters = [ord(x) for x in b.e.dialect.thread_words]
+    for i in (~b.first & (m.code[p.motion] == THREAD)).nonzero()[0]:
+        motion = p.motion[i]
+        low, high = np.searchsorted(w.block, [m.block[motion], m.block[motion] + 1])
+        for k in (k for k in range(low, high) if w.letter[k] in letters):
+            text = w.text[w.start[k] : b.tail(np.array([k]))[0]]
+            at, rank = int(b.behind()[motion]), int(b.rank(np.array([i]))[0]) + INSERT_WORD // 2
+            b.splice.texts([at], [at], [rank], [(b" " if b.spaced[motion] else b"") + text])

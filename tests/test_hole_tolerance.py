@@ -1,0 +1,94 @@
+"""Holes and taps have a tolerance of their own: how far an axis may bend while its cycle holds X and Y."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from postproc.compensate import Options
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine.chain import parse
+from postproc.machine.model import Axis, Machine
+from postproc.machine.tables import AxisTable
+from postproc.nc import dialects
+from postproc.verify import Verifier
+
+UM = 1e-3
+NODES = np.array([-60.0, -20.0, 0.0, 60.0])
+
+
+def mill(bend_um: float) -> Machine:
+    """X is off by nothing at z = 0 and -60, and by twice `bend_um` at -20: half of it from the middle either way."""
+    rows = np.zeros((6, len(NODES)))
+    rows[0] = [0.0, 2 * bend_um * UM, 0.0, 0.0]
+    axes = {x: Axis(x, (-300.0, 300.0), 1e-4, np.zeros(3)) for x in "XYZ"}
+    axes["Z"] = Axis("Z", (-60.0, 60.0), 1e-4, np.zeros(3), AxisTable("Z", NODES, rows, rows))
+    return Machine("m", "", "fanuc-mill", parse("w-X-Y-b-Z-t"), axes)
+
+
+def corrected(bend_um: float, cycle: str, dialect: str = "fanuc-mill", **options):
+    text = f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n{cycle} X10. Y10. Z-40. R2. F100\nX20.\nG80\nG0 Z50.\n"
+    machine = mill(bend_um)
+    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.0005, **options))
+    verifier = Verifier(filter_)
+    out = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    return out, filter_.notices, verifier
+
+
+@pytest.mark.parametrize("cycle", ["G81", "G83 Q5.", "G73 Q5.", "G84", "G74"])
+def test_a_hole_that_bends_within_its_tolerance_keeps_its_cycle(cycle):
+    out, notices, verifier = corrected(4.0, cycle)
+    assert f"{cycle} X9.9960 Y10. Z-40." in out and "X19.9960\n" in out
+    assert [(n.code, n.line) for n in notices] == [("hole", 4)] and "4.00 um" in notices[0].message
+    assert verifier.passed and verifier.holes.deviation + verifier.taps.deviation == pytest.approx(0.004, abs=2e-5)
+    assert "um aside (line " in verifier.report() and "tolerance of holes 5 um)" in verifier.report()
+
+
+def test_a_hole_within_the_tolerance_of_paths_says_nothing():
+    _, notices, verifier = corrected(0.4, "G81")
+    assert notices == [] and "aside" not in verifier.report()
+
+
+@pytest.mark.parametrize("cycle", ["G81", "G83 Q5."])
+def test_a_hole_that_bends_more_is_refused_and_both_ways_out_work(cycle):
+    with pytest.raises(ProgramError) as error:
+        corrected(7.0, cycle)
+    assert "bends by 7.00 um between Z = 2.000 and -40.000 mm (tolerance of holes 5 um)" in error.value.message
+    assert "--expand" in error.value.advice and "--hole-tolerance 7um" in error.value.advice
+    _, _, verifier = corrected(7.0, cycle, hole_tolerance=0.007)
+    assert verifier.passed and "tolerance of holes 7 um" in verifier.report()
+
+
+@pytest.mark.parametrize(
+    "cycle, dialect", [("G84", "fanuc-mill"), ("G74", "fanuc-mill"), ("G84", "haas"), ("G84", "linuxcnc")]
+)
+def test_a_tap_is_corrected_for_the_middle_and_said(cycle, dialect):
+    """It can not be written out, so --expand would say the same again."""
+    out, notices, verifier = corrected(7.0, cycle, dialect)
+    assert f"{cycle} X9.9930 " in out
+    said = [n for n in notices if n.code == "tap"]
+    assert len(said) == 1 and "7.00 um" in said[0].message and "--expand" not in said[0].message
+    assert verifier.passed and verifier.taps.deviation == pytest.approx(0.007, abs=5e-5)
+    assert "taps, which hold their place" in verifier.report()
+
+
+def test_the_tolerance_of_paths_is_the_least():
+    machine = mill(1.0)
+    filter_ = Filter(machine, dialects.load("haas"), setup_of(machine), Options(tolerance=0.02, hole_tolerance=0.001))
+    assert filter_.compensator.hole_tolerance == 0.02
+
+
+def test_g33_1_goes_straight_down_from_where_the_axes_stand():
+    """No X or Y word may come into a rigid tap of G33.1, which would slant it; its bend from there is said, at z = -20: 14 um."""
+    machine = mill(7.0)
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+    verifier = Verifier(filter_)
+    text = "G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\nG90 G0 Z50.\nM2\n"
+    out = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    assert "\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\n" in out
+    assert [n.code for n in filter_.notices] == ["tap"] and "bends by 14.00 um" in filter_.notices[0].message
+    assert verifier.passed and verifier.taps.deviation == pytest.approx(0.014, abs=2e-4)
+    with pytest.raises(ProgramError, match="a rigid tap with a word of X"):
+        filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+        filter_.feed(b"G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 X11. Z-40. K1.\n")

@@ -1,0 +1,121 @@
+"""Threads: corrected along the way where the control goes on in step, else at their ends, and the rest is said."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from postproc.compensate import Options
+from postproc.filter import Filter, setup_of
+from postproc.machine.chain import parse
+from postproc.machine.model import Axis, Machine
+from postproc.machine.tables import AxisTable
+from postproc.nc import dialects
+from postproc.verify import Verifier
+from tests.linuxcnc import oracle
+
+NODES = np.array([-100.0, 0.0, 30.0, 60.0, 100.0, 200.0])
+EXZ = np.array([0.0, 0.0, 0.012, -0.006, 0.010, 0.0])  # mm, X by z: bends by up to 15 um over 0 to 100
+EZZ = np.array([0.0, 0.0, 0.003, 0.006, 0.010, 0.010])  # mm, along the thread: 100 um/m
+
+
+def lathe(exz=EXZ, ezz=EZZ) -> Machine:
+    rows = np.zeros((6, len(NODES)))
+    rows[0], rows[2] = exz, ezz
+    axes = {
+        "X": Axis("X", (-50.0, 300.0), 1e-4, np.zeros(3)),
+        "Z": Axis("Z", (-100.0, 200.0), 1e-4, np.zeros(3), AxisTable("Z", NODES, rows, rows)),
+    }
+    return Machine("m", "", "linuxcnc", parse("w-b-Z-X-t"), axes)
+
+
+def corrected(text: str, dialect: str, machine: Machine | None = None) -> tuple[list[str], list[str], Verifier]:
+    machine = machine or lathe()
+    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.001))
+    verifier = Verifier(filter_)
+    out = filter_.feed(text.encode()) + filter_.finish()
+    return out.decode().splitlines(), [n.message for n in filter_.notices], verifier
+
+
+CHAINED = {
+    "linuxcnc": ("G21 G90 G8 G18\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n", "K2"),
+    "linuxcnc G64": ("G21 G90 G8 G18 G64 P0.01\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n", "K2"),
+    "fanuc-lathe-a": ("G0 X20. Z100.\nG32 Z0. F2.\nG0 X30.\n", "F2."),
+    "fanuc-lathe": ("G90 G0 X20. Z100.\nG33 Z0. E2.\nG0 X30.\n", "E2."),
+    "fanuc-lathe-c": ("G90 G0 X20. Z100.\nG33 Z0. F2.\nG0 X30.\n", "F2."),
+    "haas-lathe": ("G0 X20. Z100.\nG32 Z0. F2.\nG0 X30.\n", "F2."),
+    "siemens": ("G90 G18 G64\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n", "K2"),
+}
+ALONE = {
+    "linuxcnc": "G21 G90 G8 G18 G61\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n",
+    "linuxcnc exact stop": "G21 G90 G8 G18 G61.1\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n",
+    "grblhal": "G21 G90 G18\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n",
+    "fanuc-mill": "G21 G90 G18\nG0 X20. Z100.\nG33 Z0. F2.\nG0 X30.\n",
+    "fanuc-lathe": "G90 G0 X20. Z100.\nG34 Z0. F2. K0.1\nG0 X30.\n",
+    "fanuc-lathe-a": "G0 X20. Z100.\nG32 Z0. F2. Q180000\nG0 X30.\n",
+    "fanuc-lathe-c": "G90 G0 X20. Z100.\nG9 G33 Z0. F2.\nG0 X30.\n",
+    "siemens": "G90 G18\nG0 X20 Z100\nG33 Z0 K2\nG0 X30\n",
+    "fanuc-lathe inverse time": "G90 G93 G0 X20. Z100.\nG33 Z0. F2.\nG0 X30.\n",
+}
+
+
+@pytest.mark.parametrize("case", CHAINED)
+def test_a_thread_is_cut_and_every_piece_names_its_lead(case):
+    text, lead = CHAINED[case]
+    lines, _, verifier = corrected(text, case.split()[0])
+    at = next(i for i, line in enumerate(lines) if "G33" in line or "G32" in line)
+    pieces = lines[at : at + 4]  # nodes at 60 and 30 and 100, 0 are ends
+    assert [len(re.findall(rf"(?<![\d.]){re.escape(lead)}(?![\d.])", line)) for line in pieces] == [1, 1, 1, 0]
+    assert not any(re.search(r"G(1|01)\b", line) for line in pieces)
+    assert verifier.passed and verifier.corrected.deviation < 0.00106
+    assert verifier.uncorrected.deviation > 0.011
+
+
+@pytest.mark.parametrize("case", ALONE)
+def test_elsewhere_it_stays_one_block_and_what_bends_is_said(case):
+    """From z = 100 (X off by 10 um) to 0 (by 0): at 30 the chord is 3 um and X 12, 9 off; at 60 6 and -6, 12 off."""
+    lines, notices, verifier = corrected(ALONE[case], case.split()[0])
+    assert len(lines) == ALONE[case].count("\n") + 1  # the mark
+    said = [n for n in notices if "stays one block" in n]
+    assert len(said) == 1 and "up to 12.0 um" in said[0]
+    assert verifier.passed  # its ends are right
+
+
+def test_the_worst_thread_is_named_however_the_text_is_cut():
+    text = "G90 G0 X20. Z60.\nG34 Z30. F2. K0.1\nG0 X30.\nZ100.\nX20.\nG34 Z0. F2. K0.1\nG0 X30.\n"
+    machine = lathe()
+    seen = []
+    for step in (1, 17, 1000):
+        filter_ = Filter(machine, dialects.load("fanuc-lathe"), setup_of(machine), Options(tolerance=0.001))
+        for i in range(0, len(text), step):
+            filter_.feed(text[i : i + step].encode())
+        filter_.finish()
+        seen.append(sorted((n.code, n.message, n.line) for n in filter_.notices))
+    assert seen[0] == seen[1] == seen[2]
+    assert [n for n in seen[0] if n[0] == "thread"][0][2] == 6
+
+
+def test_what_the_lead_is_off_by_is_said():
+    """100 um/m of 2 mm: 0.2 um a turn, 10 um over 100 mm."""
+    _, notices, _ = corrected(CHAINED["fanuc-lathe-a"][0], "fanuc-lathe-a", lathe(exz=0 * EXZ))
+    said = [n for n in notices if "lead" in n]
+    assert len(said) == 1
+    assert "100 um/m, 0.200 um a turn of 2 mm, which adds up to 10.0 um" in said[0]
+    _, quiet, _ = corrected(CHAINED["fanuc-lathe-a"][0], "fanuc-lathe-a", lathe(ezz=0 * EZZ))
+    assert quiet == []
+
+
+@pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
+def test_linuxcnc_accepts_what_is_written():
+    program = "G21 G90 G8 G18\nM3 S100\nF100\nG0 X20 Z100\nG33 Z0 K2\nX19.5 Z-20 K2\nG0 X30\nZ100\nM2\n"
+    lines, _, _ = corrected(program, "linuxcnc")
+    text = "\n".join(lines) + "\n"
+    before, after = oracle.motions(program), oracle.motions(text)
+    feeds = [m for m in after if m.kind == "feed"]
+    assert len(feeds) == 4 and len([m for m in before if m.kind == "feed"]) == 2
+    for m in feeds:  # each piece's ends, on the erroneous machine, lie on the nominal thread
+        z = m.end[2]
+        actual_x, actual_z = m.end[0] + np.interp(z, NODES, EXZ), z + np.interp(z, NODES, EZZ)
+        assert actual_x == pytest.approx(20.0 if actual_z > -1e-3 else 19.5, abs=2e-4)

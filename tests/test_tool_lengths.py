@@ -1,0 +1,82 @@
+"""What the words of a tool's length take into force, where no other test asks: H0, and a tool that nobody named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine import places
+from postproc.nc import dialects
+from tests.linuxcnc import oracle
+from tests.linuxcnc.test_against_linuxcnc import ours
+
+MILL = str(Path(__file__).resolve().parents[1] / "machines" / "example-mill")
+BODY = "G0 X10. Y10. Z10.\n{}\nG1 X20. Z5. F100\n"
+LENGTHS = {"H1": {"Z": 30.0}, "H2": {"Z": 55.0}}
+
+
+def corrected(text: str, dialect: str, lengths: dict | None = None) -> tuple[str, list[str]]:
+    machine = places.load(MILL)
+    zero = "G54" if dialect != "siemens" else "G500"
+    offsets = {zero: {"X": 0.0, "Y": 0.0, "Z": -200.0}, **(LENGTHS if lengths is None else lengths)}
+    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets))
+    out = filter_.feed(text.encode()) + filter_.finish()
+    return out.decode(), [n.message for n in filter_.notices]
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "grblhal"])
+@pytest.mark.parametrize("before", ["", "G43 H1\n", "T2 M6\nG43 H2\n"])
+def test_h0_is_no_length(dialect, before):
+    """Fanuc B-64304EN-2, tool length compensation: the value of H0 is always 0; it cancels as G49 does."""
+    head = "G90 G54\n"
+    zero, none = (corrected(head + before + BODY.format(w), dialect)[0] for w in ("G43 H0", "G49"))
+    assert zero == none.replace("G49", "G43 H0")
+
+
+def test_d0_and_t0_are_no_length():
+    assert corrected("G90 G500\nD1\n" + BODY.format("D0"), "siemens", {"D1": {"Z": 30.0}})[0].count("D0") == 1
+
+
+def test_h0_of_linuxcnc_before_any_tool_is_no_length_and_is_said():
+    zero, notices = corrected("G90 G54\n" + BODY.format("G43 H0"), "linuxcnc")
+    none, quiet = corrected("G90 G54\n" + BODY.format("G49"), "linuxcnc")
+    assert zero == none.replace("G49", "G43 H0")
+    assert any("taken as no length" in n and "--offset H0=Z" in n for n in notices) and quiet == []
+
+
+def test_h0_of_linuxcnc_can_be_stated():
+    one, notices = corrected("G90 G54\n" + BODY.format("G43 H0"), "linuxcnc", {"H0": {"Z": 30.0}})
+    same, _ = corrected("G90 G54\n" + BODY.format("G43 H1"), "linuxcnc")
+    assert one == same.replace("G43 H1", "G43 H0") and notices == []
+
+
+def test_g43_alone_with_no_tool_known_names_a_way_out_that_works():
+    with pytest.raises(ProgramError) as error:
+        corrected("G90 G54\n" + BODY.format("G43"), "linuxcnc")
+    assert "which that is is not known" in error.value.message
+    corrected("G90 G54\nT1 M6\n" + BODY.format("G43"), "linuxcnc")
+    corrected("G90 G54\n" + BODY.format("G43 H1"), "linuxcnc")
+
+
+@pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G43 H0\nG0 Z5\n",
+        "T1 M6\nG0 X1\nG43 H0\nG0 Z5\n",
+        "T1 M6\nG0 X1\nG43 H2\nG0 Z5\nG43 H0\nG0 Z6\n",
+        "T1 M6\nG0 X1\nG43 H0\nG0 Z5\nT0 M6\nG0 X2\nG43 H0\nG0 Z7\n",
+        "T2 M6\nG0 X1\nG43 H1\nG43.2 H0\nG0 Z5\n",
+        "T1 M6\nG0 X1\nT2 M6 G43.2 H0\nG0 X2 Z5\nG43.2 H0\nG0 X3 Z5\n",
+    ],
+)
+def test_h0_against_linuxcnc(text):
+    """H0 takes the length of the tool in the spindle; G43.2 H0 adds it."""
+    program = "G21 G90\n" + text + "M2\n"
+    tools = {1: {"Z": 10.0}, 2: {"Z": 20.0}}
+    theirs = [m.end[:3] for m in oracle.motions(program, tools=tools) if m.end != m.start]
+    found = [tuple(m["end"][:3]) for m in ours(program, {"tools": tools})]
+    assert found == [pytest.approx(e, abs=1e-9) for e in theirs]

@@ -1,0 +1,131 @@
+"""A correction asks for the positions that it depends on, and for no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine.chain import XYZ, parse
+from postproc.machine.model import Axis, Machine
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.nc import dialects
+
+NODES = np.linspace(-100.0, 500.0, 7)
+LEAST = 1e-4
+
+
+def mill(*components: str, square: dict | None = None, chain: str = "w-X-Y-b-Z-t", **more) -> Machine:
+    """Three axes with these components: 20 um (urad) times a bent curve, nothing else."""
+    axes = {}
+    for letter in XYZ:
+        rows = np.zeros((6, len(NODES)))
+        for name in components:
+            if name[2] == letter:
+                size = 0.02 if name[1] in XYZ else 20e-6
+                rows[COMPONENTS.index(name[:2])] = size * np.sin(NODES / 90.0 + COMPONENTS.index(name[:2]))
+        axes[letter] = Axis(letter, (-200.0, 600.0), LEAST, np.zeros(3), AxisTable(letter, NODES, rows, rows))
+    return Machine("m", "", "linuxcnc", parse(chain), axes, square=square or {}, **more)
+
+
+def corrected(machine: Machine, text: str, dialect: str = "linuxcnc", **offsets) -> str:
+    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets or None))
+    return (filter_.feed(text.encode()) + filter_.finish()).decode()
+
+
+def numerical(machine: Machine) -> np.ndarray:
+    """(A, A) bool: the same question asked of the deviation itself, at random places."""
+    rng = np.random.default_rng(4)
+    place = rng.uniform(-90, 490, (3, 60))
+    result = np.zeros((3, 3), bool)
+    for j in range(3):
+        there = place.copy()
+        there[j] += rng.uniform(-80, 80, 60)
+        result[:, j] = np.abs(machine.deviation(there, 0 * place) - machine.deviation(place, 0 * place)).max(axis=1) > 0
+    return result
+
+
+@pytest.mark.parametrize("chain", ["w-X-Y-b-Z-t", "w-b-Z-X-Y-t", "w-Y-X-Z-b-t"])
+def test_the_dependence_is_that_of_the_deviation(chain):
+    from postproc.machine.dependence import direct
+
+    for letter in XYZ:
+        for kind in "XYZABC":
+            machine = mill(f"E{kind}{letter}", chain=chain)
+            assert (direct(machine) == numerical(machine)).all(), (kind, letter)
+    for letter, lean in (("Y", [0, 0, 1e-4]), ("Z", [1e-4, 0, 0]), ("X", [0, 1e-4, 0])):
+        machine = mill(square={letter: np.array(lean)}, chain=chain)
+        assert (direct(machine) == numerical(machine)).all()
+    values = np.random.default_rng(1).normal(0, 0.01, (6, 7, 7)) * np.array([0, 1, 0, 0, 0, 0])[:, None, None]
+    machine = mill("EXX", chain=chain)
+    grid = GridTable("X", "Z", NODES, NODES, values, values)
+    machine = replace(machine, axes={**machine.axes, "X": replace(machine.axes["X"], grids=(grid,))})
+    assert (direct(machine) == numerical(machine)).all()
+
+
+def test_a_correction_depends_through_the_commands_of_other_axes():
+    machine = mill("EXY", "EYZ")  # X by y, y's command by z
+    assert machine.depends.tolist() == [[True, True, True], [False, True, True], [False, False, False]]
+
+
+def test_x_is_corrected_where_nobody_knows_z():
+    """EXX alone: a feed of X needs no Z, and what is written is what it is with Z known."""
+    machine = mill("EXX")
+    text = "G21 G90\nG0 X0\nG1 X100 F500\nX250\nG91 X30\nG90 Z10\nX20\n"
+    known = corrected(machine, "G0 X-50 Y0 Z20\n" + text)
+    unknown = corrected(machine, "G0 X-50\n" + text)
+    assert unknown.splitlines()[2:] == known.splitlines()[2:] and unknown.count("\n") > known.count("\n") - 2
+
+
+def test_an_axis_off_its_reference_is_held_and_not_written():
+    """EXY: X depends on y. While Z is lost behind G28, X and Y stay corrected; while Y is lost, a motion of Z alone leaves X
+    where it is, and writes no word of it."""
+    machine = mill("EXY", "EXX")
+    text = "G21 G90\nG0 X50 Y40 Z10\nG1 X60 F300\nG28 Y0\nG1 Z-5\nZ3\nG0 Y40\nG1 X70\n"
+    lines = corrected(machine, text, G28={}).splitlines()
+    assert lines[-4:-2] == ["G1 Z-5", "Z3"]
+    assert "X" in lines[-2] or "X" in lines[-1]
+
+
+@pytest.mark.parametrize(
+    "components, text, named",
+    [
+        (("EXX",), "G21 G90\nG91 G1 X5 F100\n", "X"),
+        (("EXY",), "G21 G90\nG1 X5 F100\n", "Y"),
+        (("EXY", "EXZ", "EZX"), "G21 G90\nG0 Y0\nG1 X5 F100\n", "Z"),
+        (("ECX",), "G21 G90\nG1 Y5 F100\n", "X"),
+        (("EXX", "EYY", "EZZ"), "G21 G90\nG91 G1 Z5 X1 F100\n", "X Z"),
+    ],
+)
+def test_a_refusal_names_only_what_matters(components, text, named):
+    machine = mill(*components)
+    with pytest.raises(ProgramError) as error:
+        corrected(machine, text)
+    assert error.value.message.startswith(f"where {named} stands is not known")
+    more = {axis: 0.0 for axis in named.split()}  # the way out works
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, start=more))
+    assert filter_.feed(text.encode()) + filter_.finish()
+
+
+def test_a_purge_before_anything_is_known_passes():
+    """A printer that purges before it homes: nothing moves that could be corrected."""
+    machine = mill("EXX", "EXY", "EZX").carrying(("E",))
+    text = "M83\nG1 E5 F100\nG92 E0\nG1 E-1 F1800\n"
+    assert corrected(machine, text, "marlin") == text
+    with pytest.raises(ProgramError, match="where Y stands"):
+        corrected(machine, text + "G1 X5 Z1 F100\nG91\nG1 X1\n", "marlin")
+
+
+def test_a_place_outside_the_tables_counts_only_where_it_is_known():
+    """The Z table begins at 50 here; nobody said where Z is, and X needs none."""
+    machine = mill("EXX", "EZZ")
+    z = machine.axes["Z"]
+    table = AxisTable("Z", NODES + 150.0, z.table.forward, z.table.reverse)
+    machine = replace(machine, axes={**machine.axes, "Z": replace(z, travel=(50.0, 700.0), table=table)})
+    out = corrected(machine, "G21 G90\nG0 X0\nG1 X100 F500\n")
+    assert "Z" not in out.replace("TOL", "").split("\n", 2)[2]
+    with pytest.raises(ProgramError, match="outside the error table of Z"):
+        corrected(machine, "G21 G90\nG0 X0 Z10\n")
