@@ -15,6 +15,7 @@ from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
+from postproc.machine.uncertainty import AlongPath
 from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
@@ -47,6 +48,7 @@ class Verifier:
         filter_.watchers.append(self.check)
         self.turn = np.zeros(len(self.machine.axes), np.int64)
         self.corrected, self.uncorrected = Largest(), Largest()
+        self.map = AlongPath(self.machine)
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -120,12 +122,15 @@ class Verifier:
         for k in np.flatnonzero(counts):
             row, motion = int(holes.axis[k]), int(holes.motion[k])
             t = np.concatenate([PLACES[:32], [1.0]])
+            at = np.full(len(t), drilled.motion[k])
             command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
             top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
             command[row] = top + (bottom - top) * t
             weight = np.repeat(self.weights[:, [motion]], len(t), axis=1)
             weight[row] = np.sign(bottom - top) if self.limit else 0.0
-            off = command + self._deviation(run, np.full(len(t), drilled.motion[k]), command, weight)
+            if into is self.corrected:
+                self.map.see(command, weight, run.length[:, at] / TICKS_PER_MM, np.full(len(at), line[motion]))
+            off = command + self._deviation(run, at, command, weight)
             off -= nominal.target[:, [motion]] / TICKS_PER_MM
             off[row, :-1] = 0.0
             off[row, -1] += (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
@@ -165,6 +170,8 @@ class Verifier:
             weight = self._weight(
                 nominal, weights, owner[row], t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             )
+            if into is self.corrected:
+                self.map.see(command, weight, run.length[:, row] / TICKS_PER_MM, line[owner[row]])
             actual = command + self._deviation(run, row, command, weight)
             distance = self._distance(nominal, owner[row], t, actual)
             worst = int(np.argmax(distance))
@@ -307,5 +314,5 @@ class Verifier:
         return (
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}; tolerance {self.tolerance / UM:g} um; "
-            f"{self.motions_in} motions in, {self.motions_out} out"
+            f"{self.motions_in} motions in, {self.motions_out} out; {self.map.report()}"
         )
