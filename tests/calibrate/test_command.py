@@ -66,10 +66,10 @@ def test_recordings_become_a_machine_that_every_command_reads(made, capsys):
     assert len(data["sha256"]) == 5
 
 
-def test_the_uncertainty_stands_beside_the_table(made, capsys):
+def test_the_runs_stand_beside_the_table(made, capsys):
     _, names, place = made
     run(capsys, *names, *ASKED, "-o", place / "mine")
-    lines = [x for x in (place / "mine" / "Z_uncertainty.csv").read_text().splitlines() if not x.startswith("#")]
+    lines = [x for x in (place / "mine" / "Z_runs.csv").read_text().splitlines() if not x.startswith("#")]
     assert lines[0] == "Z_mm,component,approach,unit,runs,mean,s,value,u,U95"
     assert len(lines) == 1 + 3 * 2 * 18
     for line in lines[1:]:
