@@ -49,9 +49,10 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     return table
 
 
-def read_uncertainty(path: Path, letter: str, table: AxisTable | None) -> AxisUncertainty:
+def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table: AxisTable | None) -> AxisUncertainty:
     """Read `Z_uncertainty.csv`, U (95 %, k = 2) under the columns of `Z.csv`; a component measured in both directions may
-    have one U for both. table: what it is of, None for an axis without.
+    have one U for both. travel: mm or degrees; one turn is repeated over it as in `over_turns`; table: what it is of,
+    None for an axis without.
 
     Raises MachineError with file and line as `read_table` does, for a U below zero, and where the nodes leave a part of
     the table without a U.
@@ -67,6 +68,8 @@ def read_uncertainty(path: Path, letter: str, table: AxisTable | None) -> AxisUn
             "an uncertainty is zero or more: its half width, without a sign",
             Place(str(path), lines[below[0]]),
         )
+    if letter in ROTARY:
+        found = over_turns(found, *travel, path)
     if table is not None:
         _covers(path, found, table, lines)
     return AxisUncertainty(found, tuple(sorted({component for component, _ in columns})))

@@ -156,7 +156,7 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
     path = toml.path.parent / f"{letter}{UNCERTAINTY}"
     if path.is_file():
         digest.update(path.read_bytes())
-        uncertainty = read_uncertainty(path, letter, table)
+        uncertainty = read_uncertainty(path, letter, (float(travel[0]), float(travel[1])), table)
     optic = toml.string(name, section, "optic", "")
     if optic not in ("", *OPTICS):
         raise toml.fault(name, "optic", f"optic = {optic!r}", "what the measured point was fixed to: tool or workpiece")
