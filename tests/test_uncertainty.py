@@ -1,4 +1,5 @@
-"""How well the map is known: what a folder states, and what becomes of it along a path, by hand and by drawing machines."""
+"""How well the map is known: what a folder states, and what becomes of it along a path, by hand and
+by drawing machines."""
 
 from __future__ import annotations
 
@@ -62,8 +63,8 @@ def test_one_axis_between_its_nodes_and_by_direction(tmp_path):
 
 
 def test_an_angle_times_its_arm(tmp_path):
-    """w-b-Z-X-t, yaw of Z known to 10 urad, X measured from 20, tool at Z = -50: at X = 120 e_Z = -b 100 mm, 1 um;
-    e_X = b (-50 mm), 0.5 um."""
+    """w-b-Z-X-t, yaw of Z known to 10 urad, X measured from 20, tool at Z = -50: at X = 120 e_Z =
+    -b 100 mm, 1 um; e_X = b (-50 mm), 0.5 um."""
     text = HEAD.format(chain="w-b-Z-X-t") + AXIS.format("X") + AXIS.format("Z") + "measured_at = { X = 20.0 }\n"
     m = machine(tmp_path, text + "[tool]\nZ = -50.0\n", Z_uncertainty="Z_mm,EBZ_urad\n-500,10\n500,10\n")
     assert known(m, X=120) == approx({"X": 0.5, "Z": 1.0})
@@ -73,7 +74,8 @@ def test_an_angle_times_its_arm(tmp_path):
 
 
 def test_squareness_at_the_far_corner(tmp_path):
-    """C0Y known to 3 urad: 1.2 um along X at Y = 400. B0Z, 4 urad, 400 mm up: 1.6 um along X too; together 2 um."""
+    """C0Y known to 3 urad: 1.2 um along X at Y = 400. B0Z, 4 urad, 400 mm up: 1.6 um along X too;
+    together 2 um."""
     m = machine(tmp_path, MILL + "[squareness]\nC0Y = 20.0\n[squareness.u]\nC0Y = 3.0\nB0Z = 4.0\n")
     assert known(m, Y=400) == approx({"X": 1.2, "Y": 0.0, "Z": 0.0})
     assert known(m, Y=-400, Z=400)["X"] == approx(2.0)
@@ -91,8 +93,9 @@ def test_independent_components_add_in_quadrature_and_the_same_one_does_not_coun
 
 
 def test_parameters_of_effects(tmp_path):
-    """Lost motion known to 4 um: 2 um on either side, none in the mean. A wave of 5 +- 1 um of 10 mm, phase 90 +- 10 degrees:
-    at its crossing the phase counts, 5 sin(10 deg) um; at its crest the amplitude."""
+    """Lost motion known to 4 um: 2 um on either side, none in the mean. A wave of 5 +- 1 um of 10
+    mm, phase 90 +- 10 degrees: at its crossing the phase counts, 5 sin(10 deg) um; at its crest the
+    amplitude."""
     text = MILL + '[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um = 9.0\nu_size_um = 4.0\n'
     text += '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg = 90.0\n'
     m = machine(tmp_path, text + "u_amplitude_um = 1.0\nu_phase_deg = 10.0\n")
@@ -130,7 +133,8 @@ DRAWS = 400
 
 
 def uncertain_machine(rng, chain_text: str):
-    """A machine whose errors are zero and whose uncertainties are flat, and the U of everything by axis and row."""
+    """A machine whose errors are zero and whose uncertainties are flat, and the U of everything by
+    axis and row."""
     chain = parse(chain_text)
     axes, square_u, sizes, links = {}, {}, {}, []
     for x in sorted(chain.axes, key=(XYZ + ROTARY).index):
@@ -155,8 +159,8 @@ def uncertain_machine(rng, chain_text: str):
 
 @pytest.mark.parametrize("chain", LINEAR + FIVE_AXIS + BETWEEN)
 def test_drawn_machines_spread_as_stated(chain):
-    """Every error normal with U / 2, the tip by exact transforms, told along the slides; 400 draws know a spread to 3.5 %
-    (1 / sqrt(2 n)), and five times that is allowed."""
+    """Every error normal with U / 2, the tip by exact transforms, told along the slides; 400 draws
+    know a spread to 3.5 % (1 / sqrt(2 n)), and five times that is allowed."""
     rng = np.random.default_rng([5, *chain.encode()])
     while True:
         m, links, sizes = uncertain_machine(rng, chain)
@@ -183,8 +187,8 @@ def test_drawn_machines_spread_as_stated(chain):
 
 @pytest.mark.parametrize("along", ["alike", "each node by itself"])
 def test_drawn_tables_spread_as_stated_between_their_nodes(along):
-    """Errors that are alike along a table spread by U everywhere; where each node has its own, by U at the nodes and by
-    less between: never more."""
+    """Errors that are alike along a table spread by U everywhere; where each node has its own, by U
+    at the nodes and by less between: never more."""
     rng = np.random.default_rng(9)
     nodes = np.array([0.0, 40.0, 100.0])
     u = rng.uniform(0.001, 0.01, 3)
@@ -235,7 +239,8 @@ SLOPE = "X_mm,EXX_um\n-500,0\n500,10\n"  # U = 5 + X / 100 um
 
 
 def test_verify_says_it_with_the_line(tmp_path):
-    """U of X is 5 + X / 100 um: 7 um at X = 200, which line 3 reaches; the rest of the map has none."""
+    """U of X is 5 + X / 100 um: 7 um at X = 200, which line 3 reaches; the rest of the map has
+    none."""
     m = machine(tmp_path, X_uncertainty=SLOPE)
     _, verifier = corrected(m, [b"G0 X0 Y0 Z0\nG1 X100 F500\nG1 X200\nG1 X50\n"])
     assert (
@@ -256,7 +261,8 @@ def test_a_program_that_goes_nowhere_has_no_number(tmp_path):
 
 
 def test_the_tool_and_the_hole_count(tmp_path):
-    """A yaw of the spindle's slide known to 10 urad: e_X = b (tool): a tool of 80 mm, 0.8 um. A hole's bottom is on the way."""
+    """A yaw of the spindle's slide known to 10 urad: e_X = b (tool): a tool of 80 mm, 0.8 um. A
+    hole's bottom is on the way."""
     m = machine(tmp_path, Z_uncertainty="Z_mm,EBZ_urad\n-500,10\n500,10\n")
     assert corrected(m, [b"G0 X0 Y0 Z0\nG1 X10 F500\n"])[1].map.largest == approx(0.0, abs=1e-9)
     long = replace(m, tool=np.array([0.0, 0.0, -80.0]))

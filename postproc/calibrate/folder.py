@@ -146,8 +146,9 @@ def _table(calibration: Calibration, letter: str) -> str:
 
 
 def _uncertainty(calibration: Calibration, letter: str) -> str:
-    """U = 2 u (95 %) under the columns of the axis table, linear between a component's own targets; empty where it is
-    known of none. The mean of both directions is known at least as well as they are in the mean (JCGM 100, 5.2.2)."""
+    """U = 2 u (95 %) under the columns of the axis table, linear between a component's own targets;
+    empty where it is known of none. The mean of both directions is known at least as well as they
+    are in the mean (JCGM 100, 5.2.2)."""
     nodes = calibration.nodes(letter)
     columns: dict[str, np.ndarray] = {}
     comments = ["U, 95 % (k = 2), of the values in the axis table"]

@@ -189,7 +189,8 @@ def not_told_apart(d: Diagnosis) -> list[str]:
 
 
 def _half_widths(f: Finding) -> dict[str, float]:
-    """U (95 %) of the parameters that have a size and were fitted: to the farther end of the interval."""
+    """U (95 %) of the parameters that have a size and were fitted: to the farther end of the
+    interval."""
     found = {}
     for name in sizes(f.block.module):
         value, (low, high) = f.value[name], f.ci95[name]

@@ -223,7 +223,8 @@ def load(name: str) -> ModuleType:
 
 
 def sizes(module: ModuleType) -> list[str]:
-    """The parameters that have a size, and so may have an uncertainty: not those that say which one, or whether."""
+    """The parameters that have a size, and so may have an uncertainty: not those that say which
+    one, or whether."""
     return [name for name, meaning in module.PARAMETERS.items() if not CHOICE.match(meaning)]
 
 

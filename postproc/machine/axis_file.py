@@ -50,12 +50,12 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
 
 
 def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table: AxisTable | None) -> AxisUncertainty:
-    """Read `Z_uncertainty.csv`, U (95 %, k = 2) under the columns of `Z.csv`; a component measured in both directions may
-    have one U for both. travel: mm or degrees; one turn is repeated over it as in `over_turns`; table: what it is of,
-    None for an axis without.
+    """Read `Z_uncertainty.csv`, U (95 %, k = 2) under the columns of `Z.csv`; a component measured
+    in both directions may have one U for both. travel: mm or degrees; one turn is repeated over it
+    as in `over_turns`; table: what it is of, None for an axis without.
 
-    Raises MachineError with file and line as `read_table` does, for a U below zero, and where the nodes leave a part of
-    the table without a U.
+    Raises MachineError with file and line as `read_table` does, for a U below zero, and where the
+    nodes leave a part of the table without a U.
     """
     columns, lines, found = _one_axis(path, letter)
     both = np.stack([found.forward, found.reverse])
@@ -89,7 +89,8 @@ def _covers(path: Path, found: AxisTable, table: AxisTable, lines: list[int]) ->
 
 
 def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list[int], AxisTable]:
-    """Columns by (component, direction), the line of each node, and the values of a table over one axis."""
+    """Columns by (component, direction), the line of each node, and the values of a table over one
+    axis."""
     columns, rows, lines = _rows(path, letter)
     for above, row, line in zip(rows, rows[1:], lines[1:], strict=False):
         if row[0] <= above[0]:

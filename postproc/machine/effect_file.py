@@ -1,4 +1,5 @@
-"""The [[effect]] sections of a machine.toml: physics beyond the tables, with how well its parameters are known.
+"""The [[effect]] sections of a machine.toml: physics beyond the tables, with how well its
+parameters are known.
 
 Reads strictly, as file.py does.
 """
@@ -61,7 +62,8 @@ def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], ind
 
 
 def _spread(toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dict[str, Axis], name: str) -> EffectTerm:
-    """By how much the U of a parameter changes the effect's tables: half of what lies between both ends of the interval."""
+    """By how much the U of a parameter changes the effect's tables: half of what lies between both
+    ends of the interval."""
     key = f"u_{name}"
     u = toml.number("effect", entry, key, index=index)
     if u < 0:

@@ -34,10 +34,11 @@ class Expansion:
 
 @dataclass(frozen=True)
 class Axis:
-    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
-    word; measured_at (3,): mm, where the other axes stood; optic: what the measured point was fixed to, "" for the side
-    that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
-    mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
+    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees
+    of the programmed word; measured_at (3,): mm, where the other axes stood; optic: what the
+    measured point was fixed to, "" for the side that the axis carries; centre (3,): mm, a point on
+    a rotary axis' line while all slides stand at zero; location (6,): mm and rad, how that line
+    lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
     table, None where the folder states none."""
 
     letter: str
@@ -60,9 +61,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """One accepted effect with its parameters. tables: axis to the errors that it adds where the slides stand, none for an
-    effect that a place alone does not decide. spread: for each parameter whose U (95 %, k = 2) is stated a term of the
-    parameter's name, with U as its only parameter and by how much U changes the tables."""
+    """One accepted effect with its parameters. tables: axis to the errors that it adds where the
+    slides stand, none for an effect that a place alone does not decide. spread: for each parameter
+    whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
+    by how much U changes the tables."""
 
     name: str
     axis: str
@@ -90,8 +92,8 @@ class ControlTable:
 
 @dataclass(frozen=True)
 class Limits:
-    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm, by how much a slide's wanted
-    position turns back before its lost motion is taken up."""
+    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm, by how
+    much a slide's wanted position turns back before its lost motion is taken up."""
 
     max_correction: float = 0.5
     max_slope: float = 0.005
@@ -101,8 +103,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Machine:
-    """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its U (95 %, k = 2), rad;
-    tool (3,) mm; offsets: name to axis to mm."""
+    """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
+    U (95 %, k = 2), rad; tool (3,) mm; offsets: name to axis to mm."""
 
     name: str
     title: str

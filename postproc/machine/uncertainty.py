@@ -1,12 +1,14 @@
 """How well the map itself is known, carried to where the tool is: U of the deviation, 95 %.
 
-Law of propagation of uncertainty, first order (JCGM 100, 5.1.2): the deviation is linear in every error, so what the U of
-one error makes of it is the deviation of a machine that has this error alone, U in size (chain.py, rotary.py: the same
-arms). Those parts are summed in quadrature for each direction. Taken as independent: components of the tables, angles of
-squareness, parameters of effects. Along one component, and between its two directions of approach, the errors are taken
-as fully correlated, so that U between nodes is linear between theirs, which is never too small.
+Law of propagation of uncertainty, first order (JCGM 100, 5.1.2): the deviation is linear in every
+error, so what the U of one error makes of it is the deviation of a machine that has this error
+alone, U in size (chain.py, rotary.py: the same arms). Those parts are summed in quadrature for each
+direction. Taken as independent: components of the tables, angles of squareness, parameters of
+effects. Along one component, and between its two directions of approach, the errors are taken as
+fully correlated, so that U between nodes is linear between theirs, which is never too small.
 
-All that a folder states is U with k = 2, and so is the result. What it does not state has no part in it, and is named.
+All that a folder states is U with k = 2, and so is the result. What it does not state has no part
+in it, and is named.
 """
 
 from __future__ import annotations
@@ -22,8 +24,9 @@ from postproc.units import UM
 
 
 class MapUncertainty:
-    """U of one machine's map. parts: name of an error to the machine that has it alone, with the size of its U; missing:
-    names of the errors that the map corrects and whose uncertainty nobody states."""
+    """U of one machine's map. parts: name of an error to the machine that has it alone, with the
+    size of its U; missing: names of the errors that the map corrects and whose uncertainty nobody
+    states."""
 
     def __init__(self, machine: Machine):
         self.machine = machine
@@ -36,15 +39,16 @@ class MapUncertainty:
         return {name: part.deviation(position, approach) for name, part in self.parts.items()}
 
     def expanded(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(A, N) mm: U of Machine.deviation at commanded slide positions (A, N) mm, approach as there; zero where nothing
-        is stated."""
+        """(A, N) mm: U of Machine.deviation at commanded slide positions (A, N) mm, approach as
+        there; zero where nothing is stated."""
         square = np.zeros(position.shape)
         for part in self.parts.values():
             square += part.deviation(position, approach) ** 2
         return np.sqrt(square)
 
     def length(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(N,) mm: that of the vector of U over the corrected axes. In no direction is the deviation known worse."""
+        """(N,) mm: that of the vector of U over the corrected axes. In no direction is the
+        deviation known worse."""
         rows = list(self.machine.corrected)
         return np.sqrt((self.expanded(position, approach)[rows] ** 2).sum(axis=0))
 
@@ -54,7 +58,8 @@ class MapUncertainty:
 
 
 class AlongPath:
-    """The largest U along a program. largest: mm; line: of the program, 0 where nothing was seen."""
+    """The largest U along a program. largest: mm; line: of the program, 0 where nothing was
+    seen."""
 
     def __init__(self, machine: Machine):
         self.known = MapUncertainty(machine)
@@ -62,8 +67,8 @@ class AlongPath:
         self.largest, self.line = 0.0, 0
 
     def see(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray, line: np.ndarray) -> None:
-        """Places (A, N) mm, the tool's length there (A, N) mm, and the line of each. Of equal ones the first line counts,
-        in whatever portions they come."""
+        """Places (A, N) mm, the tool's length there (A, N) mm, and the line of each. Of equal ones
+        the first line counts, in whatever portions they come."""
         if not len(line) or not self.known.parts:
             return
         u = np.zeros(len(line))
@@ -127,8 +132,8 @@ def _parts(machine: Machine) -> dict[str, Machine]:
 
 
 def _errors(machine: Machine) -> list[str]:
-    """Names, as in `_parts`, of the errors of a map; those that a place does not decide are none of it. An effect without
-    any U stands by its name alone."""
+    """Names, as in `_parts`, of the errors of a map; those that a place does not decide are none of
+    it. An effect without any U stands by its name alone."""
     names: list[str] = []
     for x, axis in machine.axes.items():
         names += [f"{COMPONENTS[i]}{x}" for i in (axis.table.rows if axis.table is not None else ())]

@@ -1,5 +1,6 @@
-"""The text of a machine folder, as file.py reads it: machine.toml with a comment where a number needs its source, and the
-CSV table of an axis; `Z_uncertainty.csv` has the same form, and a further table tells the runs behind each value.
+"""The text of a machine folder, as file.py reads it: machine.toml with a comment where a number
+needs its source, and the CSV table of an axis; `Z_uncertainty.csv` has the same form, and a further
+table tells the runs behind each value.
 
 Writes no file. Numbers are given in the units of the format, deviations to 0.1 nm and 0.1 nrad.
 """
@@ -51,8 +52,8 @@ def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray]
 
 
 def runs_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
-    """`Z_runs.csv`: a row for every value that stands behind the axis table. rows: the columns below by name; None
-    and NaN are left empty. No reader of machines needs it."""
+    """`Z_runs.csv`: a row for every value that stands behind the axis table. rows: the columns
+    below by name; None and NaN are left empty. No reader of machines needs it."""
     position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
     names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
     lines = [f"# {_comment(c)}" for c in comments] + [",".join(names)]
