@@ -92,8 +92,8 @@ class ControlTable:
 
 @dataclass(frozen=True)
 class Limits:
-    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm, by how
-    much a slide's wanted position turns back before its lost motion is taken up."""
+    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the wanted place of a slide
+    may turn back before its lost motion is taken up."""
 
     max_correction: float = 0.5
     max_slope: float = 0.005
