@@ -15,6 +15,7 @@ import numpy as np
 from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
+from postproc.machine.uncertainty import AlongPath
 from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
@@ -65,6 +66,7 @@ class Verifier:
             Largest(),
             Largest(),
         )  # how far axes of holes stay off sideways, whose cycle holds its place
+        self.map = AlongPath(self.machine)
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -133,6 +135,8 @@ class Verifier:
             of, rapid = np.full(len(t), drilled.motion[k]), np.ones(len(t), bool)
             for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
                 weight[row] = np.sign(bottom - top)
+                if ends is self.corrected and not slides:
+                    self.map.see(command, weight * self.follows, run.length[:, of] / TICKS_PER_MM, line[0 * of + motion])
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
                 deep = float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM)
@@ -175,6 +179,9 @@ class Verifier:
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
             weights = led[1].at(row, place, command, sense, run.code[row] == RAPID)
+            if into is self.corrected:
+                lengths = run.length[:, row] / TICKS_PER_MM
+                self.map.see(command, weights[0] * self.follows, lengths, line[owner[row]])
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
@@ -281,6 +288,7 @@ class Verifier:
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
             f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
+            f"{self._of_holes()}; {self.map.report()}"
         )
 
     def _lost_motion(self) -> str:

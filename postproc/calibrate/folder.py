@@ -12,7 +12,7 @@ from postproc.calibrate.assign import place_name, unit_of
 from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.component import Component
 from postproc.machine.chain import Chain
-from postproc.machine.write import axis_table, machine_toml, uncertainty_table
+from postproc.machine.write import axis_table, machine_toml, runs_table
 from postproc.units import URAD
 
 FORMAT = "gcomp-machine/1"
@@ -59,13 +59,19 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
             section["optic"] = calibration.optics[letter]
             comments[f"axes.{letter}.optic"] = "what the measured point went along with"
         texts[f"{letter}.csv"] = _table(calibration, letter)
-        texts[f"{letter}_uncertainty.csv"] = _uncertainty(calibration, letter)
+        if known := _uncertainty(calibration, letter):
+            texts[f"{letter}_uncertainty.csv"] = known
+        texts[f"{letter}_runs.csv"] = _runs(calibration, letter)
     data["axes"] = sections
     if calibration.squareness:
         data["squareness"] = {s.name: round(s.value / URAD, 6) for s in calibration.squareness.values()}
+        known_u = {s.name: round(2 * s.u / URAD, 6) for s in calibration.squareness.values() if s.u is not None}
+        if known_u:
+            data["squareness"]["u"] = known_u
         for one in calibration.squareness.values():
             u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}, k = 1"
             comments[f"squareness.{one.name}"] = f"urad, {u}; {one.source}"
+            comments[f"squareness.u.{one.name}"] = "urad, U = 2 u, 95 %"
     return {"machine.toml": machine_toml(data, comments), **texts}
 
 
@@ -140,6 +146,29 @@ def _table(calibration: Calibration, letter: str) -> str:
 
 
 def _uncertainty(calibration: Calibration, letter: str) -> str:
+    """U = 2 u (95 %) under the columns of the axis table, linear between a component's own targets;
+    empty where it is known of none. The mean of both directions is known at least as well as they
+    are in the mean (JCGM 100, 5.2.2)."""
+    nodes = calibration.nodes(letter)
+    columns: dict[str, np.ndarray] = {}
+    comments = ["U, 95 % (k = 2), of the values in the axis table"]
+    for component in calibration.of(letter):
+        unit, one = unit_of(component.name)
+        if not np.isfinite(component.u).all():
+            comments.append(f"{component.name}: its u is not known, as of one run and an instrument that states none")
+            continue
+        u = 2 * component.u / one
+        if component.two_way and calibration.options.mean:
+            u = np.tile(u.mean(axis=0), (2, 1))
+        both = [np.interp(nodes, component.nodes, way) for way in u]
+        if calibration.two_way(component):
+            columns |= {f"{component.name}_{unit}_fwd": both[0], f"{component.name}_{unit}_rev": both[1]}
+        else:
+            columns[f"{component.name}_{unit}"] = both[0]
+    return axis_table(letter, nodes, columns, comments) if columns else ""
+
+
+def _runs(calibration: Calibration, letter: str) -> str:
     """Every value with its runs, their standard deviation s and its u; U95 = 2 u covers 95 %."""
     position = f"{letter}_{place_name(letter)}"
     rows = []
@@ -157,7 +186,7 @@ def _uncertainty(calibration: Calibration, letter: str) -> str:
                         "u": u, "U95": math.nan if math.isnan(u) else 2 * u,
                     }
                 )  # fmt: skip
-    return uncertainty_table(
+    return runs_table(
         letter, rows,
         (
             "mean and s: of the runs as recorded. value: mean without its zero and line, as in the axis table.",

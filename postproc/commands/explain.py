@@ -13,6 +13,7 @@ import numpy as np
 
 from postproc import ports
 from postproc.commands import expansion, reading
+from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.motions import FOREIGN, Motions
 from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
@@ -30,6 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     machine = reading.machine_of(options)
+    known = MapUncertainty(machine)
     seen: list[tuple[Words, Motions, Pieces]] = []
     with ports.opened(options.file) as (source, name, _):
         head = ports.head(source)
@@ -46,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
             print(f"{number:>5}  {line.decode('latin-1').rstrip()}")
             for words, motions, pieces in seen:
                 for block in range(words.blocks):
-                    for sentence in _block(filter_, words, motions, pieces, block):
+                    for sentence in _block(filter_, known, words, motions, pieces, block):
                         print(f"       | {sentence}")
             if seen and output != line:
                 text = output.decode("latin-1").rstrip().splitlines()
@@ -57,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _block(filter_, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:
+def _block(filter_, known: MapUncertainty, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:
     """Sentences about one block."""
     text = words.text[words.block_start[block] : words.block_stop[block]].decode("latin-1")
     mine: dict[str, list[float]] = {}
@@ -67,7 +69,7 @@ def _block(filter_, words: Words, motions: Motions, pieces: Pieces, block: int) 
         return []
     says = [_second_opinion(re.sub(r"\([^)]*\)", "", text), mine)]
     for i in np.flatnonzero(motions.block == block):
-        says += _motion(filter_, motions, pieces, int(i))
+        says += _motion(filter_, known, motions, pieces, int(i))
     return says
 
 
@@ -92,7 +94,7 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
     return says
 
 
-def _motion(filter_, motions: Motions, pieces: Pieces, i: int) -> list[str]:
+def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i: int) -> list[str]:
     """Where a motion goes, what the machine would make of it, and what is written for it."""
     machine = filter_.machine
     if motions.code[i] == FOREIGN or not motions.target_known[list(machine.corrected), i].all():
@@ -113,6 +115,9 @@ def _motion(filter_, motions: Motions, pieces: Pieces, i: int) -> list[str]:
             f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um"
             + (f" ({named})" if named else "")
         )
+    if known.parts:
+        u = float(known.length(target, turn)[0])
+        says.append(f"the map itself is known to +- {micrometres(u)} um (95 %) there")
     n = int((pieces.motion == i).sum())
     turns = int(pieces.take_up[pieces.motion == i].sum())
     if n > 1:

@@ -10,8 +10,9 @@ from postproc.errors import GcompError, UsageError
 from postproc.machine import places
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.file import read_machine
-from postproc.machine.model import Machine
+from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import COMPONENTS
+from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
 from postproc.units import UM, URAD
 
 HELP = "list the machines, or show one: gcomp machines show NAME"
@@ -65,6 +66,7 @@ def show(machine: Machine) -> str:
         lines += [f"  by {g.other} too: {len(g.nodes)} by {len(g.others)} nodes" for g in axis.grids]
         if axis.expansion is not None:
             lines.append(f"  heat: {axis.expansion.rate * 1e6:+.2f} um/m from {axis.expansion.fixed:g} mm")
+        lines += _largest_u(axis)
         if axis.table is None:
             lines.append("  no error table")
             continue
@@ -89,10 +91,15 @@ def show(machine: Machine) -> str:
         for i, value in enumerate(lean):
             if value:
                 lines.append(f"\nsquareness {'ABC'[i]}0{letter}  {value / URAD:+.1f} urad")
+    for name, u in machine.square_u.items():
+        lines.append(f"squareness {name} is known to +- {u / URAD:.1f} urad (95 %)")
     for term in machine.effects:
         lines.append(
             f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
         )
+        if term.spread:
+            sizes = [f"{k} +- {v:g}" for one in term.spread for k, v in one.parameters.items()]
+            lines.append(f"  known to {', '.join(sizes)} (95 %)")
     for own in machine.control_tables:
         lines.append(
             f"table of the control ({own.control}): {'on' if own.active else 'off'} at work, the map was measured with it "
@@ -107,6 +114,7 @@ def show(machine: Machine) -> str:
     if not machine.is_zero:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
+    lines.append(_known(machine))
     return "\n".join(lines)
 
 
@@ -123,6 +131,31 @@ def _beyond(machine: Machine, letter: str) -> str:
     return f"; the travel goes {beyond:g} mm beyond it: {held}"
 
 
+def _largest_u(axis: Axis) -> list[str]:
+    """The largest U of each component of an axis, in one line; none where nothing is stated."""
+    if axis.uncertainty is None or not axis.uncertainty.stated:
+        return []
+    u = axis.uncertainty.table
+    sizes = [(i, max(u.forward[i].max(), u.reverse[i].max())) for i in axis.uncertainty.stated]
+    says = [
+        f"{COMPONENTS[i]}{axis.letter} {micrometres(v)} um"
+        if i < 3
+        else f"{COMPONENTS[i]}{axis.letter} {v / URAD:.1f} urad"
+        for i, v in sizes
+    ]
+    return [f"  known to +- (95 %, at most): {', '.join(says)}"]
+
+
+def _known(machine: Machine) -> str:
+    """How well the whole map is known, and of what nothing is stated."""
+    known = MapUncertainty(machine)
+    if not known.parts:
+        return "the map's own uncertainty is not stated"
+    grid = _grid(machine)
+    worst = max(float(known.length(grid, np.full_like(grid, s)).max()) for s in (-1.0, 1.0))
+    return f"the map itself is known to +- {micrometres(worst)} um (95 %) on its nodes{unstated(known.missing)}"
+
+
 def _chain(machine: Machine) -> list[str]:
     axes = list(machine.chain.axes)
     return ["w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t"]
@@ -130,9 +163,14 @@ def _chain(machine: Machine) -> list[str]:
 
 def _largest(machine: Machine) -> float:
     """mm: largest deviation vector over the grid of all nodes, both ways."""
-    nodes = [_some(machine, x) for x in machine.letters]
-    grid = np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")])
+    grid = _grid(machine)
     return max(float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max()) for s in (-1.0, 1.0))
+
+
+def _grid(machine: Machine) -> np.ndarray:
+    """(A, N) mm: all nodes, or some of them."""
+    nodes = [_some(machine, x) for x in machine.letters]
+    return np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")])
 
 
 def _some(machine: Machine, letter: str) -> np.ndarray:

@@ -4,6 +4,7 @@ for a person."""
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +15,7 @@ from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import showing
 from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
+from postproc.effects import sizes
 
 FORMAT = "gcomp-diagnosis/1"
 MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
@@ -186,6 +188,18 @@ def not_told_apart(d: Diagnosis) -> list[str]:
     ]  # fmt: skip
 
 
+def _half_widths(f: Finding) -> dict[str, float]:
+    """U (95 %) of the parameters that have a size and were fitted: to the farther end of the
+    interval."""
+    found = {}
+    for name in sizes(f.block.module):
+        value, (low, high) = f.value[name], f.ci95[name]
+        half = max(high - value, value - low)
+        if math.isfinite(half) and half > 1e-9 * max(abs(value), 1e-12):  # else the parameter was not fitted
+            found[name] = float(f"{half:.3g}")
+    return found
+
+
 def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
     """What makes a machine.toml that of the diagnosed machine: its name, and a section for every accepted effect of the
     machine. Instruments' and data's effects are none of it."""
@@ -195,6 +209,7 @@ def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
             continue
         lines = ["", "[[effect]]", f'name = "{f.block.name}"', f'axis = "{f.block.axis}"']
         lines += [f"{key} = {value!r}" for key, value in f.value.items()]
+        lines += [f"u_{key} = {u!r}" for key, u in _half_widths(f).items()]
         files = ", ".join(Path(r.file).name for r in d.recordings)
         lines.append(f'source = "diagnosed from {files}"')
         if f.equivalent:

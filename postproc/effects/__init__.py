@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -45,6 +46,7 @@ import numpy as np
 UM = 1e-3  # mm
 XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
+CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")  # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 
 
 @dataclass(frozen=True)
@@ -218,6 +220,12 @@ def load(name: str) -> ModuleType:
     if name not in names():
         raise KeyError(name)
     return importlib.import_module(f"{__name__}.{name}")
+
+
+def sizes(module: ModuleType) -> list[str]:
+    """The parameters that have a size, and so may have an uncertainty: not those that say which
+    one, or whether."""
+    return [name for name, meaning in module.PARAMETERS.items() if not CHOICE.match(meaning)]
 
 
 def deviation(module: ModuleType, state: State, axis: str, **parameters: float) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from postproc.errors import MachineError, Place
 from postproc.machine.chain import ROTARY
-from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.units import UM, URAD
 
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
@@ -40,6 +40,57 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     Raises MachineError with file and line for a wrong column or unit, a number that is none, nodes that do not ascend, or
     a slope over `max_slope` (mm/mm for translations).
     """
+    _, lines, table = _one_axis(path, letter)
+    steep = np.abs(table.slopes[:3]).max(axis=(0, 1))
+    worst = int(np.argmax(steep))
+    if steep[worst] > max_slope:
+        low, high = table.nodes[worst : worst + 2]
+        raise _too_steep(path, lines[worst + 1], letter, steep[worst], low, high, max_slope)
+    return table
+
+
+def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table: AxisTable | None) -> AxisUncertainty:
+    """Read `Z_uncertainty.csv`, U (95 %, k = 2) under the columns of `Z.csv`; a component measured
+    in both directions may have one U for both. travel: mm or degrees; one turn is repeated over it
+    as in `over_turns`; table: what it is of, None for an axis without.
+
+    Raises MachineError with file and line as `read_table` does, for a U below zero, and where the
+    nodes leave a part of the table without a U.
+    """
+    columns, lines, found = _one_axis(path, letter)
+    both = np.stack([found.forward, found.reverse])
+    below = np.flatnonzero((both < 0).any(axis=(0, 1)))
+    if len(below):
+        component = int(np.flatnonzero((both[:, :, below[0]] < 0).any(axis=0))[0])
+        name, scale = f"{COMPONENTS[component]}{letter}", UM if component < 3 else URAD
+        raise MachineError(
+            f"U of {name} is {both[:, component, below[0]].min() / scale:g} at {letter} = {found.nodes[below[0]]:g}",
+            "an uncertainty is zero or more: its half width, without a sign",
+            Place(str(path), lines[below[0]]),
+        )
+    if letter in ROTARY:
+        found = over_turns(found, *travel, path)
+    if table is not None:
+        _covers(path, found, table, lines)
+    return AxisUncertainty(found, tuple(sorted({component for component, _ in columns})))
+
+
+def _covers(path: Path, found: AxisTable, table: AxisTable, lines: list[int]) -> None:
+    """Raises MachineError where a part of the table lies outside the nodes of its uncertainties."""
+    ours, theirs = found.nodes, table.nodes
+    late, early = ours[0] > theirs[0], ours[-1] < theirs[-1]
+    if late or early:
+        raise MachineError(
+            f"the uncertainties go from {found.letter} = {ours[0]:g} to {ours[-1]:g}, "
+            f"the table from {theirs[0]:g} to {theirs[-1]:g}",
+            "state them from the table's first node to its last: none is assumed beyond",
+            Place(str(path), lines[0 if late else -1]),
+        )
+
+
+def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list[int], AxisTable]:
+    """Columns by (component, direction), the line of each node, and the values of a table over one
+    axis."""
     columns, rows, lines = _rows(path, letter)
     for above, row, line in zip(rows, rows[1:], lines[1:], strict=False):
         if row[0] <= above[0]:
@@ -50,13 +101,7 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     if len(rows) < 2:
         raise MachineError(f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1))
     data = np.array(rows).T
-    forward, reverse = _directions(columns, data)
-    table = AxisTable(letter, data[0], forward, reverse)
-    steep = np.abs(table.slopes[:3]).max(axis=(0, 1))
-    worst = int(np.argmax(steep))
-    if steep[worst] > max_slope:
-        raise _too_steep(path, lines[worst + 1], letter, steep[worst], data[0][worst], data[0][worst + 1], max_slope)
-    return table
+    return columns, lines, AxisTable(letter, data[0], *_directions(columns, data))
 
 
 def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTable:

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from postproc import effects
-from postproc.errors import MachineError
+from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
-from postproc.machine.axis_file import over_turns, read_grid, read_table
+from postproc.machine.axis_file import over_turns, read_grid, read_table, read_uncertainty
 from postproc.machine.chain import OPTICS, ROTARY, XYZ
-from postproc.machine.model import Axis, ControlTable, EffectTerm, Expansion, Limits, Machine
-from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.effect_file import read_effects
+from postproc.machine.model import Axis, ControlTable, Expansion, Limits, Machine
+from postproc.machine.tables import GridTable
 from postproc.machine.toml_file import TomlFile
 from postproc.units import UM, URAD
 
@@ -31,9 +31,9 @@ KEYS = {
     "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
     "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
     "tool": set(XYZ),
-    "limits": {"max_correction", "max_slope", "outside", "accept_slope"},
-    "effect": {"name", "axis", "source"},
+    "limits": {"max_correction", "max_slope", "outside", "accept_slope", "hysteresis_um"},
 }  # fmt: skip
+UNCERTAINTY = "_uncertainty.csv"  # behind the axis' letter
 PPM = 1e-6  # um/m is mm/mm by a million
 REVERSALS = ("mean", "step", "ramp", "off")
 
@@ -73,6 +73,11 @@ def read_machine(folder: Path) -> Machine:
             if grid.other not in axes:
                 raise toml.fault(f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine")
     axes = _location(toml, axes)
+    for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
+        if path.name.removesuffix(UNCERTAINTY) not in axes:
+            raise MachineError(
+                f"{path.name} is of no axis of the machine", f"axes: {' '.join(axes)}", Place(str(path), 1)
+            )
     diameter = data.get("diameter", [])
     if not isinstance(diameter, list) or not all(isinstance(d, str) and d in axes for d in diameter):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
@@ -85,8 +90,9 @@ def read_machine(folder: Path) -> Machine:
         name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
         control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
         square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
-        control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=_effects(toml, axes),
+        control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=read_effects(toml, axes),
         source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal,
+        square_u=_squareness_u(toml, axes),
     )  # fmt: skip
 
 
@@ -102,7 +108,13 @@ def _limits(toml: TomlFile) -> Limits:
         raise toml.fault("limits", "accept_slope", f"accept_slope = {accept!r} is neither true nor false")
     if accept:
         slope = math.inf
-    return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside)
+    hysteresis = toml.number("limits", data, "hysteresis_um", Limits.hysteresis / UM) * UM
+    if hysteresis < 0:
+        raise toml.fault(
+            "limits", "hysteresis_um", f"hysteresis_um = {data['hysteresis_um']!r} is below zero",
+            "by how much a slide turns back before its lost motion is taken up, um",
+        )  # fmt: skip
+    return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside, hysteresis)
 
 
 def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> Axis:
@@ -138,12 +150,18 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
         table = read_table(path, letter, limits.max_slope)
         if letter in ROTARY:
             table = over_turns(table, float(travel[0]), float(travel[1]), path)
+    uncertainty = None
+    path = toml.path.parent / f"{letter}{UNCERTAINTY}"
+    if path.is_file():
+        digest.update(path.read_bytes())
+        uncertainty = read_uncertainty(path, letter, (float(travel[0]), float(travel[1])), table)
     optic = toml.string(name, section, "optic", "")
     if optic not in ("", *OPTICS):
         raise toml.fault(name, "optic", f"optic = {optic!r}", "what the measured point was fixed to: tool or workpiece")
     return Axis(
         letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
         grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
+        uncertainty=uncertainty,
     )  # fmt: skip
 
 
@@ -227,21 +245,39 @@ def _finite(value: Any) -> bool:
 
 
 def _squareness(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
+    """[squareness]: axis that leans to (3,) rad."""
     square: dict[str, np.ndarray] = {}
-    data = toml.table("squareness")
+    stated = {name: value for name, value in toml.table("squareness").items() if name != "u"}
+    for name, value in _angles(toml, "squareness", stated, axes).items():
+        if value:
+            square.setdefault(name[2], np.zeros(3))[ROTARY.index(name[0])] = value
+    return square
+
+
+def _squareness_u(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
+    """[squareness.u]: name to U (95 %, k = 2), rad."""
+    data = toml.table("squareness").get("u", {})
+    if not isinstance(data, dict):
+        raise toml.fault("squareness", "u", f"u = {data!r}", "a section [squareness.u] of the same names, urad")
+    found = _angles(toml, "squareness.u", data, axes)
+    for name, value in found.items():
+        if value < 0:
+            raise toml.fault("squareness.u", name, f"{name} = {data[name]!r} is below zero", "U is zero or more, urad")
+    return found
+
+
+def _angles(toml: TomlFile, section: str, data: dict, axes: dict[str, Axis]) -> dict[str, float]:
+    """Names of squareness to rad."""
     for name in data:
         own = re.fullmatch(r"[ABC]0[XYZABC]", name) and name[2] in axes
         if not own or ROTARY.index(name[0]) == (XYZ if name[2] in XYZ else ROTARY).index(name[2]):
             raise toml.fault(
-                "squareness",
+                section,
                 name,
                 f"{name!r} is not a squareness of this machine",
                 "rotation, 0, axis that leans: B0X, C0Y, A0Z",
             )
-        value = toml.number("squareness", data, name)
-        if value:
-            square.setdefault(name[2], np.zeros(3))[ROTARY.index(name[0])] = value * URAD
-    return square
+    return {name: toml.number(section, data, name) * URAD for name in data}
 
 
 def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
@@ -301,66 +337,3 @@ def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float
                 raise toml.fault("offsets", name, f"{name} names {x!r}, which is no axis of the machine")
         offsets[name] = {x: toml.number("offsets", values, x, at=name) for x in values}
     return offsets
-
-
-def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
-    """The axis of an effect, a pair of them, or "" for one of the whole machine."""
-    name = entry["name"]
-    axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
-    if module.PER == "all" and not axis:
-        return ""
-    wanted = 2 if module.PER == "pair" else 1
-    if len(axis) != wanted or len(set(axis)) != wanted or not all(x in axes and x in XYZ for x in axis):
-        what = "a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
-        message = f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
-            "no a pair", "not a pair"
-        )
-        raise toml.fault("effect", "axis", message, index=index)
-    return axis
-
-
-def _effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
-    terms = []
-    entries = toml.data.get("effect", [])
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise toml.fault("", "effect", "effects are sections [[effect]], with two brackets")
-    for i, entry in enumerate(entries):
-        name = toml.string("effect", entry, "name", index=i)
-        try:
-            module = effects.load(name)
-        except KeyError:
-            known = f"effects: {', '.join(effects.names())}"
-            raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
-        axis = _effect_axis(toml, entry, module, axes, i)
-        toml.check_keys("effect", entry, KEYS["effect"] | set(module.PARAMETERS), i)
-        optional = getattr(module, "OPTIONAL", {})
-        parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
-        terms.append(EffectTerm(name, axis, parameters, module, *_applied(module, axis, axes, parameters)))
-    return tuple(terms)
-
-
-def _applied(
-    module, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
-) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
-    """What an effect adds where the slides stand, for a compensator."""
-    if module.USE != "compensate":
-        return (), ()
-    rows = []
-    if hasattr(module, "tables"):
-        moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
-        rows += module.tables(axis, axes[moving].travel, **parameters)
-    if hasattr(module, "by_angle") and (map_ := axes[axis].table) is not None:
-        rows += module.by_angle(axis, map_.nodes, map_.forward[3:], map_.reverse[3:], **parameters)
-    tables = []
-    for component, letter, nodes, forward, reverse in rows:
-        both = np.zeros((2, 6, len(nodes)))
-        both[:, COMPONENTS.index(component)] = forward, reverse
-        tables.append(AxisTable(letter, nodes, both[0], both[1]))
-    grids = []
-    if hasattr(module, "grids"):
-        travel = {x: a.travel for x, a in axes.items()}
-        for component, letter, other, nodes, others, value in module.grids(axis, travel, **parameters):
-            whole = np.zeros((6, len(nodes), len(others)))
-            whole[COMPONENTS.index(component)] = value
-            grids.append(GridTable(letter, other, nodes, others, whole, whole))
-    return tuple(tables), tuple(grids)

@@ -13,7 +13,7 @@ from postproc.machine import dependence, rotary
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, leans, tip_deviation
 from postproc.machine.chain import arms as chain_arms
-from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,13 @@ class Expansion:
 
 @dataclass(frozen=True)
 class Axis:
-    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees of the programmed
-    word; measured_at (3,): mm, where the other axes stood, as stated (`Machine.measured`: what counts);
-    optic: what the measured point was fixed to, "" for the side that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at zero; location (6,):
-    mm and rad, how that line lies beside the nominal one; grids: what depends on a second axis too."""
+    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees
+    of the programmed word; measured_at (3,): mm, where the other axes stood, as stated
+    (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
+    that the axis carries; centre (3,): mm, a point on
+    a rotary axis' line while all slides stand at zero; location (6,): mm and rad, how that line
+    lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
+    table, None where the folder states none."""
 
     letter: str
     travel: tuple[float, float]
@@ -50,6 +53,7 @@ class Axis:
     location: np.ndarray = field(default_factory=lambda: np.zeros(6))
     grids: tuple[GridTable, ...] = ()
     expansion: Expansion | None = None
+    uncertainty: AxisUncertainty | None = None
 
     @property
     def bare(self) -> Axis:
@@ -59,8 +63,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """One accepted effect with its parameters. tables: axis to the errors that it adds where the slides stand, none for an
-    effect that a place alone does not decide."""
+    """One accepted effect with its parameters. tables: axis to the errors that it adds where the
+    slides stand, none for an effect that a place alone does not decide. spread: for each parameter
+    whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
+    by how much U changes the tables."""
 
     name: str
     axis: str
@@ -68,6 +74,7 @@ class EffectTerm:
     module: ModuleType | None
     tables: tuple[AxisTable, ...] = ()
     grids: tuple[GridTable, ...] = ()
+    spread: tuple[EffectTerm, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Machine:
-    """One machine as its folder states it. square: axis to (3,) rad; tool (3,) mm; offsets: name to axis to mm."""
+    """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
+    U (95 %, k = 2), rad; tool (3,) mm; offsets: name to axis to mm."""
 
     name: str
     title: str
@@ -115,6 +123,7 @@ class Machine:
     source: str = ""
     digest: str = ""
     reversal: str = "step"
+    square_u: dict[str, float] = field(default_factory=dict)
 
     @cached_property
     def letters(self) -> tuple[str, ...]:

@@ -127,6 +127,16 @@ class AxisTable:
 
 
 @dataclass(frozen=True)
+class AxisUncertainty:
+    """How well an axis' table is known. table: expanded uncertainties U (95 %, k = 2) in the place
+    of deviations, never negative; stated: the components, as rows of COMPONENTS, of which anything
+    is said: 0 is a statement too."""
+
+    table: AxisTable
+    stated: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class GridTable:
     """What of an axis' errors depends on where a second axis stands; added to its table. Linear in either position between
     nodes (bilinear in both), held beyond.

@@ -41,7 +41,8 @@ class TomlFile:
                 re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section and (count == index or not section)
             ):
                 return number
-        return fallback or 1
+        outer, _, name = section.rpartition(".")
+        return fallback or (self.line(outer, name) if outer else 1)
 
     def fault(self, section: str, key: str, message: str, advice: str = "", index: int = 0) -> MachineError:
         return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))

@@ -1,5 +1,6 @@
-"""The text of a machine folder, as file.py reads it: machine.toml with a comment where a number needs its source, and the
-CSV table of an axis, with a second table of how certain each value is.
+"""The text of a machine folder, as file.py reads it: machine.toml with a comment where a number
+needs its source, and the CSV table of an axis; `Z_uncertainty.csv` has the same form, and a further
+table tells the runs behind each value.
 
 Writes no file. Numbers are given in the units of the format, deviations to 0.1 nm and 0.1 nrad.
 """
@@ -15,6 +16,7 @@ import numpy as np
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 DECIMALS = 4
 FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source")
+NESTED = ("axes", "squareness")  # what they hold by a name is a section of its own
 SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effect")
 
 
@@ -31,11 +33,12 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
         if isinstance(value, list):
             for part in value:
                 lines += ["", f"[[{key}]]", *(_entry(k, v, "") for k, v in part.items())]
-        elif key == "axes":
-            for letter, part in value.items():
-                lines += ["", *_section(f"axes.{letter}", part, comments)]
-        else:
-            lines += ["", *_section(key, value, comments)]
+            continue
+        below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
+        if key != "axes":
+            lines += ["", *_section(key, {k: part for k, part in value.items() if k not in below}, comments)]
+        for name, part in below.items():
+            lines += ["", *_section(f"{key}.{_key(name)}", part, comments)]
     return "\n".join(lines) + "\n"
 
 
@@ -48,9 +51,9 @@ def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray]
     return "\n".join(lines) + "\n"
 
 
-def uncertainty_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
-    """`Z_uncertainty.csv`: a row for every value that stands behind the axis table. rows: the columns below by name; None
-    and NaN are left empty. No reader of machines needs it."""
+def runs_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
+    """`Z_runs.csv`: a row for every value that stands behind the axis table. rows: the columns
+    below by name; None and NaN are left empty. No reader of machines needs it."""
     position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
     names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
     lines = [f"# {_comment(c)}" for c in comments] + [",".join(names)]

@@ -11,6 +11,7 @@ from pytest import approx
 
 from postproc import cli
 from postproc.machine.file import read_machine
+from postproc.machine.uncertainty import AlongPath, MapUncertainty
 from postproc.recordings import contract
 from tests.calibrate.simulation import everything, recording, truth, two_axes
 
@@ -66,10 +67,10 @@ def test_recordings_become_a_machine_that_every_command_reads(made, capsys):
     assert len(data["sha256"]) == 5
 
 
-def test_the_uncertainty_stands_beside_the_table(made, capsys):
+def test_the_runs_stand_beside_the_table(made, capsys):
     _, names, place = made
     run(capsys, *names, *ASKED, "-o", place / "mine")
-    lines = [x for x in (place / "mine" / "Z_uncertainty.csv").read_text().splitlines() if not x.startswith("#")]
+    lines = [x for x in (place / "mine" / "Z_runs.csv").read_text().splitlines() if not x.startswith("#")]
     assert lines[0] == "Z_mm,component,approach,unit,runs,mean,s,value,u,U95"
     assert len(lines) == 1 + 3 * 2 * 18
     for line in lines[1:]:
@@ -77,6 +78,51 @@ def test_the_uncertainty_stands_beside_the_table(made, capsys):
         assert cells[4] == "5"
         assert 0.05 < float(cells[8]) < 0.4
         assert float(cells[9]) == approx(2 * float(cells[8]), abs=1.1e-4)
+
+
+def test_what_is_written_of_the_uncertainty_is_read_back(made, capsys):
+    """U = 2 u of every node and direction, as the file of the runs tells it; the squareness was stated with u = 3 urad."""
+    _, names, place = made
+    run(capsys, *names, *ASKED, "--squareness", "B0X=-120.5,3", "-o", place / "mine")
+    written = read_machine(place / "mine")
+    assert written.square_u == approx({"B0X": 6e-6})
+    assert MapUncertainty(written).missing == ()
+    for letter in "XZ":
+        u, table = written.axes[letter].uncertainty.table, written.tables[letter]
+        assert u.nodes == approx(table.nodes)
+        text = (place / "mine" / f"{letter}_runs.csv").read_text()
+        rows = [line.split(",") for line in text.splitlines() if line[0] not in "#XZ"]
+        assert rows
+        for node, component, approach, *_, u95 in rows:
+            values = u.forward if approach == "+" else u.reverse
+            row = [f"E{d}{letter}" for d in "XYZABC"].index(component)
+            size = values[row, np.flatnonzero(u.nodes == float(node))[0]]
+            assert size == approx(float(u95) * (1e-3 if row < 3 else 1e-6), abs=1e-9)
+    text = (place / "mine" / "machine.toml").read_text()
+    assert "[squareness.u]\nB0X = 6.0" in text
+
+
+def test_the_mean_of_both_directions_is_known_as_well_as_they_are_in_the_mean(made, capsys):
+    _, names, place = made
+    for name, more in (("two", ()), ("one", ("--mean",))):
+        assert run(capsys, *names, *ASKED, *more, "-o", place / name)[0] == 0
+    two, one = (read_machine(place / name).axes["Z"].uncertainty.table for name in ("two", "one"))
+    assert (one.forward == one.reverse).all() and two.mean[2].any()
+    assert one.forward == approx(two.mean, abs=2e-7)
+
+
+def test_an_uncertainty_that_is_not_known_is_not_written(tmp_path, capsys):
+    """One run of an instrument that states none; what others state is read all the same."""
+    rng = np.random.default_rng(3)
+    machine = two_axes(rng)
+    names = []
+    for part in everything(rng, machine, REST, runs=1, u=None):
+        path = tmp_path / part.file
+        path.write_text(contract.write(part))
+        names.append(path)
+    assert run(capsys, *names, *ASKED, "--squareness", "B0X=-120.5", "-o", tmp_path / "mine")[0] == 0
+    assert not list((tmp_path / "mine").glob("*_uncertainty.csv"))
+    assert AlongPath(read_machine(tmp_path / "mine")).report() == "the map's own uncertainty is not stated"
 
 
 def test_everything_else_comes_from_a_machine_that_is_alike(made, capsys):

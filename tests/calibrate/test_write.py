@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from postproc.machine.file import read_table
-from postproc.machine.write import axis_table, machine_toml, number, uncertainty_table
+from postproc.machine.write import axis_table, machine_toml, number, runs_table
 
 texts = st.text(max_size=20)
 numbers = st.floats(-1e6, 1e6, allow_nan=False)
@@ -62,7 +62,7 @@ def test_a_table_is_read_back_to_a_tenth_of_a_nanometre(tmp_path):
 
 def test_what_is_not_known_is_left_empty():
     row = {"Z_mm": 0.0, "component": "EZZ", "approach": "+", "unit": "um", "runs": 1, "mean": 2.5, "s": float("nan")}
-    assert uncertainty_table("Z", [row], ["c"]).splitlines() == [
+    assert runs_table("Z", [row], ["c"]).splitlines() == [
         "# c", "Z_mm,component,approach,unit,runs,mean,s,value,u,U95", "0,EZZ,+,um,1,2.5,,,,",
     ]  # fmt: skip
 

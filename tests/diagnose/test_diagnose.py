@@ -126,6 +126,19 @@ def test_an_instrument_never_reaches_the_machine(tmp_path):
     assert written == ["backlash"]
 
 
+def test_the_written_effect_has_its_interval(tmp_path):
+    """Half of the 95 % interval stands beside the size, where it was fitted; the play over which it is taken up was not."""
+    told = answer(
+        simulate(tmp_path, ("backlash:Z:size_um=7",)), STUDER, tmp_path, "--write-machine", str(tmp_path / "found")
+    )
+    low, high = told["effects"][0]["parameters"]["size_um"]["ci95"]
+    (term,) = read_machine(tmp_path / "found").effects
+    assert [(one.name, one.parameters) for one in term.spread] == [
+        ("size_um", {"size_um": pytest.approx((high - low) / 2, rel=0.02)})
+    ]
+    assert 0 < high - low < 2
+
+
 def test_what_even_targets_hide_is_said(tmp_path):
     """Targets every 30 mm: a screw of 10 mm could swing as it likes; the tool says so, and which test would show it."""
     rng = np.random.default_rng(8)

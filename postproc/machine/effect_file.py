@@ -1,0 +1,116 @@
+"""The [[effect]] sections of a machine.toml: physics beyond the tables, with how well its
+parameters are known.
+
+Reads strictly, as file.py does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from postproc import effects
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Axis, EffectTerm
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.toml_file import TomlFile
+
+KEYS = {"name", "axis", "source"}
+Table = TypeVar("Table", AxisTable, GridTable)
+
+
+def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
+    """All effects of a machine.toml. Raises MachineError with file and line."""
+    terms = []
+    entries = toml.data.get("effect", [])
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise toml.fault("", "effect", "effects are sections [[effect]], with two brackets")
+    for i, entry in enumerate(entries):
+        name = toml.string("effect", entry, "name", index=i)
+        try:
+            module = effects.load(name)
+        except KeyError:
+            known = f"effects: {', '.join(effects.names())}"
+            raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
+        axis = _effect_axis(toml, entry, module, axes, i)
+        sizes = effects.sizes(module)
+        toml.check_keys("effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i)
+        optional = getattr(module, "OPTIONAL", {})
+        parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
+        term = EffectTerm(name, axis, parameters, module, *_applied(module, axis, axes, parameters))
+        spread = [_spread(toml, entry, i, term, axes, p) for p in sizes if f"u_{p}" in entry]
+        terms.append(replace(term, spread=tuple(spread)))
+    return tuple(terms)
+
+
+def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
+    """The axis of an effect, a pair of them, or "" for one of the whole machine."""
+    name = entry["name"]
+    axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
+    if module.PER == "all" and not axis:
+        return ""
+    wanted = 2 if module.PER == "pair" else 1
+    if len(axis) != wanted or len(set(axis)) != wanted or not all(x in axes and x in XYZ for x in axis):
+        what = "a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
+        message = f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
+            "no a pair", "not a pair"
+        )
+        raise toml.fault("effect", "axis", message, index=index)
+    return axis
+
+
+def _spread(toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dict[str, Axis], name: str) -> EffectTerm:
+    """By how much the U of a parameter changes the effect's tables: half of what lies between both
+    ends of the interval."""
+    key = f"u_{name}"
+    u = toml.number("effect", entry, key, index=index)
+    if u < 0:
+        raise toml.fault("effect", key, f"{key} = {entry[key]!r} is below zero", "U (95 %) is zero or more", index)
+    ends: list[AxisTable] = []
+    grids: list[GridTable] = []
+    for share in (0.5, -0.5):
+        there = term.parameters | {name: term.parameters[name] + 2 * share * u}
+        try:
+            with np.errstate(all="raise"):
+                found = _applied(term.module, term.axis, axes, there)
+        except (ArithmeticError, ValueError):
+            raise toml.fault(
+                "effect", key, f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
+                "U (95 %) must leave the parameter what it is", index,
+            ) from None  # fmt: skip
+        ends += [_times(table, share) for table in found[0]]
+        grids += [_times(grid, share) for grid in found[1]]
+    return EffectTerm(name, term.axis, {name: u}, None, tuple(ends), tuple(grids))
+
+
+def _times(table: Table, share: float) -> Table:
+    return replace(table, forward=share * table.forward, reverse=share * table.reverse)
+
+
+def _applied(
+    module, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
+) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
+    """What an effect adds where the slides stand, for a compensator."""
+    if module.USE != "compensate":
+        return (), ()
+    rows = []
+    if hasattr(module, "tables"):
+        moving = module.moving(axis, **parameters) if module.PER == "pair" else axis
+        rows += module.tables(axis, axes[moving].travel, **parameters)
+    if hasattr(module, "by_angle") and (map_ := axes[axis].table) is not None:
+        rows += module.by_angle(axis, map_.nodes, map_.forward[3:], map_.reverse[3:], **parameters)
+    tables = []
+    for component, letter, nodes, forward, reverse in rows:
+        both = np.zeros((2, 6, len(nodes)))
+        both[:, COMPONENTS.index(component)] = forward, reverse
+        tables.append(AxisTable(letter, nodes, both[0], both[1]))
+    grids = []
+    if hasattr(module, "grids"):
+        travel = {x: a.travel for x, a in axes.items()}
+        for component, letter, other, nodes, others, value in module.grids(axis, travel, **parameters):
+            whole = np.zeros((6, len(nodes), len(others)))
+            whole[COMPONENTS.index(component)] = value
+            grids.append(GridTable(letter, other, nodes, others, whole, whole))
+    return tuple(tables), tuple(grids)
