@@ -7,9 +7,10 @@ is a new module and a row.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
@@ -133,4 +134,8 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix
 def family(dialect: Dialect, synchronised: bool = False) -> Family:
     """The cycles and frames of a dialect; none where nobody has written them."""
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
-    return FAMILIES[found](dialect, synchronised) if found else Family()
+    if not found:
+        return Family()
+    every = FAMILIES[found](dialect, synchronised)
+    known = {code_number(code.word) for code in dialect.codes}
+    return replace(every, cycles={n: cycle for n, cycle in every.cycles.items() if n in known})

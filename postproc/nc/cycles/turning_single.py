@@ -42,6 +42,8 @@ class Turn:
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
+        if scene.code("cutter") in (410, 420):
+            raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
         m = Moves(scene, own_words(block, "XZUW" + self.tapers, {code}))
         if not self.wants(scene, block):
             return Outcome(m.finish())
