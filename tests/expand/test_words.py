@@ -69,7 +69,7 @@ CONTOUR = "|N8 G0 X36.|N10 X40.|G1 Z-20.|N20 X100. Z-50.|N30 G1 X102. Z-51.|G0 X
 FACE = "|N8 G0 Z-10.|N10 Z-9.|G1 X80.|N20 X60. Z1.|N30 G1 X58. Z1.5|G0 X200."
 START = "G0 X100. Z2.|"
 SUB = "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7|O100 ENDSUB|O101 SUB|G0 X3|G1 Z-4|X7 Z-8|O101 ENDSUB|"
-LINUXCNC = "F100|S100 M3|G18 G0 X10 Z1|"
+TURN = "F100|S100 M3|G18 G0 X10 Z1|"
 HOLE = "X5./6. Y4./3. Z-5./-6. R1./2."
 BEGIN = "F100|S100 M3|G0 X0 Y0 Z9|"
 MORE = "|G83 X9.|G82 X8.|G80"
@@ -82,10 +82,10 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         return [
             s
             for s in {
-                "G70": [Sample(values("Q100/101 X10/11 Z1/2 D.4/.5 E.1/.2 P2/3"), LINUXCNC, aside=SUB)],
-                "G71": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I2.5/2 R.3/.4"), LINUXCNC, aside=SUB)],
-                "G72": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I.5/.7 R.3/.4"), LINUXCNC, aside=SUB.replace("G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7", "G0 Z-10|G1 X8|X6 Z-5|X4 Z-3").replace("G0 X3|G1 Z-4|X7 Z-8", "G0 Z-9|G1 X8|X4 Z-3"))],
-                "G76": [Sample(values("X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"), LINUXCNC)],
+                "G70": [Sample(values("Q100/101 X10/11 Z1/2 D.4/.5 E.1/.2 P2/3"), TURN, aside=SUB)],
+                "G71": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I2.5/2 R.3/.4"), TURN, aside=SUB)],
+                "G72": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I.5/.7 R.3/.4"), TURN, aside=SUB.replace("G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7", "G0 Z-10|G1 X8|X6 Z-5|X4 Z-3").replace("G0 X3|G1 Z-4|X7 Z-8", "G0 Z-9|G1 X8|X4 Z-3"))],
+                "G76": [Sample(values("X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"), TURN)],
             }.get(code, [Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN)])
         ]  # fmt: skip
     if "lathe" not in name:
@@ -232,19 +232,29 @@ def test_another_value_of_a_word_does_another_thing(row):
         assert any(what_it_does(a, row.name) != what_it_does(b, row.name) for a, b in changed), letter
 
 
-LINUXCNC_CASES = [(row, x) for row in ROWS if row.name == "linuxcnc" for x in row.followed]
+def programs(row: Row) -> dict[str, tuple[str, str]]:
+    """LinuxCNC's programs of a row: letter changed ("": none) to the text, and the text without what is not reached."""
+    [sample] = samples(*row[:3])
+    sample, found = sample.only(row.followed), {}
+    aside = sample.aside.replace("|", "\n")
+    for change in ["", *sample.words]:
+        words = " ".join(x + v[x == change] for x, v in sample.words.items())
+        run = f"{sample.before}{row.code} {words}|M2|".replace("|", "\n")
+        found[change] = aside + run, "\n" * aside.count("\n") + run
+    return found
+
+
+LINUXCNC = [row for row in ROWS if row.name == "linuxcnc"]
 
 
 @needs_oracle()
-@pytest.mark.parametrize(("row", "letter"), LINUXCNC_CASES, ids=[f"{r.code} {x}" for r, x in LINUXCNC_CASES])
-def test_linuxcncs_own_interpreter_does_the_same_with_both_values(row, letter):
-    [sample] = samples(*row[:3])
-    sample = sample.only(row.followed)
-    for change in ("", letter):
-        words = " ".join(x + v[x == change] for x, v in sample.words.items())
-        reached = "\n" * sample.aside.count("|") + f"{sample.before}{row.code} {words}|M2|".replace("|", "\n")
-        text = sample.aside.replace("|", "\n") + reached.lstrip("\n")
-        same_motions(text, oracle.motions(text), reached)
+@pytest.mark.parametrize("row", LINUXCNC, ids=[row.code for row in LINUXCNC])
+def test_linuxcncs_own_interpreter_does_the_same_with_either_value_of_every_word(row):
+    texts = programs(row)
+    assert set(row.followed) == set(texts) - {""}
+    results = oracle.motions_of_many([(text, {}) for text, _ in texts.values()])
+    for (text, reached), theirs in zip(texts.values(), results, strict=True):
+        same_motions(text, theirs, reached)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)
