@@ -76,18 +76,21 @@ MORE = "|G83 X9.|G82 X8.|G80"
 P, Q = "P10/8", "Q20/30"
 
 
+FACING = "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|X4 Z-3|O100 ENDSUB|O101 SUB|G0 Z-9|G1 X8|X4 Z-3|O101 ENDSUB|"
+THREAD = "X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"
+START_POINT = "Q100/101 X10/11 Z1/2"
+LINUXCNC_SAMPLES = {
+    "G70": Sample(values(f"{START_POINT} D.4/.5 E.1/.2 P2/3"), TURN, aside=SUB),
+    "G71": Sample(values(f"{START_POINT} D.1/.2 I2.5/2 R.3/.4"), TURN, aside=SUB),
+    "G72": Sample(values(f"{START_POINT} D.1/.2 I.5/.7 R.3/.4"), TURN, aside=FACING),
+    "G76": Sample(values(THREAD), TURN),
+}
+
+
 def samples(name: str, code: str, way: str) -> list[Sample]:
     """The programs for a row of the table."""
     if name == "linuxcnc":
-        return [
-            s
-            for s in {
-                "G70": [Sample(values("Q100/101 X10/11 Z1/2 D.4/.5 E.1/.2 P2/3"), TURN, aside=SUB)],
-                "G71": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I2.5/2 R.3/.4"), TURN, aside=SUB)],
-                "G72": [Sample(values("Q100/101 X10/11 Z1/2 D.1/.2 I.5/.7 R.3/.4"), TURN, aside=SUB.replace("G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7", "G0 Z-10|G1 X8|X6 Z-5|X4 Z-3").replace("G0 X3|G1 Z-4|X7 Z-8", "G0 Z-9|G1 X8|X4 Z-3"))],
-                "G76": [Sample(values("X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"), TURN)],
-            }.get(code, [Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN)])
-        ]  # fmt: skip
+        return [LINUXCNC_SAMPLES.get(code, Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN))]
     if "lathe" not in name:
         peck = " I2./1.5 J.5/.4 K1./.9" if name == "haas" else ""
         both = [
