@@ -203,6 +203,9 @@ def test_random_holes_are_those_of_linuxcnc():
 
 
 REFUSED = {
+    "G81 G82 X1 Z-3 R1 P1": "G81 and G82 in one block",
+    "G81 X1 Z-3 R1|R3": "R in a block within G81",
+    "G81 X1 Z-3 R1|A4": "A in a block within G81",
     "G81 X1 Z3 R1": "below the bottom",
     "G81 X1 R1": "without Z",
     "G81 Z1 X1": "without R",

@@ -176,6 +176,9 @@ class Resolver:
         if self._taken(codes):
             other = next(c for c in codes if self._taken([c]))
             raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
+        second = next((c for c in codes if c in self.family.cycles and c != code), None)
+        if second is not None:
+            raise scene.fault(f"G{second / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
         if self.active is None:
             self.before = scene.code("motion") if self.missing is None else self.missing
         elif self.active is not cycle:
