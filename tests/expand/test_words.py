@@ -1,7 +1,9 @@
-"""Every word of every cycle in docs/CYCLES.md: followed, so that another value moves the tool elsewhere, or refused by name.
+"""Every word of every cycle in docs/CYCLES.md: followed, so that another value moves the tool
+elsewhere, or refused by name.
 
-The table is read from the page; a program per row says which values are changed. What "followed" means is judged on
-the plain lines, read by the interpreter: motions, dwells and how often, not the text.
+The table is read from the page; a program per row says which values are changed. What "followed"
+means is judged on the plain lines, read by the interpreter: motions, dwells and how often, not
+the text.
 """
 
 from __future__ import annotations
@@ -32,8 +34,8 @@ CODE = re.compile(r"`([a-z-]+)`")
 
 
 class Sample(NamedTuple):
-    """A block of a cycle: its words with a value and another one, what stands before and behind it, and source lines
-    that are not run (the subroutine of a shape)."""
+    """A block of a cycle: its words with a value and another one, what stands before and behind
+    it, and source lines that are not run (the subroutine of a shape)."""
 
     words: dict[str, tuple[str, str]]
     before: str = ""
@@ -236,7 +238,8 @@ def test_another_value_of_a_word_does_another_thing(row):
 
 
 def programs(row: Row) -> dict[str, tuple[str, str]]:
-    """LinuxCNC's programs of a row: letter changed ("": none) to the text, and the text without what is not reached."""
+    """LinuxCNC's programs of a row: letter changed ("": none) to the text, and the text without
+    what is not reached."""
     [sample] = samples(*row[:3])
     sample, found = sample.only(row.followed), {}
     aside = sample.aside.replace("|", "\n")

@@ -1,13 +1,14 @@
 """G74 and G75 of Fanuc and Haas lathes (C: G76 G77): in by pecks, out, over by a step, and again.
 
-Fanuc B-64304EN-1, "End face peck drilling cycle (G74)", "Outer diameter / internal diameter drilling cycle (G75)":
-two blocks, the first with R, the second with P along X and Q along Z, which count least increments; and "Series 10/11
-program format": one block, I along X and K along Z. Haas lathe operator's manual 96-8900, G74, G75: one block, I and K
-likewise, back by setting 22 behind each peck, "a minimum of two cycles" where the other axis is named. P and I are
-radii.
+Fanuc B-64304EN-1, "End face peck drilling cycle (G74)", "Outer diameter / internal diameter
+drilling cycle (G75)": two blocks, the first with R, the second with P along X and Q along Z, which
+count least increments; and "Series 10/11 program format": one block, I along X and K along Z. Haas
+lathe operator's manual 96-8900, G74, G75: one block, I and K likewise, back by setting 22 behind
+each peck, and two cycles at least where the other axis is named. P and I are radii.
 
-Assumed: RETRACT in place of parameter 5139, or of setting 22. Refused unless 0: R of the second block, and D of one
-alone, which draw the tool aside at the bottom: whether at the first cut too, controls differ.
+Assumed: RETRACT in place of parameter 5139, or of setting 22. Refused unless 0: R of the second
+block, and D of one alone, which draw the tool aside at the bottom: whether at the first cut too,
+controls differ.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ ASIDE = "it draws the tool aside at the bottom"
 
 @dataclass
 class Grooving:
-    """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back behind a peck, a radius, as
-    the first of two blocks said it."""
+    """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back
+    behind a peck, a radius, as the first of two blocks said it."""
 
     deep: str
     haas: bool = False

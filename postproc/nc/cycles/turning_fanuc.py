@@ -10,7 +10,7 @@ not say it.
 
 G41 G42 in the shape: G70 runs its blocks as they stand, so they hold there, and must end within it (G40). The roughing
 of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius offset" of G71), which a notice says;
-B-64304EN-1 itself wants them before the cycle. Haas' works with them in a way nobody has written down: refused. So are
+B-64304EN-1 itself wants them before the cycle. How Haas' uses them is not certain: refused. So are
 type II (R1 of Haas), and I K of G71 G72, the allowance of a rough finishing pass.
 """
 

@@ -1,7 +1,9 @@
-"""G90 and G94 of Fanuc and Haas lathes (B: G77 G79, C: G20 G24), one cut each, and the threads beside them.
+"""G90 and G94 of Fanuc and Haas lathes (B: G77 G79, C: G20 G24), one cut each, and the threads
+beside them.
 
-Fanuc B-64304EN-1, "Canned cycle (G90, G92, G94)" and "Series 10/11 program format"; Haas lathe operator's manual
-96-8900, G90, G94. Threads (G76, G92) have a run-out that parameters shape (5130, 5131), and stay.
+Fanuc B-64304EN-1, "Canned cycle (G90, G92, G94)" and "Series 10/11 program format"; Haas lathe
+operator's manual 96-8900, G90, G94. Threads (G76, G92) have a run-out that parameters shape
+(5130, 5131), and stay.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from th
 
 
 class Turn:
-    """G90 (G77), straight or tapered along Z, and G94 (G79) along X: in, cut, out, back. Its words hold.
+    """G90 (G77), straight or tapered along Z, and G94 (G79) along X: in, cut, out, back. Its words
+    hold.
 
     The taper is R, or in the one-block format of Series 10/11 and on Haas I (G90) and K (G94)."""
 

@@ -1,7 +1,8 @@
-"""Which words a cycle takes: every cycle declares them, and a word that is not among them stops the program by name.
+"""Which words a cycle takes: every cycle declares them, and a word that is not among them stops the
+program by name.
 
-The table in docs/CYCLES.md is made of these declarations (`python -m tests.cycles_doc`), and tests/expand/test_words.py
-changes every one of them.
+The table in docs/CYCLES.md is made of these declarations (`python -m tests.cycles_doc`), and
+tests/expand/test_words.py changes every one of them.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ NONE: Mapping[str, str] = MappingProxyType({})
 class Form:
     """One way to write a cycle.
 
-    `kind`: what it is, with its article; `name`: which of several ways ("" where there is one). `takes`: letter to
-    what is done with it; `keeps`: letter to what a later cycle does with it. `refused`: letter to what the control
-    means by it, where nobody follows that; those in `zero` may stand with the value 0. `axes`: words of the
-    machine's other axes say the place too; `increments`: U V W H are distances, each beside its axis' own letter.
-    `unless`: letters whose presence says that the block is written another way. `stays`: the block goes to the
+    `kind`: what it is, with its article; `name`: which of several ways ("" where there is one).
+    `takes`: letter to what is done with it; `keeps`: letter to what a later cycle does with it.
+    `refused`: letter to what the control means by it, where nobody follows that; those in `zero`
+    may stand with the value 0. `axes`: words of the machine's other axes say the place too;
+    `increments`: U V W H are distances, each beside its axis' own letter. `unless`: letters
+    whose presence says that the block is written another way. `stays`: the block goes to the
     control as it is written; `never`: why it is refused, whatever its words are.
     """
 
