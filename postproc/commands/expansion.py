@@ -73,7 +73,7 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
     finally:
         filter_.notices[told:] = [
             replace(n, line=written.source(n.line)[0]) if n.line else n for n in filter_.notices[told:]
-        ]
+        ] + written.notices
 
 
 def _by_source(error: ProgramError, written: Written) -> ProgramError:

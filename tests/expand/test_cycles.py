@@ -203,6 +203,9 @@ def test_random_holes_are_those_of_linuxcnc():
 
 
 REFUSED = {
+    "G81 G82 X1 Z-3 R1 P1": "G81 and G82 in one block",
+    "G81 X1 Z-3 R1|R3": "R in a block within G81",
+    "G81 X1 Z-3 R1|A4": "A in a block within G81",
     "G81 X1 Z3 R1": "below the bottom",
     "G81 X1 R1": "without Z",
     "G81 Z1 X1": "without R",
@@ -488,7 +491,90 @@ def test_threads_of_a_lathe_stay_and_end_where_they_began():
     assert lathe(program)[:6] == program.split("|")[:6] and lathe(program)[6] == "G0 X38."
 
 
+def test_g74_and_g75_in_one_block_have_i_along_x_and_k_along_z():
+    """Haas lathe operator's manual, G74, G75; Fanuc's Series 10/11 format: I steps or pecks along X, a radius, K along Z.
+    X 100 to 88 by a radius of 3: 94 and 88; Z 2 to -6 by 5: -3 and -6, each 0.5 mm back in place of setting 22."""
+    one = ["G1 Z-3.", "G0 Z-2.5", "G1 Z-6.", "G0 Z2."]
+    over = ["G1 X94.", "G0 X95.", "G1 X88.", "G0 X100."]
+    for dialect in ("haas-lathe", "fanuc-lathe-a"):
+        lines = lathe("G0 X100. Z2.|G74 X88. Z-6. I3. K5. F.1|G0 X120.", dialect)
+        first = ["G1 Z-3. F.1", *one[1:]]
+        assert lines[1:] == [*first, "X94.", *one, "X88.", *one, "X100.", "G0 X120."]
+        lines = lathe("G0 X100. Z2.|G75 U-12. W-8. I3. K5. D0|G0 X120.", dialect)
+        assert lines[1:] == [*over, "Z-3.", *over, "Z-6.", *over, "Z2.", "G0 X120."]
+
+
+def test_the_taper_of_g90_and_g94_is_i_and_k_in_one_block_formats():
+    """Series 10/11 format, and Haas: I and K are what R is above."""
+    for dialect in ("haas-lathe", "fanuc-lathe-a"):
+        lines = lathe("G0 X60. Z2.|G90 U-10. W-32. I-5.", dialect)
+        assert lines[1:] == ["G0 X40.", "G1 X50. Z-30.", "X60.", "G0 Z2."]
+        lines = lathe("G0 X60. Z2.|G94 X20. Z-5. K-1.", dialect)
+        assert lines[1:] == ["G0 Z-6.", "G1 X20. Z-5.", "Z2.", "G0 X60."]
+
+
+NOSE = "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|N10 G0 G42 X40.|G1 Z-20.|N20 G40 X100. Z-50.|G70 P10 Q20|G0 X200."
+
+
+def test_nose_radius_compensation_in_the_shape_holds_in_g70_and_a_notice_says_so():
+    """The roughing is the one without it; G70 runs the blocks as they stand, and goes back without it."""
+    resolver = Resolver(Program("part", b""), Tracker(Interpreter(dialects.load("fanuc-lathe-a"), LATHE)))
+    program = NOSE.split("|")
+    resolver.program = Program("part", NOSE.replace("|", "\n").encode())
+    lines = [x.text.decode() for n, one in enumerate(program, 1) for x in resolver.take(Line(one.encode(), n))]
+    assert lines[-5:] == ["N10 G0 G42 X40.", "G1 Z-20.", "N20 G40 X100. Z-50.", "G0 X100. Z2.", "G0 X200."]
+    assert lines[:-5] == lathe(NOSE.replace("G42 ", "").replace("G40 ", ""))[:-5]
+    [notice] = resolver.scene.notices
+    assert notice.line == 3 and notice.message.startswith("G42 in the shape of G71 holds in G70 alone")
+
+
+def test_haas_dwells_behind_the_last_peck():
+    """Haas mill operator's manual, G73, G83: P is a dwell behind the last peck."""
+    for code in ("G73", "G83"):
+        assert text_of(f"G0 Z9.|G99 {code} Z-1. R2. Q3. P.5", "haas")[-3:] == ["G1 Z-1.", "G4 P.5", "G0 Z2."]
+
+
+HAAS_REFUSED = {
+    "haas": {
+        "G83 Z-9. R2. Q2. I1.": "Q and I of G83 together",
+        "G73 Z-9. R2. Q2. K6.": "Q and K of G73 together",
+        "G83 Z-9. R2. I2. J.5": "I and J of G83 together",
+        "G81 Z-9. R2. P500": "P in a drilling cycle",
+    },
+    "haas-lathe": {
+        "G71 P10 Q20 D2. R1|N10 G0 X40.|N20 G1 Z-5.": "R1 in a turning cycle .G71.: it chooses type II",
+        "G71 P10 Q20 D2. I.5|N10 G0 X40.|N20 G1 Z-5.": "I.5 in a turning cycle .G71.: the allowance of a rough",
+        "G71 P10 Q20 D2.|N10 G0 G42 X40.|N20 G1 G40 Z-5.": "G42 in the shape of G71",
+        "G74 X50. Z-5. K1. D.2": "draws the tool aside",
+        "G74 Z-5. Q1000": "Q in a grooving cycle .G74.: that is no word of it",
+    },
+}
+
+
+@pytest.mark.parametrize(("dialect", "program"), [(d, p) for d, programs in HAAS_REFUSED.items() for p in programs])
+def test_what_haas_means_otherwise_is_refused(dialect, program):
+    with pytest.raises(ProgramError, match=HAAS_REFUSED[dialect][program]):
+        text_of("G0 X100. Z12.|" + program, dialect, MILL if dialect == "haas" else LATHE)
+
+
 LATHE_REFUSED = {
+    "G71 U2. R1.|G71 P10 Q20 R1.|N10 G0 X40.|N20 G1 Z-5.": "type II",
+    "G71 U2. R1.|G71 P10 U1.|N10 G0 X40.|N20 G1 Z-5.": "number of a block in Q",
+    "G71 U2. R1.|G71 P10 Q20.5|N10 G0 X40.|N20 G1 Z-5.": "number of a block in Q",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 G0 X100. Z2.": "last block of the shape takes Z back",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 X30. Z-9.": "goes deeper in X",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. M8|N20 G1 Z-5.": "M8 in the shape of a cycle, in 'N10 G0 X40. M8'",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. R2.": "R2. in the shape",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G4 X1.|N20 G1 Z-5.": "G4 in the shape",
+    "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5.": "G42 is still on at the end",
+    "G42 G1 X90.|G90 X80. Z-5.": "compensation on",
+    "G71": "without its words",
+    "G74 R1. Z-5.": "draws the tool aside",
+    "G74 Z-5. Q1000 K1.": "Q and K both",
+    "G90 X50. Z-5. R1. I1.": "both say the taper",
+    "G90 X50. U-5. Z-5.": "X is named twice",
+    "G90 X50. Z-5.|C9.": "C in a block within G90",
+    "G83 Z-5. R-1. K2 L2": "both say how often",
     "G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5.": "depth of cut is not in the program",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. Z0.|N20 G1 Z-5.": "type II",
     "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5.": "no block N30",

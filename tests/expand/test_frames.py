@@ -102,6 +102,11 @@ def test_tapping_is_turned_and_stays():
 
 
 FANUC_REFUSED = {
+    "G68 X0 Y0 R30. Q5.": "Q in a rotation .G68.: that is no word of it",
+    "G68 X0 Y0 Z1. R30.": "Z in a rotation .G68.: it lies across the plane",
+    "G51 X0 Y0 Z0 P2. I2.": "P and I both say a factor",
+    "G51 X0 Y0 Z0 P2. R5.": "R in a scaling .G51.: that is no word of it",
+    "G51.1 X0 A9.": "A in a mirror .G51.1.: that is no word of it",
     "G68 X0 Y0 R30.|X5.": "names X alone",
     "G68 X0 Y0 R30.|G1 X5. Y5. F1|G69|G91 X1.": "is a distance",
     "G68 X0 Y0": "without its angle R",

@@ -7,9 +7,10 @@ is a new module and a row.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
@@ -17,11 +18,14 @@ from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrill
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
+from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.threading import LinuxcncThread
-from postproc.nc.cycles.turning_fanuc import Repetitive, Stays, Turn
+from postproc.nc.cycles.turning_fanuc import Repetitive
 from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
+from postproc.nc.cycles.turning_single import Stays, Turn
+from postproc.nc.cycles.words import Form
 from postproc.nc.dialects import Dialect
 
 
@@ -29,6 +33,8 @@ class Cycle(Protocol):
     """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its own."""
 
     modal: bool
+
+    def forms(self, code: int) -> tuple[Form, ...]: ...
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome: ...
 
@@ -92,15 +98,15 @@ def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
 
 def haas_lathe(dialect: Dialect, synchronised: bool) -> Family:
     """Turning as in system A; its holes all go along Z with an R that is a place, unlike Fanuc's: nobody wrote them."""
-    return _turning("a")
+    return _turning("a", haas=True)
 
 
-def _turning(system: str) -> Family:
-    cycles: dict[int, Cycle] = {}
+def _turning(system: str, haas: bool = False) -> Family:
     finish, rough, face, repeat, peck, groove, thread, turn, single, end = SYSTEMS[system]
-    roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat", peck: "peck", groove: "groove"}
-    cycles |= dict.fromkeys(roles, Repetitive(roles))
-    cycles |= {thread: Stays(False), turn: Turn(False), single: Stays(True), end: Turn(True)}
+    roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat"}
+    cycles: dict[int, Cycle] = dict.fromkeys(roles, Repetitive(roles, haas))
+    cycles |= {peck: Grooving("Z", haas), groove: Grooving("X", haas)}
+    cycles |= {thread: Stays(False), turn: Turn(False, haas), single: Stays(True), end: Turn(True, haas)}
     return Family(cycles, restores=True)
 
 
@@ -128,4 +134,8 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix
 def family(dialect: Dialect, synchronised: bool = False) -> Family:
     """The cycles and frames of a dialect; none where nobody has written them."""
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
-    return FAMILIES[found](dialect, synchronised) if found else Family()
+    if not found:
+        return Family()
+    every = FAMILIES[found](dialect, synchronised)
+    known = {code_number(code.word) for code in dialect.codes}
+    return replace(every, cycles={n: cycle for n, cycle in every.cycles.items() if n in known})

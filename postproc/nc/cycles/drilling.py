@@ -13,6 +13,7 @@ from typing import NamedTuple
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
 
 MOST_PECKS, MOST_HOLES = 10_000, 10_000
 INITIAL_LEVEL, R_LEVEL = 980, 990
@@ -142,6 +143,12 @@ def _dwell(m: Moves, hole: Hole) -> None:
 
 Action = Callable[[Moves, Hole, Scene], None]
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
+KIND = "a drilling cycle"
+TAPPING = Form("tapping", stays=True)
+WORDS = {
+    "X": "place, or bottom", "Y": "place, or bottom", "Z": "bottom, or place", "R": "R level", "P": "dwell at the bottom",
+    "Q": "depth of a peck", "K": "how often", "L": "how often",
+}  # fmt: skip
 
 
 @dataclass
@@ -167,6 +174,16 @@ class Drilling:
 
     modal = True
 
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of a cycle."""
+        if code in self.refused:
+            return (Form(KIND, never=self.refused[code]),)
+        return (TAPPING,) if code in self.tapping else (self.hole_form(code),)
+
+    def hole_form(self, code: int) -> Form:
+        """The words of a hole that is written out."""
+        raise NotImplementedError
+
     def wants(self, scene: Scene, block: Block) -> bool:
         """Whether a block without a motion code is another hole."""
         return any(block.get(x) is not None for x in "XYZ")
@@ -183,6 +200,8 @@ class Drilling:
             raise scene.fault("a drilling cycle with cutter radius compensation on", "end it before: G40")
         if scene.code("feed mode") == 930:
             raise scene.fault("a drilling cycle with inverse time feed (G93)", "write G94 before")
+        if 40 in block.codes:
+            raise scene.fault("a dwell and a hole in one block", "write G4 in a block of its own")
         job = self.job(scene, block, code)
         stays = code in self.tapping and not self.synchronised
         text = self.passed_on(scene, block, job) if stays else []
@@ -221,10 +240,15 @@ class Drilling:
 
     def times(self, scene: Scene, block: Block, letters: str, least: int) -> int:
         """How often the hole is made."""
-        word = next((w for w in block.words if w.letter in letters), None)
-        if word is None or word.value is None:
+        found = [w for w in block.words if w.letter in letters]
+        if len(found) > 1:
+            raise scene.fault(
+                f"{found[0].letter} and {found[1].letter} both say how often", "write one of them", found[1]
+            )
+        if not found:
             return 1
-        if word.value != int(word.value) or not least <= word.value <= MOST_HOLES:
+        word = found[0]
+        if word.value is None or word.value != int(word.value) or not least <= word.value <= MOST_HOLES:
             raise scene.fault(
                 f"{word.letter}{word.raw} is no number of holes ({least} to {MOST_HOLES:,})",
                 "write a whole number",

@@ -13,7 +13,9 @@ from __future__ import annotations
 
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import (
+    KIND,
     R_LEVEL,
+    WORDS,
     Action,
     Drilling,
     Hole,
@@ -25,6 +27,7 @@ from postproc.nc.cycles.drilling import (
     pecks,
 )
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form, named
 
 MILL: dict[int, Action] = {
     730: chips, 740: bore, 810: drill, 820: drill, 830: pecks, 840: bore, 842: bore, 843: bore, 850: bore,
@@ -37,6 +40,7 @@ DWELLS = (820, 880, 890, 740, 840)
 LATHE: dict[int, Action] = {830: pecks, 840: bore, 850: bore, 870: pecks, 880: bore, 890: bore}
 LATHE_TAPPING = (840, 880)
 ALONG_X = (870, 880, 890)
+HAAS_PECKS = {"I": "first peck", "J": "how much less each one is", "K": "least peck"}
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch
 AFTER_MOTION = (5, 9)
 
@@ -51,6 +55,12 @@ class FanucDrilling(Drilling):
     def wants(self, scene: Scene, block: Block) -> bool:
         axes = [*scene.tracker.setup.axes, *scene.dialect.increments, "R"]
         return 40 not in block.codes and any(block.get(x) is not None for x in axes)
+
+    def hole_form(self, code: int) -> Form:
+        """P and Q that a cycle itself has no use for hold for those behind it."""
+        used = {"P": code in self.dwells, "Q": code in self.pecking}
+        takes = named(WORDS, "XYZR" + self.repeats) | named(WORDS, "".join(x for x in used if used[x]))
+        return Form(KIND, takes, named(WORDS, "".join(x for x in used if not used[x])), axes=True)
 
     def axis_of(self, scene: Scene, code: int) -> str:
         return scene.plane[2]
@@ -76,6 +86,13 @@ class FanucDrilling(Drilling):
         if not self.code:
             self.initial = scene.known(axis)
         if not self.wants(scene, block):
+            idle = next((w for w in block.words if w.letter in self.words), None)
+            if idle:
+                raise scene.fault(
+                    f"{idle.letter} in a block that makes no hole",
+                    "controls differ on whether it holds: name a place beside it",
+                    idle,
+                )
             return Job(code, Hole(axis, 0.0, 0.0, 0.0), 0, [])
         self._hold(scene, block, axis)
         for letter, name in (("R", "R level"), ("depth", "bottom")):
@@ -164,10 +181,28 @@ class FanucDrilling(Drilling):
 
 
 class HaasDrilling(FanucDrilling):
-    """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least one."""
+    """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least one, and their P is
+    a dwell behind the last one (Haas mill operator's manual, G73, G83). K beside Q is another way to peck: refused."""
+
+    dwells = (730, 820, 830, 840, 890)
 
     def __init__(self, synchronised: bool = False):
         super().__init__("L", "RPQLIJK", synchronised)
+
+    def hole_form(self, code: int) -> Form:
+        own = "P" * (code in self.dwells)
+        pecks = HAAS_PECKS | named(WORDS, "Q") if code in self.pecking else {}
+        return Form(KIND, named(WORDS, "XYZRL" + own) | pecks, axes=True)
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        job = super().job(scene, block, code)
+        given = [x for x in "QIJK" if x in self.held]
+        if code in self.pecking and given not in ([], ["Q"], ["I"], ["I", "J", "K"], ["I", "K"]):
+            raise scene.fault(
+                f"{' and '.join(given)} of G{code / 10:g} together", "write Q alone, or I, or I, J and K: "
+                "how other pecks go is not certain",
+            )  # fmt: skip
+        return job
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         super()._hold(scene, block, axis)
@@ -186,6 +221,10 @@ class LatheDrilling(FanucDrilling):
     def __init__(self, synchronised: bool = False):
         Drilling.__init__(self, LATHE, LATHE_TAPPING, {}, "RPQKL", AFTER_MOTION, synchronised)
         self.repeats = "KL"
+
+    def hole_form(self, code: int) -> Form:
+        own, kept = (named(WORDS, "Q"), {}) if self.actions[code] is pecks else ({}, named(WORDS, "Q"))
+        return Form(KIND, named(WORDS, "XZRPKL") | own, kept, axes=True, increments=True)
 
     def axis_of(self, scene: Scene, code: int) -> str:
         return "X" if code in ALONG_X else "Z"

@@ -11,6 +11,8 @@ from __future__ import annotations
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import (
     INITIAL_LEVEL,
+    KIND,
+    WORDS,
     Action,
     Drilling,
     Hole,
@@ -23,6 +25,7 @@ from postproc.nc.cycles.drilling import (
     pecks,
 )
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form, named
 
 ACTIONS: dict[int, Action] = {
     730: chips, 740: bore_far, 810: drill, 820: drill, 830: pecks, 840: bore_far, 850: bore, 860: bore_standing,
@@ -33,6 +36,7 @@ UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefine
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}
 NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}  # where the cycle begins; later ones hold
 STOPS = (860,)
+PECKS = (730, 830)
 DWELLS = (740, 820, 840, 860, 890)
 RETRACT = {False: 0.254, True: 0.010}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
 
@@ -41,17 +45,17 @@ class LinuxcncDrilling(Drilling):
     def __init__(self, synchronised: bool = False):
         super().__init__(ACTIONS, TAPPING, REFUSED, "RPQL", synchronised=synchronised)
 
+    def hole_form(self, code: int) -> Form:
+        """P and Q only where 2.9 takes them (check_other_codes of its interpreter)."""
+        own = "P" * (code in DWELLS) + "Q" * (code in PECKS)
+        return Form(KIND, named(WORDS, "XYZRL" + own))
+
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
         if code in STOPS and scene.spindle not in (3, 4):
             raise scene.fault(
                 "G86 starts the spindle as it turned before, and it does not turn", "start it before: S, M3"
             )
-        strange = next((w for w in block.words if w.letter in "ABCUVW"), None)
-        if strange:
-            raise scene.fault(f"{strange.letter} in a drilling cycle", "LinuxCNC moves X, Y and Z alone here", strange)
-        if 40 in block.codes:
-            raise scene.fault("a dwell and a hole in one block", "write G4 in a block of its own")
         if not self.wants(scene, block):
             raise scene.fault("a drilling cycle without X, Y or Z", "LinuxCNC wants one of them in every such block")
         if code != self.code:
@@ -87,7 +91,7 @@ class LinuxcncDrilling(Drilling):
             p=self.p if code in DWELLS else "", first=self.held.get("Q", 0.0) * half,
             retract=RETRACT[scene.inch] * half,
         )  # fmt: skip
-        if code in (730, 830) and hole.first <= 0:
+        if code in PECKS and hole.first <= 0:
             raise scene.fault(f"Q is {hole.first:g}, and no peck can be that deep", "write Q above 0", block.word("Q"))
         place = [w for w in block.words if w.letter in "XYZ" and w.letter != axis]
         return Job(code, hole, self.times(scene, block, "L", 1), place, first, level * half)

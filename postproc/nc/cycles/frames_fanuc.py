@@ -20,6 +20,7 @@ from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.polar import Polar
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
 
 MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = (
     501,
@@ -36,6 +37,13 @@ LENGTHS = ("length", "length words", "length more", "length minus", "no length")
 SMALLEST = 1e-6  # of factors that can be undone
 ONE = 0.001  # what 1 without a point means as a factor
 CANCEL = "end it before (G69, G50, G50.1)"
+CENTRE = dict.fromkeys("XYZ", "centre")
+FORMS = {
+    TURN_ON: Form("a rotation", CENTRE | {"R": "angle"} | dict.fromkeys("IJK", "axis in space")),
+    SCALE_ON: Form("a scaling", CENTRE | dict.fromkeys("PIJK", "factor")),
+    MIRROR_ON: Form("a mirror", dict.fromkeys("XYZ", "its place")),
+    MIRROR_OFF: Form("a mirror", dict.fromkeys("XYZ", "its axis")),
+}
 
 
 @dataclass
@@ -122,7 +130,10 @@ class FanucFrames:
 
     def _set(self, block: Block, code: int) -> Block:
         """Let a code hold; the block without what belongs to it."""
-        letters = {TURN_ON: "XYZRIJK", SCALE_ON: "XYZPIJK", MIRROR_ON: "XYZ", MIRROR_OFF: "XYZ"}.get(code, "")
+        form = FORMS.get(code, Form(""))
+        if code in FORMS and sum(c in FORMS for c in block.codes) == 1:
+            form.check(self.scene, block, code)
+        letters = "".join(form.takes)
         rest = Block.of(block.written(own_words(block, letters, {code})), self.scene.dialect.grammar)
         {
             TURN_ON: self._turn, TURN_OFF: self._no_turn, SCALE_ON: self._scale, SCALE_OFF: self._no_scale,
@@ -164,6 +175,11 @@ class FanucFrames:
             raise scene.fault(
                 "G68 in G91 within a rotation", "whether R adds up is a parameter: write G69 or G90 before"
             )
+        across = next((w for w in block.words if w.letter in AXES and w.letter not in (first, second)), None)
+        if across:
+            raise scene.fault(
+                f"{across.letter} in a rotation (G68): it lies across the plane", "take it out of the block", across
+            )
         given = [w for w in block.words if w.letter in (first, second)]
         if len(given) == 1:
             raise scene.fault(
@@ -196,6 +212,9 @@ class FanucFrames:
         if self.turn:
             raise scene.fault("G51 within a rotation", "the manual wants G51 before G68")
         whole = block.word("P")
+        each = next((w for w in block.words if w.letter in "IJK"), None)
+        if whole and each:
+            raise scene.fault(f"P and {each.letter} both say a factor of G51", "write P alone, or I J K", each)
         if whole:
             factors = dict.fromkeys(AXES, self._factor(whole))
         else:

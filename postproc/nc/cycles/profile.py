@@ -11,21 +11,9 @@ from dataclasses import dataclass, replace
 from postproc.nc.cycles.block import Block, Word, blocks
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
-IGNORED = (
-    40,
-    400,
-    410,
-    420,
-    960,
-    970,
-    990,
-    980,
-    940,
-    950,
-    610,
-    640,
-    90,
-)  # G codes of a profile that a roughing cycle skips
+NOSE = (400, 410, 420)  # compensation of the nose radius: what it does to a roughing, the caller says
+IGNORED = (*NOSE, 960, 970)  # of a shape, where a roughing has its own: B-64304EN-1, "Multiple repetitive cycle"
+ANYWHERE, ARCS = "NGXZFST", "IKR"  # letters of a shape, and of its arcs; F S T are the finishing's
 NEAR = 1e-9
 
 
@@ -129,16 +117,28 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
     here, incremental, elements = start, scene.incremental, []
     half = 2.0 if scene.is_diameter("X") else 1.0
     for block in profile.texts:
+        text = block.text.strip().decode("latin-1")
         for code in block.codes:
             if code in (900, 910) and scene.group_of(code) == "distance":
                 incremental = code == 910
             elif code in (0, 10, CLOCKWISE, COUNTER):
                 motion = code
             elif code not in IGNORED:
-                raise scene.fault(f"G{code / 10:g} in the shape of a cycle", "only G0 G1 G2 G3 can be followed there")
+                raise scene.fault(
+                    f"G{code / 10:g} in the shape of a cycle, in {text!r}", "only G0 G1 G2 G3 can be followed there"
+                )
+        arc = motion in (CLOCKWISE, COUNTER)
+        increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
+        known = ANYWHERE + ARCS * arc + "".join(increments)
+        strange = next((w for w in block.words if w.letter not in known), None)
+        if strange:
+            raise scene.fault(
+                f"{strange.letter}{strange.raw} in the shape of a cycle, in {text!r}, can not be followed",
+                "write it before the cycle; chamfers and corner radii as blocks of their own",
+            )
         z = _coordinate(scene, block, "Z", here[0], 1.0, incremental)
         x = _coordinate(scene, block, "X", here[1], half, incremental)
-        if 40 in block.codes or (z, x) == here:
+        if (z, x) == here:
             continue
         element = Element(motion, here, (z, x))
         if element.is_arc:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from postproc.errors import ProgramError
+from postproc.errors import Notice, ProgramError
 from postproc.nc.codes import Code, code_number
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.expand.tracker import Tracker, number
@@ -33,6 +33,7 @@ class Scene:
         self.source = 0  # the line that the block stands in
         self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
+        self.notices: list[Notice] = []  # what the user should know of what was written
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = (
             set()

@@ -15,9 +15,15 @@ from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
 
 MOST_PASSES = 10_000
-LETTERS = "XYZPQRIJKHEL"
+WORDS = {
+    "X": "where the tool goes back to", "Z": "end of the drive line", "P": "pitch", "I": "thread's peak beside the drive line", "J": "depth of the first cut",
+    "K": "full depth", "R": "degression", "Q": "compound angle", "H": "spring passes", "L": "which ends are tapered",
+    "E": "length of the tapers",
+}  # fmt: skip
+LETTERS = "".join(WORDS)
 ENTRY, EXIT = 1, 2  # bits of L
 
 
@@ -54,6 +60,9 @@ class LinuxcncThread:
     """G76."""
 
     modal = False
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        return (Form("a threading cycle", WORDS),)
 
     def end(self) -> None:
         return
@@ -106,9 +115,6 @@ class LinuxcncThread:
             raise scene.fault("G76 cuts a thread, and the spindle does not turn", "start it before: S and M3 or M4")
         if block.get("X") is None and block.get("Z") is None:
             raise scene.fault("G76 without Z", "write where the thread ends")
-        strange = next((w for w in block.words if w.letter in "YABCUVW"), None)
-        if strange:
-            raise scene.fault(f"{strange.letter} in a threading cycle", "LinuxCNC moves X and Z alone here", strange)
         missing = [x for x in "PIJK" if values[x] is None]
         if missing:
             raise scene.fault(f"G76 without {' and '.join(missing)}", "LinuxCNC wants P, I, J and K")

@@ -1,104 +1,67 @@
-"""Turning cycles of Fanuc lathes: G90 G94 (G77 G79), and G70 to G75 over a shape that stands in the program.
+"""G70 to G73 of Fanuc and Haas lathes, over a shape that stands in the program.
 
-Fanuc B-64304EN-1, "Canned cycle" and "Multiple repetitive cycle"; the order of motions and which of them are rapids
-also in the lathe maker Robur's concise guide to Fanuc, pages 48 and 57. Threads (G76, G92) have a run-out that
-parameters shape (5130, 5131), and stay.
+Fanuc B-64304EN-1, "Multiple repetitive cycle"; the order of motions and which of them are rapids also in the lathe
+maker Robur's concise guide to Fanuc, pages 48 and 57.
 
 Assumed: the depths of G71 and G72 count from the start point moved by the finishing allowances; the cut that would
 reach the depth of the shape's first point, or go beyond it, is left to the last one along the shape; the tool escapes
-at 45 degrees in rapid, and returns to the start point in one rapid. RETRACT stands for parameters 5133 (G71 G72) and
-5139 (G74 G75) where R does not say it.
+at 45 degrees in rapid, and returns to the start point in one rapid. RETRACT stands for parameter 5133 where R does
+not say it.
+
+G41 G42 in the shape: G70 runs its blocks as they stand, so they hold there, and must end within it (G40). The roughing
+of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius offset" of G71), which a notice says;
+B-64304EN-1 itself wants them before the cycle. How Haas' uses them is not certain: refused. So are
+type II (R1 of Haas), and I K of G71 G72, the allowance of a rough finishing pass.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from postproc.errors import Notice
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling import UNDEFINED, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
-from postproc.nc.cycles.profile import Element, Profile, find, shape
+from postproc.nc.cycles.profile import NOSE, Element, Profile, find, shape
 from postproc.nc.cycles.scene import CLOCKWISE, Scene
+from postproc.nc.cycles.words import Form
 
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch, radius
 MOST_PASSES = 10_000
 OWN = "XZUWPQRDIK"
-
-
-class Turn:
-    """G90 (G77), straight or tapered along Z, and G94 (G79) along X: in, cut, out, back. Its words hold."""
-
-    modal = True
-
-    def __init__(self, facing: bool):
-        self.facing = facing
-        self.end()
-
-    def end(self) -> None:
-        self.to: dict[str, float] = {}
-        self.taper = 0.0
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return any(block.get(x) is not None for x in "XZUWR")
-
-    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
-        """The plain lines of a block. Raises ProgramError."""
-        m = Moves(scene, own_words(block, "XZUWR", {code}))
-        if not self.wants(scene, block):
-            return Outcome(m.finish())
-        start = {x: scene.at(x) for x in "XZ"}
-        for axis in "XZ":
-            absolute, increment = block.word(axis), block.word("U" if axis == "X" else "W")
-            if increment:
-                self.to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                value = scene.length(absolute, axis)
-                self.to[axis] = start[axis] + value if scene.incremental else value
-        missing = [x for x in "XZ" if x not in self.to]
-        if missing:
-            raise scene.fault(f"G{code / 10:g} without {missing[0]}", "name X and Z in the first block of the cycle")
-        taper = block.word("R")
-        if taper:
-            self.taper = scene.length(taper, "X")
-        x, z = self.to["X"], self.to["Z"]
-        if self.facing:
-            m.move("G0", {"Z": z + self.taper})
-            m.move("G1", {"X": x, "Z": z})
-            m.move("G1", {"Z": start["Z"]})
-            m.move("G0", {"X": start["X"]})
-        else:
-            m.move("G0", {"X": x + self.taper * _half(scene)})
-            m.move("G1", {"X": x, "Z": z})
-            m.move("G1", {"X": start["X"]})
-            m.move("G0", {"Z": start["Z"]})
-        return Outcome(m.finish())
-
-
-class Stays:
-    """A thread: it begins and ends in its start point, and stays as it is written."""
-
-    def __init__(self, modal: bool):
-        self.modal = modal
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return any(block.get(x) is not None for x in "XZUWR")
-
-    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
-        told = Moves(scene, own_words(block, OWN, {code})).finish()
-        return Outcome([block.text], told)
+KIND = "a turning cycle"
+SHAPE = {"P": "first block of the shape", "Q": "last block of the shape"}
+ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
+ESCAPE = {"R": "escape from a cut"}
+ROUGH_FINISH = "the allowance of a rough finishing pass"
+TYPE_II = {"R": "it chooses type II (R1 of Haas)", "I": ROUGH_FINISH, "K": ROUGH_FINISH}
 
 
 @dataclass
 class Repetitive:
-    """G70 to G75 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face, repeat, peck,
-    groove."""
+    """G70 to G73 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face, repeat."""
 
     roles: dict[int, str]
+    haas: bool = False
     held: dict[str, dict[str, float]] = field(default_factory=dict)
     modal = False
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of one role: of the first of two blocks, and of the second one or of one alone."""
+        role = self.roles[code]
+        if role == "finish":
+            return (Form(KIND, SHAPE),)
+        first, second = "first of two blocks", "second block, or one alone"
+        if role == "repeat":
+            whole = {"U": "distance of the first cut along X, a radius", "W": "the same along Z", "R": "how many cuts"}
+            alone = {"I": "as U of the first block", "K": "as W of it", "D": "as R of it"}
+            return Form(KIND, whole, name=first, unless="PQ"), Form(KIND, SHAPE | ALLOWANCE | alone, name=second)
+        depth = {"U" if role == "rough" else "W": "depth of a cut"}
+        alone = {"D": "depth of a cut"}
+        return (
+            Form(KIND, depth | ESCAPE, name=first, unless="PQ"),
+            Form(KIND, SHAPE | ALLOWANCE | alone, refused=TYPE_II, name=second),
+        )
 
     def end(self) -> None:
         return
@@ -112,17 +75,16 @@ class Repetitive:
         if scene.code("cutter") in (410, 420):
             raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
         own = own_words(block, OWN, {code})
-        if role in ("peck", "groove"):
-            return self._pecks(scene, block, role, Moves(scene, own))
-        if block.get("P") is None or block.get("Q") is None:
+        if role != "finish" and not any(block.word(x) for x in "PQ"):
             self._hold(scene, block, role)
             return Outcome(Moves(scene, own).finish())
-        begin, end = (int(block.get(x) or 0) for x in "PQ")
+        begin, end = (self._number(scene, block, code, x) for x in "PQ")
         after = 0 if role == "finish" else scene.source
         profile = find(scene, scene.lines(), begin, end, after)
         m = Moves(scene, own)
         if role == "finish":
             return self._finish(scene, block, profile, m)
+        self._nose(scene, code, profile)
         start = (scene.at("Z"), scene.at("X") / _half(scene))
         elements = shape(scene, profile, start, scene.code("motion"))
         allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
@@ -132,8 +94,34 @@ class Repetitive:
             self._rough(scene, block, role, elements, allowance, start, m)
         return Outcome(m.finish(), skip=(profile.first, profile.last), then=UNDEFINED)
 
+    def _number(self, scene: Scene, block: Block, code: int, letter: str) -> int:
+        """P or Q, the number of a block."""
+        word = block.word(letter)
+        if word is None or word.value is None or word.value != int(word.value) or word.value < 0:
+            raise scene.fault(
+                f"G{code / 10:g} without the number of a block in {letter}",
+                "P and Q name the first and last block of the shape: write both, as whole numbers",
+                word,
+            )
+        return int(word.value)
+
+    def _nose(self, scene: Scene, code: int, profile: Profile) -> None:
+        """G41 and G42 in the shape of a roughing."""
+        side = next((c for b in profile.texts for c in b.codes if c in NOSE and c != 400), None)
+        if side is None:
+            return
+        name = f"G{side // 10} in the shape of G{code / 10:g}"
+        if self.haas:
+            raise scene.fault(name, "give the roughing a shape of its own without it, and G70 the one with it")
+        scene.notices.append(
+            Notice(f"nose {code}", f"{name} holds in G70 alone: the roughing is written out without it (newer controls "
+                   "stop there, and want it named before the cycle)", scene.source)
+        )  # fmt: skip
+
     def _hold(self, scene: Scene, block: Block, role: str) -> None:
         """The first of two blocks: depth of cut, escape, divisions."""
+        if not any(block.word(x) for x in "UWR"):
+            raise scene.fault("a turning cycle without its words", "P and Q name the blocks of its shape")
         kept = self.held.setdefault(role, {})
         for word in block.words:
             if word.letter in "UWR" and word.value is not None:
@@ -165,7 +153,12 @@ class Repetitive:
             )
         if not rest:
             raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
-        self._monotonic(scene, rest)
+        self._monotonic(scene, rest, along)
+        if (rest[-1].end[deep] - rest[0].start[deep]) * (first.end[deep] - first.start[deep]) > 1e-9:
+            raise scene.fault(
+                f"the shape goes deeper in {'ZX'[deep]} behind its first block",
+                "its first block must go to the greatest depth: others are type II, with pockets, which is not written out",
+            )
         c = [start[0] + allowance[0], start[1] + allowance[1]]
         target = rest[0].start[deep]
         sense = 1 if target > c[deep] else -1
@@ -192,14 +185,20 @@ class Repetitive:
             self._element(scene, m, e)
         self._to(scene, m, "G0", *start)
 
-    def _monotonic(self, scene: Scene, elements: list[Element]) -> None:
-        """Type I: neither Z nor X turns back."""
-        for axis, name in ((0, "Z"), (1, "X")):
+    def _monotonic(self, scene: Scene, elements: list[Element], along: int) -> None:
+        """Type I: neither Z nor X turns back, also not in a last block that only draws the tool out."""
+        for axis in (0, 1):
             ways = [e.end[axis] - e.start[axis] for e in elements]
-            if min(ways) < -1e-9 and max(ways) > 1e-9:
+            if not _turns(ways):
+                continue
+            if axis == along and not _turns(ways[:-1]):
                 raise scene.fault(
-                    f"{name} turns back within the shape", "such a shape (type II, pockets) is not written out"
+                    f"the last block of the shape takes {'ZX'[axis]} back",
+                    "that is no part of the contour: end the shape before it, the cycle goes back by itself",
                 )
+            raise scene.fault(
+                f"{'ZX'[axis]} turns back within the shape", "such a shape (type II, pockets) is not written out"
+            )
         if not all(e.monotonic for e in elements):
             raise scene.fault("an arc of the shape goes beyond a quadrant", "such a shape (type II) is not written out")
 
@@ -234,51 +233,14 @@ class Repetitive:
         back = [b"G0", *(scene.text(x, value) for x, value in start.items())]
         if scene.incremental or any(910 in b.codes for b in profile.texts):
             raise scene.fault("G70 in G91", "write the shape in absolute words: the way back is not known here")
-        named = [c for b in profile.texts for c in b.codes if scene.group_of(c) == "motion"]
-        return Outcome([*texts, b" ".join(back)], then=named[-1] if named else None)
-
-    # -- G74 G75 -------------------------------------------------------------------------------------------------------
-
-    def _pecks(self, scene: Scene, block: Block, role: str, m: Moves) -> Outcome:
-        """In by pecks, out, over by a step, and again."""
-        moves = any(block.get(x) is not None for x in "XZUW")
-        if not moves:
-            self._hold(scene, block, role)
-            return Outcome(m.finish())
-        shift = block.word("R")
-        if shift and shift.value:
+        nose = [c for b in profile.texts for c in b.codes if c in NOSE]
+        if nose and nose[-1] != 400:
             raise scene.fault(
-                f"R{shift.raw} draws the tool aside at the bottom",
-                "whether at the first cut too differs: take it out",
-                shift,
+                f"G{nose[-1] // 10} is still on at the end of the shape of G70",
+                "write G40 in its last block: controls differ on the way back with it",
             )
-        deep, over = ("Z", "X") if role == "peck" else ("X", "Z")
-        start = {x: scene.at(x) for x in "XZ"}
-        to = dict(start)
-        for axis in "XZ":
-            absolute, increment = block.word(axis), block.word("U" if axis == "X" else "W")
-            if increment:
-                to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                to[axis] = scene.length(absolute, axis) + (start[axis] if scene.incremental else 0.0)
-        step = {"X": block.word("P"), "Z": block.word("Q")}
-        by = {x: scene.counted(w, x) * (_half(scene) if x == "X" else 1.0) if w else 0.0 for x, w in step.items()}
-        escape = self.held.get(role, {}).get("R", RETRACT[scene.inch]) * (_half(scene) if deep == "X" else 1.0)
-        places = _steps(scene, start[over], to[over], by[over])
-        depths = _steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
-        if len(places) * len(depths) > 10 * MOST_PASSES:
-            raise scene.fault(f"{len(places):,} cuts of {len(depths):,} pecks each", "check P and Q")
-        back = escape if to[deep] < start[deep] else -escape
-        for k, place in enumerate(places):
-            if k:
-                m.move("G0", {over: place})
-            for depth in depths:
-                m.move("G1", {deep: depth})
-                if depth != depths[-1]:
-                    m.move("G0", {deep: depth + back})
-            m.move("G0", {deep: start[deep]})
-        m.move("G0", {over: start[over]})
-        return Outcome(m.finish())
+        motions = [c for b in profile.texts for c in b.codes if scene.group_of(c) == "motion"]
+        return Outcome([*texts, b" ".join(back)], then=motions[-1] if motions else None)
 
     # -- motions -------------------------------------------------------------------------------------------------------
 
@@ -305,15 +267,5 @@ def _word(scene: Scene, block: Block, letter: str, axis: str) -> float:
     return scene.length(word, axis) if word else 0.0
 
 
-def _steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
-    """Places from `start` to `end`, `by` apart but for the last."""
-    if by <= 0 or start == end:
-        return [start, end] if start != end else [start]
-    count = int(abs(end - start) / by + 1e-9)
-    if count > MOST_PASSES:
-        raise scene.fault(
-            f"{count:,} steps of {by:g} (limit {MOST_PASSES:,})", "check P and Q: they count least increments"
-        )
-    sense = 1 if end > start else -1
-    places = [start + sense * by * k for k in range(count + 1)]
-    return [*places, end] if abs(places[-1] - end) > 1e-9 else places
+def _turns(ways: list[float]) -> bool:
+    return min(ways) < -1e-9 and max(ways) > 1e-9

@@ -14,22 +14,40 @@ import math
 import re
 from dataclasses import replace
 
-from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
 from postproc.nc.cycles.profile import Element, Profile, shape
-from postproc.nc.cycles.scene import CLOCKWISE, Scene
+from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
+from postproc.nc.cycles.words import Form
 
 LETTERS = "XZPQDERIUW"
+KIND = "a turning cycle"
+BEGIN = {"Q": "subroutine of the shape", "X": "start point", "Z": "start point"}
+FINISH = BEGIN | {"D": "distance of the first pass", "E": "distance of the last one", "P": "how many passes"}
+ROUGH = BEGIN | {"D": "distance left", "I": "depth of a cut", "R": "escape from a cut"}
+MOVES = {"U": "it moves the shape", "W": "it moves the shape"}
+POCKETS = "it chooses pockets"
 MOST_PASSES = 10_000
 NEAR = 1e-6
+
+
+def _no_motion(word: Word) -> bool:
+    number = number_of(word)
+    return number is not None and number not in (0, 10, CLOCKWISE, COUNTER)
 
 
 class LinuxcncTurning:
     """G70, G71, G72."""
 
     modal = False
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of the cycle (convert_g7x of the interpreter)."""
+        if code not in (700, 710, 720):
+            return (Form(KIND, never=POCKETS),)
+        return (Form(KIND, FINISH) if code == 700 else Form(KIND, ROUGH, refused=MOVES, zero="UW"),)
 
     def end(self) -> None:
         return
@@ -66,11 +84,6 @@ class LinuxcncTurning:
             raise scene.fault(f"{name} outside the ZX plane", "write G18 before")
         if scene.code("cutter") in (410, 411, 420, 421):
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
-        beside = next((w for w in block.words if w.letter in "UW" and w.value), None)
-        if beside:
-            raise scene.fault(
-                f"{beside.letter}{beside.raw} moves the shape", "write the shape where it shall be", beside
-            )
 
     @staticmethod
     def _closes(scene: Scene, e: Element) -> None:
@@ -113,8 +126,22 @@ class LinuxcncTurning:
                     f"the shape has more than words and numbers: {text[:40].decode('latin-1')!r}",
                     "write it out in the subroutine",
                 )
+            self._followed(scene, part)
             texts.append(part)
         return Profile(texts, begin + 2, end)
+
+    @staticmethod
+    def _followed(scene: Scene, part: Block) -> None:
+        """LinuxCNC passes over all words of the shape but those of its motions, and takes an arc without G2 or G3
+        for clockwise: all that is refused."""
+        strange = next((w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None)
+        if strange:
+            raise scene.fault(
+                f"{strange.letter}{strange.raw} in the shape of a cycle: LinuxCNC passes over it",
+                "take it out of the subroutine",
+            )
+        if any(part.word(x) for x in "IKR") and not any(c in (CLOCKWISE, COUNTER) for c in part.codes):
+            raise scene.fault("an arc of the shape without G2 or G3", "LinuxCNC takes it for G2: name it in each block")
 
     def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
         """G70: along the shape, P times, from distance D to E."""

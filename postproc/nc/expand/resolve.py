@@ -16,6 +16,7 @@ from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drilling import UNDEFINED
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import form_of
 from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
 
@@ -103,6 +104,8 @@ class Resolver:
             self._end(codes)
         elif self.active is not None and not self._taken(codes) and self.active.wants(scene, block):
             return self._cycle(block, self.code, codes)
+        elif self.active is not None and not codes:
+            self._idle(block)
         if self.scene.unsure and not self._taken(codes):
             scene.note(block)
             scene.named({w.letter for w in block.words})
@@ -124,6 +127,18 @@ class Resolver:
         """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean (G53)."""
         takers = self.control.takers if self.control else ()
         return any(c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes) for c in codes)
+
+    def _idle(self, block: Block) -> None:
+        """A block in a cycle that runs nothing must hold none of the cycle's words. Raises ProgramError."""
+        assert self.active is not None
+        own = form_of(self.active.forms(self.code), block)
+        letters = {*own.takes, *own.keeps, *self.tracker.setup.axes, *self.tracker.dialect.increments}
+        word = next((w for w in block.words if w.letter in letters), None)
+        if word is not None and not own.stays and not any(w.letter == "M" for w in block.words):
+            raise self.scene.fault(
+                f"{word.letter} in a block within G{self.code / 10:g} that runs it not",
+                "controls differ on what holds then: write it beside a place, or behind G80", word,
+            )  # fmt: skip
 
     def _ends(self, codes: list[int]) -> bool:
         return any(c == 800 or c in PLAIN_MOTIONS or self.scene.group_of(c) == "motion" for c in codes)
@@ -161,6 +176,9 @@ class Resolver:
         if self._taken(codes):
             other = next(c for c in codes if self._taken([c]))
             raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
+        second = next((c for c in codes if c in self.family.cycles and c != code), None)
+        if second is not None:
+            raise scene.fault(f"G{second / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
         if self.active is None:
             self.before = scene.code("motion") if self.missing is None else self.missing
         elif self.active is not cycle:
@@ -173,6 +191,7 @@ class Resolver:
         scene.block = block
         turned = self.control is not None and not self.control.frames.map.identity
         scene.extra_decimals = 4 if turned else 0
+        form_of(cycle.forms(code), block).check(scene, block, code)
         outcome = cycle.run(scene, block, code)
         scene.extra_decimals = 0
         scene.lose_code("motion")

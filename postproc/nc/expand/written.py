@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterator
 
+from postproc.errors import Notice
 from postproc.nc.expand import Limits, Line, Program, lines_of
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
@@ -20,12 +21,14 @@ class Written:
     def __init__(self, program: Program, interpreter: Interpreter, limits: Limits):
         self.program, self.limits = program, limits
         self.tracker = Tracker(interpreter)
+        self.notices: list[Notice] = []  # by the lines that were written by hand
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
         self._sources, self._files = array("L"), array("H")
         self._names: list[str] = [""]
 
     def __iter__(self) -> Iterator[bytes]:
         resolver = Resolver(self.program, self.tracker)
+        resolver.scene.notices = self.notices
         language = self.tracker.dialect.language
         source = lines_of(language, self.program, self.tracker, self.limits) if language else self._plain()
         waiting: list[bytes] = []

@@ -1,0 +1,142 @@
+"""G74 and G75 of Fanuc and Haas lathes (C: G76 G77): in by pecks, out, over by a step, and again.
+
+Fanuc B-64304EN-1, "End face peck drilling cycle (G74)", "Outer diameter / internal diameter
+drilling cycle (G75)": two blocks, the first with R, the second with P along X and Q along Z, which
+count least increments; and "Series 10/11 program format": one block, I along X and K along Z. Haas
+lathe operator's manual 96-8900, G74, G75: one block, I and K likewise, back by setting 22 behind
+each peck, and two cycles at least where the other axis is named. P and I are radii.
+
+Assumed: RETRACT in place of parameter 5139, or of setting 22. Refused unless 0: R of the second
+block, and D of one alone, which draw the tool aside at the bottom: whether at the first cut too,
+controls differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
+
+RETRACT = {False: 0.5, True: 0.02}  # mm, inch, radius
+MOST_STEPS = 10_000
+KIND = "a grooving cycle"
+PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from the start"}
+AXES = "XZUW"
+ASIDE = "it draws the tool aside at the bottom"
+
+
+@dataclass
+class Grooving:
+    """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back
+    behind a peck, a radius, as the first of two blocks said it."""
+
+    deep: str
+    haas: bool = False
+    escape: float | None = None
+    modal = False
+
+    @property
+    def over(self) -> str:
+        return "X" if self.deep == "Z" else "Z"
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of the first of two blocks, and of the second one or of one alone."""
+        meaning = {x: "depth of a peck" if x == self.deep else "step" for x in "XZ"}
+        alone = {"I": meaning["X"], "K": meaning["Z"]}
+        if self.haas:
+            return (Form(KIND, PLACES | alone, refused={"D": ASIDE}, zero="D", increments=True),)
+        counted = {"P": meaning["X"], "Q": meaning["Z"]}
+        return (
+            Form(KIND, {"R": "back behind a peck"}, name="first of two blocks", unless=AXES),
+            Form(
+                KIND, PLACES | counted | alone, refused={"R": ASIDE, "D": ASIDE}, zero="RD", increments=True,
+                name="second block, or one alone",
+            ),
+        )  # fmt: skip
+
+    def end(self) -> None:
+        return
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        return False
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        """The plain lines of a block. Raises ProgramError."""
+        if scene.code("cutter") in (410, 420):
+            raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
+        m = Moves(scene, own_words(block, AXES + "PQRIKD", {code}))
+        if not any(block.word(x) for x in AXES):
+            self._hold(scene, block, code)
+            return Outcome(m.finish())
+        half = {"X": 2.0 if scene.is_diameter("X") else 1.0, "Z": 1.0}
+        start = {x: scene.at(x) for x in "XZ"}
+        to = self._end(scene, block, start)
+        by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
+        escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
+        deep, over = self.deep, self.over
+        places = _steps(scene, start[over], to[over], by[over])
+        depths = _steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
+        if len(places) * len(depths) > 10 * MOST_STEPS:
+            raise scene.fault(f"{len(places):,} cuts of {len(depths):,} pecks each", "check the step and the peck")
+        back = escape if to[deep] < start[deep] else -escape
+        for k, place in enumerate(places):
+            if k:
+                m.move("G0", {over: place})
+            for depth in depths:
+                m.move("G1", {deep: depth})
+                if depth != depths[-1]:
+                    m.move("G0", {deep: depth + back})
+            m.move("G0", {deep: start[deep]})
+        m.move("G0", {over: start[over]})
+        return Outcome(m.finish())
+
+    def _hold(self, scene: Scene, block: Block, code: int) -> None:
+        """The first of two blocks."""
+        word = block.word("R")
+        if word is None:
+            raise scene.fault(f"G{code / 10:g} without X and Z", "name where it ends")
+        self.escape = scene.length(word, "X")
+
+    @staticmethod
+    def _end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:
+        """The bottom of the last cut."""
+        to = dict(start)
+        for axis, letter in (("X", "U"), ("Z", "W")):
+            absolute, increment = block.word(axis), block.word(letter)
+            if increment:
+                to[axis] = start[axis] + scene.length(increment, axis)
+            elif absolute:
+                to[axis] = scene.length(absolute, axis) + (start[axis] if scene.incremental else 0.0)
+        return to
+
+    @staticmethod
+    def _step(scene: Scene, block: Block, axis: str) -> float:
+        """A peck or step along an axis; 0: in one go."""
+        counted, word = (block.word(x) for x in ("PI" if axis == "X" else "QK"))
+        if counted and word:
+            raise scene.fault(
+                f"{counted.letter} and {word.letter} both say a step along {axis}", "write one of them", word
+            )
+        return abs(scene.counted(counted, axis)) if counted else _length(scene, word, axis)
+
+
+def _length(scene: Scene, word: Word | None, axis: str) -> float:
+    return abs(scene.length(word, axis)) if word else 0.0
+
+
+def _steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
+    """Places from `start` to `end`, `by` apart but for the last."""
+    if by <= 0 or start == end:
+        return [start, end] if start != end else [start]
+    count = int(abs(end - start) / by + 1e-9)
+    if count > MOST_STEPS:
+        raise scene.fault(
+            f"{count:,} steps of {by:g} (limit {MOST_STEPS:,})", "check them: P and Q count least increments"
+        )
+    sense = 1 if end > start else -1
+    places = [start + sense * by * k for k in range(count + 1)]
+    return [*places, end] if abs(places[-1] - end) > 1e-9 else places
