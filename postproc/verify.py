@@ -154,7 +154,9 @@ class Verifier:
         known &= run.code != HOLE
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
         whole &= ~nominal.whole[owner]  # a thread in one block is corrected at its ends, as a notice says
-        known &= counts != NOTHING
+        moves = (nominal.target != nominal.start).any(axis=0) | ~self._all(nominal.start_known)
+        moves[nominal.arcs.motion] = True
+        known &= (counts != NOTHING) & moves[owner]
         path = counts == PATH
         length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
         curved = np.full(len(run), -1)

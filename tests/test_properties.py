@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
@@ -208,8 +209,10 @@ def test_the_verifier_agrees(machines, name, mode, data):
     _, fault = outcome(filter_, [text])
     assume(not fault)
     inch = b"G20" in re.sub(rb"\([^)]*\)|\s", b"", text.upper())
-    half_increment = HALF_INCREMENT["inch" if inch else "mm"]
-    assert verifier.corrected.deviation <= filter_.compensator.tolerance + half_increment + 1e-9, verifier.report()
+    limit = filter_.compensator.tolerance + HALF_INCREMENT["inch" if inch else "mm"] + 1e-9
+    if mode == "step":  # every axis may be held back by 1.5 times the hysteresis
+        limit += 1.5 * UM * np.sqrt(machines[name].two_way.sum())
+    assert verifier.corrected.deviation <= limit, verifier.report()
     assert verifier.passed, verifier.report()
 
 

@@ -77,10 +77,13 @@ class Batch:
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
+        free = self.free[motion]
+        self.sure_after = free & (m.code[motion] != HOLE)
+        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(axis=0)
         self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
-        self.left = ~(self.free[motion] & self.told) & (m.word[:, motion] < 0)
+        self.left = ~(free & self.told) & (m.word[:, motion] < 0)
         # So does everything where the nominal path does not move at all.
-        self.left |= idle & (travel == 0).all(axis=0)
+        self.left |= idle & self.sure & (travel == 0).all(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
             self.left[:, self.hole[~m.holes.place]] = True
@@ -181,10 +184,6 @@ class Batch:
         self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
         if self.jumped.any():
             self.before = np.where(self.jumps, m.start[:, motion], self.before)
-        self.sure_after = free & (m.code[motion] != HOLE)
-        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) if n else free
-        if self.jumped.any():
-            self.sure &= ~self.jumps.any(axis=0)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""

@@ -58,12 +58,12 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     if not len(rows):
         return []
     cutting = np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
-    turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     way = np.abs(m.target - m.start) / TICKS_PER_MM
-    cutting &= ~(way[turns] > 0).any(axis=0)
     length = np.sqrt((way[b.rows] ** 2).sum(axis=0))
     length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
-    most = b.machine.bounds.steepest * length  # mm that any deviation changes along the motion
+    turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
+    # mm that any deviation changes along the motion; one that turns is looked at whatever its length
+    most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
     slow = (way[rows] < most).any(axis=0)
     slow[m.arcs.motion] = True
     chosen = (cutting & slow & (most > b.c.hysteresis)).nonzero()[0]
@@ -75,7 +75,21 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     for axes in (m.arcs.first, m.arcs.second):
         plane[axes, m.arcs.motion] = True
     course = np.where(plane[:, owner], 0.0, place - deviation)
-    return [_turns(owner, t, course[row], b.c.hysteresis / 2) for row in rows]
+    return [_on_increments(b, *_turns(owner, t, course[row], b.c.hysteresis / 2)) for row in rows]
+
+
+def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same places, moved to where the rotary axis that turns most stands on a whole increment of its word."""
+    rows = np.array([b.machine.letters.index(x) for x in b.machine.chain.rotary], np.int64)
+    if not len(rows) or not len(motion):
+        return motion, t
+    way = (b.m.target - b.m.start)[rows][:, motion]
+    most, k = np.argmax(np.abs(way), axis=0), np.arange(len(motion))
+    turn, step = way[most, k], b.m.grid[rows[most], motion]
+    turn = np.where(turn == 0, 1, turn)
+    t = np.where(way[most, k] != 0, np.rint(turn * t / step) * step / turn, t)
+    inside = (t > 0) & (t < 1)
+    return motion[inside], t[inside]
 
 
 def _places(b: Batch, chosen: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
