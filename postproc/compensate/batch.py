@@ -217,8 +217,9 @@ class Batch:
             return
         code = self.m.code[self.motion]
         self.hold = np.where(code == RAPID, self.c.hold_rapid, self.c.hold) * TICKS_PER_MM
-        # A slide that keeps its side is not moved back within the hysteresis.
+        # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
+        self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         self.enough = np.where(self.flipped, self.c.chord, self.c.hold) * TICKS_PER_MM
         self.begin = self.before.copy()
         for row in range(len(self.end)):
@@ -255,7 +256,7 @@ class Batch:
             to = wanted[k]
             if to is not None and abs(to - here) > enough[k] and (to - here) * side[k] >= 0:
                 here = to
-            if stays[k] or abs(exact[k] - here) <= hold[k]:
+            if stays[k] or abs(exact[k] - here) <= hold[k] or (exact[k] - here) * side[k] < 0:
                 value[k] = here
             last = i
         return np.array(value, np.int64)
@@ -284,8 +285,9 @@ class Batch:
             step = self.m.grid[rows][:, self.motion]
             far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
             over = (np.ceil(far).astype(np.int64) + 1) * step
+            led = self.begin[rows] - (self.weight_begin[rows] * over).astype(np.int64)
             self.beyond = self.begin.copy()
-            self.beyond[rows] -= np.where(out, self.weight_begin[rows] * over, 0).astype(np.int64)
+            self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         return np.where(
