@@ -271,9 +271,10 @@ class Verifier:
     @property
     def allowed(self) -> float:
         """mm: the tolerance and half an increment; where sides are followed, what each two-way axis may be held back by: the
-        hysteresis at the ends of strokes and half of it along them."""
+        hysteresis at the ends of strokes and half of it along them, and what the sides of all axes move the others by,
+        which no take-up can bring about in the same moment."""
         axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
-        beyond = 1.5 * self.hysteresis * np.sqrt(axes) if self.follows else 0.0
+        beyond = 1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
         return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
 
     @property

@@ -80,6 +80,9 @@ class Batch:
         free = self.free[motion]
         self.sure_after = free & (m.code[motion] != HOLE)
         self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(axis=0)
+        code = m.code[motion]
+        # Strokes before which lost motion may be taken up.
+        self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
         self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
         self.left = ~(free & self.told) & (m.word[:, motion] < 0)
         # So does everything where the nominal path does not move at all.
@@ -188,15 +191,13 @@ class Batch:
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
         m, motion = self.m, self.motion
-        code = m.code[motion]
-        cutting = (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
         first = self.carry.sides.side.astype(float)
         ramped = self.c.reach > 0
         first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
         before = np.concatenate([first[:, None], self.weight_end[:, :-1]], axis=1)
         self.flipped = ((before != self.weight_begin) & self.machine.two_way[:, None]) | self.twice
         turned: np.ndarray = self.flipped.any(axis=0)
-        self.turning = cutting & self.free[motion] & self.known_before & (turned | ~self.sure)
+        self.turning = self.cutting & self.known_before & (turned | ~self.sure)
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
         self.wanted = np.zeros_like(self.end)
@@ -269,9 +270,7 @@ class Batch:
         self.beyond, self.way = self.begin, self.carry.way
         if not len(rows):
             return
-        code = self.m.code[self.motion]
-        cutting = (code >= FEED) & (code <= COUNTER) & (self.m.cutter[self.motion] == FREE)
-        cutting &= self.free[self.motion] & self.known_before
+        cutting = self.cutting & self.known_before
         play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
         rests = (self.travel[rows] == 0) & cutting
         sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(np.int64)

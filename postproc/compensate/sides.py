@@ -35,7 +35,7 @@ class Course:
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
         self.band = b.c.band[self.rows]
         self.travel = b.travel[self.rows]
-        self.couples = b.machine.couples
+        self.couples = b.machine.lateral > 0
         self.nowhere = np.full(self.travel.shape, NOWHERE)
         self.twice = np.zeros(self.travel.shape, bool)
         self._given()
@@ -99,12 +99,13 @@ class Course:
 
     def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each stroke, which is the command
-        without their own lost motion. Where no axis changes its side the begin is the end before, and not looked at."""
+        without their own lost motion. Where no axis changes its side the begin is the end before, and not looked at; nor
+        is it in rapids, which take nothing up."""
         end = self._without_play(side, exact)
         if not self.couples:
             return self.nowhere, end
         turned = (side != self.before(side, self.carry.side)).any(axis=0)
-        at = (turned & self.b.free[self.b.motion] & self.b.known_before).nonzero()[0]
+        at = (turned & self.b.cutting & self.b.known_before).nonzero()[0]
         begin = self.nowhere.copy()
         if len(at):
             b, weight = self.b, self.spread(side)[:, at]

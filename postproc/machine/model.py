@@ -231,12 +231,16 @@ class Machine:
         return {x: way for x, way in largest.items() if way > 0}
 
     @cached_property
-    def couples(self) -> bool:
-        """Whether the side of one axis moves another: straightness or angles that were measured both ways."""
+    def lateral(self) -> float:
+        """mm: by how much the sides of all axes together can move the others: straightness and angles measured both ways."""
         tables = [(x, t.half) for x, t in self.every_table]
-        tables += [(grid.letter, (grid.forward - grid.reverse) / 2) for grid in self.grids]
-        own = {x: [k for k in range(6) if k != (XYZ + ROTARY).index(x)] for x, _ in tables}
-        return any(np.any(half[own[x]]) for x, half in tables)
+        tables += [(grid.letter, (grid.forward - grid.reverse).reshape(6, -1) / 2) for grid in self.grids]
+        total = 0.0
+        for x, half in tables:
+            size = 2 * np.abs(half).max(axis=1)
+            size[(XYZ + ROTARY).index(x)] = 0.0
+            total += float(np.linalg.norm(size[:3]) + np.linalg.norm(size[3:]) * self.bounds.reach(x))
+        return total
 
     @cached_property
     def least_play(self) -> np.ndarray:
