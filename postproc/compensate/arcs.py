@@ -115,6 +115,8 @@ class Fitter:
     round_to: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start
     step: np.ndarray  # (A, n) ticks of a least increment of each axis' word
+    inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
+    shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
 
     def samples(self, rows: Rows) -> np.ndarray:
         """(R,) how many steps make each part's samples dense enough: between two of them at most an eighth of the
@@ -141,7 +143,7 @@ class Fitter:
         moved |= (
             rows.end != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t1) * TICKS_PER_MM)
         ).any(axis=0)
-        rows, force = rows, wide & moved
+        force = wide & moved & ~self.inside[rows.arc]
         for halving in range(HALVINGS + 1):
             if not len(rows):
                 break
@@ -242,6 +244,7 @@ class Fitter:
         worst = np.maximum.reduceat(np.abs(off), first)
         good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
         whole = np.abs(sweep) > 2 * np.pi - 0.1  # a full circle that was not moved
+        good |= self.inside[rows.arc] & (np.abs(sweep) * arcs.radius[rows.arc] < 2 * self.shortest[rows.arc])
         good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
@@ -251,7 +254,8 @@ class Fitter:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
             half = self.step[axis, rows.arc] / TICKS_PER_MM / 2  # the ends are rounded already
             linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across + half
-            good &= linear | (a == axis) | (b == axis)
+            kept = self.inside[rows.arc] & (np.abs(sweep) * arcs.radius[rows.arc] < 2 * self.shortest[rows.arc])
+            good &= linear | (a == axis) | (b == axis) | kept
             straight &= linear  # a chord leaves the plane's axes no bow either
         middle = first + (count - 1) // 2
         halfway = self.round_to(rows, np.arange(len(rows)), wanted[:, middle])

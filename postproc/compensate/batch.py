@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.compensate import approach
+from postproc.compensate import approach, cutter
 from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
@@ -62,6 +62,8 @@ class Batch:
         turning = (
             self.machine.two_way[arcs.first] | self.machine.two_way[arcs.second] if len(arcs) else np.zeros(0, bool)
         )
+        if len(arcs) and m.cutter.any():
+            turning &= m.cutter[arcs.motion] == FREE
         if self.c.limit and turning.any():
             arc, t = turning_points(arcs, self.arc_start, self.arc_target)
             arc, t = arc[turning[arc]], t[turning[arc]]
@@ -85,15 +87,17 @@ class Batch:
             travel = np.where(sure, travel, 0)
             forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
-        turns = travel
+        self.inside = bool(m.cutter.any())
+        self.reads_beside = self.inside and cutter.reads_beside(self)
+        turns = cutter.last_way(self, travel) if self.inside else travel
         if len(m.holes):  # the axis that drills has come back up last
-            turns = travel.copy()
+            turns = turns.copy()
             self.hole = np.searchsorted(motion, m.holes.motion)
             turns[m.holes.axis, self.hole] = m.holes.level - m.holes.bottom
         before, after = approach.follow(turns, forget, self.carry.turn, self.c.limit)
         self.turn_after = after
         if self.c.mode in ("step", "off"):
-            before = np.where(travel != 0, after, before)
+            before = np.where(turns != 0, after, before)
         unit = 1.0 / max(self.c.limit, 1)
         self.weight_begin, self.weight_end = before * unit, after * unit
 
@@ -121,11 +125,20 @@ class Batch:
 
         In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block.
         """
-        exact = command(self.machine, nominal, weight, self.motion[stroke])
+        if self.inside:
+            weight = cutter.approach_on_arcs(self, stroke, t, weight)
+        exact = self.command(stroke, t, nominal, weight)
         if self.c.mode == "off" and self.c.limit:
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
             exact += self.differs[:, stroke] * rest
         return exact
+
+    def command(self, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """(A, K) mm: commands at t along strokes, the map read where the tool's centre is."""
+        if not self.reads_beside:
+            return command(self.machine, nominal, weight, self.motion[stroke])
+        beside = cutter.centre(self, stroke, t)
+        return command(self.machine, nominal + beside, weight, self.motion[stroke]) - beside
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of each axis' word."""
@@ -140,13 +153,13 @@ class Batch:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still; `exact` (A, S) mm."""
         m, motion, n = self.m, self.motion, len(self.motion)
         free = self.free[motion]
+        which = free.nonzero()[0]
         if free.all():
-            self.exact = command(self.machine, self.end_nominal, self.weight_end, motion)
+            self.exact = self.command(which, self.t1, self.end_nominal, self.weight_end)
         else:
             self.exact = self.end_nominal.copy()
-            which = free.nonzero()[0]
-            self.exact[:, which] = command(
-                self.machine, self.end_nominal[:, which], self.weight_end[:, which], motion[which]
+            self.exact[:, which] = self.command(
+                which, self.t1[which], self.end_nominal[:, which], self.weight_end[:, which]
             )
         step = m.grid[:, motion]
         correction = self.exact - self.end_nominal
@@ -208,14 +221,17 @@ class Batch:
         holes = self.m.holes
         if len(holes):  # the cycle brings the axis back to where it was
             left[holes.axis[holes.initial], self.hole[holes.initial]] = True
-        if all_known and not turning and not held[self.rows].any() and not left.any():
+        self.leash = cutter.leash(self) if self.inside else None
+        if all_known and not turning and not held[self.rows].any() and not left.any() and self.leash is None:
             self.begin = self.before
             return
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows and (held[row] or left[row].any()):
+            if row in self.rows and (held[row] or left[row].any() or self.leash is not None):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
+                if self.leash is not None:
+                    rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end, left[row, still])
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
@@ -236,8 +252,14 @@ class Batch:
         value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
         wanted, turning = self.wanted[row, still].tolist(), self.turning[still].tolist()
         stays, last = left.tolist(), -2
+        most = self.leash[row, still].tolist() if self.leash is not None else [cutter.FREELY] * len(value)
+        way = self.travel[row, still].tolist()
         for k, i in enumerate(still.tolist()):
             here = value[k - 1] if i == last + 1 and not jumped[k] else before[k]
+            if most[k] < cutter.FREELY and not stays[k]:  # by how much its correction may change along the stroke
+                value[k] = here + way[k] + min(max(value[k] - here - way[k], -most[k]), most[k])
+                last = i
+                continue
             if turning[k] and abs(wanted[k] - here) > hold:
                 here = wanted[k]
             if stays[k] or abs(exact[k] - here) <= hold:

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, holes, limits
+from postproc.compensate import approach, cut, cutter, holes, limits
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault, Notice
 from postproc.machine.model import Machine
@@ -127,13 +127,15 @@ class Compensator:
         limits.refuse(b)
         limits.refuse_turning_arcs(b)
         limits.check_unknown(b)
-        limits.bound_cutter(b)
+        cutter.tell(b)
         b.strokes()
         limits.check_inside(b)
         b.ends()
         holes.settle(b)
         b.starts()
         b.settle_ends()
+        if b.leash is not None:
+            cutter.tell_held(b)
         b.spread_reversals()
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import nodes
+from postproc.compensate import cutter, nodes
 from postproc.compensate.arcs import Fitter, Rows, points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault
-from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID
+from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
@@ -46,7 +46,7 @@ def straight_pieces(b: Batch):
     if not len(straight):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
-    may &= b.free[motion[straight]] & b.known_before[straight] & (m.cutter[motion[straight]] != ENTRY)
+    may &= b.free[motion[straight]] & b.known_before[straight] & (cutter.margin(b, motion[straight]) < np.inf)
     chosen = straight[may]
     if b.c.mode != "ramp":
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
@@ -99,13 +99,17 @@ def _cuts(b: Batch, chosen: np.ndarray):
     if not len(chosen):
         return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
     start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
-    owner, t, axis = nodes.candidates(b.machine, start, target, b.c.slack)
+    beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
+    owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
         owner, t, axis = (
             np.concatenate([owner, more]),
             np.concatenate([t, at]),
             np.concatenate([axis, np.full(len(at), -1)]),
         )
+    if b.inside:
+        may = cutter.may_cut(b, chosen, owner, t)
+        owner, t, axis = owner[may], t[may], axis[may]
     exact = _along(b, chosen, owner, t)
     # It is the command that passes the node, not the nominal point: step back by the correction.
     node = (axis >= 0).nonzero()[0]
@@ -189,6 +193,7 @@ def arc_pieces(b: Batch):
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
+        inside=cutter.arcs_beside(b)[0], shortest=cutter.arcs_beside(b)[1],
     )  # fmt: skip
     rows = fitter.settle(rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)

@@ -70,12 +70,27 @@ class Cycle:
 
 
 @dataclass(frozen=True)
+class Beside:
+    """Cutter radius compensation. on: whether the last motion was inside it; due: rows of axes that still stand where the
+    tool's centre was when it ended; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
+    stated; nose: mm along the plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
+    number in force, -1: none."""
+
+    on: bool = False
+    due: tuple[int, ...] = ()
+    side: int = 1
+    radius: float = float("nan")
+    nose: tuple[float, float] = (0.0, 0.0)
+    offset: int = NONE
+
+
+@dataclass(frozen=True)
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
     tool offset and F in force, whether the program has ended, and whether a motion code was
     named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch, and zero_known: whether it does; offsets: work and
     tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,): axes that G28 has taken elsewhere since the last motion; cycle: the
-    canned cycle in force; cutting_beside: whether the last motion was inside cutter radius compensation; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
+    canned cycle in force; beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -89,7 +104,7 @@ class ModalState:
     frame: Frame | None = None
     sent: np.ndarray | None = None
     cycle: Cycle | None = None
-    cutting_beside: bool = False
+    beside: Beside = Beside()
     tool_number: int = -1
     next_tool: int = -1
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)

@@ -1,0 +1,188 @@
+"""Inside cutter radius compensation: where the tool's centre stands, and how little a block may turn by its correction.
+
+The control shifts every block sideways by the radius and joins the shifted blocks: outside corners by an arc around the
+corner, inside corners where the shifted blocks meet, which lies `radius / tan(half the angle)` before the corner
+(LinuxCNC, src/emc/rs274ngc/interp_convert.cc, convert_straight_comp2 and convert_arc_comp2). So
+
+- a block that rests in the plane must not move there at all: a motion of 1 um has a direction of its own, and the tool
+  swings by its radius; and one that moves may turn but little, by SLANT at most. What can not be followed is held.
+- a piece that is shorter than the way from the corner to where the shifted blocks meet would be run backwards, or end
+  the program; a cut keeps MARGIN radii from both ends, and where the radius is not stated nothing is cut.
+- the map holds for the centre. Its place beside a block follows from the block alone, so that no look ahead is needed.
+  At a corner the place of the block before it is taken: the centre swings on from there by two radii at most.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.errors import Notice
+from postproc.motions import ENTRY, FREE, OFFSET
+from postproc.units import TICKS_PER_MM, UM
+
+if TYPE_CHECKING:
+    from postproc.compensate.batch import Batch
+
+SLANT = 0.02  # rad: two neighbours then stay below the 0.05 rad from which LinuxCNC takes a bend for a corner
+# LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before their corner, a line and an
+# arc at most twice that: four radii hold for corners down to 28 degrees, with an arc down to 53.
+MARGIN = 4.0
+NEARLY_ROUND = np.radians(300.0)  # beyond, an arc's ends must move alike
+FREELY = np.iinfo(np.int64).max
+
+
+def reads_beside(b: Batch) -> bool:
+    """Whether any block has a centre that is known to lie beside it."""
+    return bool((np.isfinite(b.m.radius) & (b.m.radius != 0)).any())
+
+
+def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(A, K) mm from the contour at t of strokes to the point that the slides carry; 0 where it is not known."""
+    m, motion = b.m, b.motion[stroke]
+    result = np.zeros((len(b.machine.axes), len(stroke)))
+    which = np.flatnonzero((m.cutter[motion] != FREE) & np.isfinite(m.radius[motion]) & (m.plane[:, motion] >= 0).all(axis=0))
+    if not len(which):
+        return result
+    motion, t = motion[which], t[which]
+    beside = m.radius[motion] * normal(b, stroke[which], t) + m.nose[:, motion]
+    beside *= np.where(m.cutter[motion] == ENTRY, t, 1.0)  # it is approached along the block
+    result[m.plane[0, motion], which], result[m.plane[1, motion], which] = beside
+    return result
+
+
+def normal(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(2, K) unit vectors to the left of the path in its plane; 0 where a stroke rests in it."""
+    m, motion = b.m, b.motion[stroke]
+    column = np.arange(len(stroke))
+    first, second = (b.travel[row, stroke] / TICKS_PER_MM for row in m.plane[:, motion])
+    length = np.hypot(first, second)
+    left = np.stack([-second, first]) / np.where(length > 0, length, 1.0)
+    arc = b.arc_of[motion]
+    on = column[arc >= 0]
+    if len(on):
+        arcs, arc = m.arcs, arc[on]
+        angle = arcs.angle[arc] + arcs.sweep[arc] * t[on]
+        left[:, on] = -np.sign(arcs.sweep[arc]) * np.stack([np.cos(angle), np.sin(angle)])
+    return left
+
+
+def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """(A, K) weight of approach where arcs are not cut at the places at which an axis turns back: by the tangent."""
+    arc = b.arc_of[b.motion[stroke]]
+    on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion[stroke]] != FREE))
+    if len(on) and b.c.limit:
+        arcs, arc = b.m.arcs, arc[on]
+        angle, sense = arcs.angle[arc] + arcs.sweep[arc] * t[on], np.sign(arcs.sweep[arc])
+        weight = weight.copy()
+        for row, way in ((arcs.first[arc], -np.sin(angle)), (arcs.second[arc], np.cos(angle))):
+            weight[row, on] = np.where(b.machine.two_way[row], np.sign(way) * sense, weight[row, on])
+    return weight
+
+
+def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
+    """(A, S) travel whose sign is that of the last part of arcs that are not cut where an axis turns back."""
+    arc = b.arc_of[b.motion]
+    on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion] != FREE))
+    if len(on):
+        arcs, arc, travel = b.m.arcs, arc[on], travel.copy()
+        angle, sense = arcs.angle[arc] + arcs.sweep[arc] * (1 - 1e-4), np.sign(arcs.sweep[arc]).astype(np.int64)
+        travel[arcs.first[arc], on] = sense * np.sign(-np.sin(angle)).astype(np.int64)
+        travel[arcs.second[arc], on] = sense * np.sign(np.cos(angle)).astype(np.int64)
+    return travel
+
+
+def leash(b: Batch) -> np.ndarray | None:
+    """(A, S) ticks by which the correction of an axis may change along a stroke, in whole increments; None: freely."""
+    m, motion = b.m, b.motion
+    inside = np.flatnonzero((m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0))
+    if not len(inside):
+        return None
+    of = motion[inside]
+    way = np.hypot(*(b.travel[row, inside].astype(float) for row in m.plane[:, of]))
+    arc = b.arc_of[of]
+    on = np.flatnonzero(arc >= 0)
+    if len(on):
+        sweep = np.abs(m.arcs.sweep[arc[on]])
+        way[on] = np.where(sweep > NEARLY_ROUND, 0.0, sweep * m.arcs.radius[arc[on]] * TICKS_PER_MM)
+    result = np.full(b.travel.shape, FREELY)
+    for row in m.plane[:, of]:
+        step = m.grid[row, of]
+        most = np.floor(SLANT * way / step).astype(np.int64) * step
+        # Behind the end of an offset the axis stands where the tool's centre stood until it is named.
+        leaves = (m.cutter[of] == ENTRY) & (m.radius[of] == 0) & (m.word[row, of] < 0)
+        result[row, inside] = np.where(leaves, 0, most)
+    return result
+
+
+def arcs_beside(b: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) bool: arcs inside, which are cut only where it is safe; (n,) mm of way that a piece of them needs, at least."""
+    motion = b.m.arcs.motion
+    inside = b.m.cutter[motion] != FREE
+    return inside, np.where(inside, margin(b, motion), 0.0)
+
+
+def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
+    """(K,) mm from the ends of motions within which they are not cut; inf where the radius is not stated."""
+    radius = np.abs(b.m.radius[motion])
+    away = np.where(np.isfinite(radius), MARGIN * radius, np.inf)
+    return np.where(b.m.cutter[motion] == OFFSET, away, np.where(b.m.cutter[motion] == ENTRY, np.inf, 0.0))
+
+
+def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(K,) bool: places t of straight strokes `chosen[owner]` at which they may be cut."""
+    motion = b.motion[chosen]
+    away = margin(b, motion)
+    if not away.any():
+        return np.ones(len(owner), bool)
+    first, second = np.maximum(b.m.plane[:, motion], 0)
+    way = np.hypot(b.travel[first, chosen], b.travel[second, chosen]) / TICKS_PER_MM
+    free = b.m.cutter[motion[owner]] == FREE
+    result: np.ndarray = free | ((t * way[owner] >= away[owner]) & ((1 - t) * way[owner] >= away[owner]))
+    return result
+
+
+def tell(b: Batch) -> None:
+    """Notices: where the map is read, and what is left where the correction is held."""
+    inside = ((b.m.cutter != FREE) & b.free).nonzero()[0]
+    if not len(inside):
+        return
+    steep = b.machine.bounds.steepest
+    unknown = inside[~np.isfinite(b.m.radius[inside])]
+    if len(unknown):
+        b.notices.append(Notice(
+            "cutter", f"inside G41 G42 the tool's radius is not stated: the map is read at the programmed contour, wrong by {steep / UM:.2f} um "
+            "per mm of radius at most, and blocks are not cut; give the control's tool table with --offsets", int(unknown[0]),
+        ))  # fmt: skip
+    known = inside[np.isfinite(b.m.radius[inside]) & (b.m.radius[inside] != 0)]
+    if len(known):
+        radius = float(np.abs(b.m.radius[known[0]]))
+        b.notices.append(Notice(
+            "centre", f"inside G41 G42 the map is read at the tool's centre, {radius:g} mm beside each block; at corners, around which "
+            f"it swings, wrong by {2 * radius * steep / UM:.2f} um at most", int(known[0]),
+        ))  # fmt: skip
+    if b.machine.two_way.any():
+        half = max((float(np.abs(t.half[:3]).max()) for _, t in b.machine.every_table), default=0.0)
+        b.notices.append(Notice(
+            "beside", f"inside G41 G42 nothing is put in: where an axis turns back its reversal of up to {2 * half / UM:.1f} um is spread over the block",
+            int(inside[0]),
+        ))  # fmt: skip
+
+
+def tell_held(b: Batch) -> None:
+    """Say how much of a correction is not made because the blocks that would need it do not move in the plane."""
+    m, motion = b.m, b.motion
+    inside = np.flatnonzero((m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0) & b.free[motion] & b.last)
+    left = np.zeros(len(inside))
+    for row in m.plane[:, motion[inside]]:
+        column = np.arange(len(inside))
+        off = np.abs(b.exact[row, inside] - b.end[row, inside] / TICKS_PER_MM)
+        left = np.maximum(left, np.where((b.leash[row, inside] < FREELY) & (column >= 0), off, 0.0))
+    over = left > b.c.tolerance
+    if over.any():
+        k = int(np.argmax(left))
+        b.notices.append(Notice(
+            "held", f"inside G41 G42 the correction of an axis changes only along blocks that move in the plane: up to {left[k] / UM:.2f} um "
+            "are not made here", int(motion[inside[k]]),
+        ))  # fmt: skip
