@@ -23,6 +23,7 @@ SHALLOWEST = 1e-6  # mm
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
+NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ class Fitter:
         moved |= (
             rows.end != np.round(points(self.arcs, self.start, self.target, rows.arc, rows.t1) * TICKS_PER_MM)
         ).any(axis=0)
-        force = wide & moved & ~self.inside[rows.arc]
+        force = wide & (moved | self.inside[rows.arc])
         for halving in range(HALVINGS + 1):
             if not len(rows):
                 break
@@ -159,7 +160,8 @@ class Fitter:
             rows = Rows(
                 **{f: np.concatenate([getattr(left, f), getattr(right, f)], axis=-1) for f in Rows.__dataclass_fields__}
             )
-            wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > LARGEST_SWEEP / 2
+            most = np.where(self.inside[rows.arc], LARGEST_SWEEP, LARGEST_SWEEP / 2)
+            wide = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0)) > most
             force = wide & np.concatenate([force[~good & ~short]] * 2)
         return Rows(**{f: np.concatenate([getattr(r, f) for r in done], axis=-1) for f in Rows.__dataclass_fields__})
 
@@ -186,6 +188,25 @@ class Fitter:
             **{f: np.concatenate([getattr(r, f) for r in fitted], axis=-1) for f in Rows.__dataclass_fields__}
         )
         return np.concatenate(good), np.concatenate(straight), joined, np.concatenate(middle, axis=1)
+
+    def _as_wide(self, rows: Rows, exact: np.ndarray, centre: np.ndarray, chord: np.ndarray) -> np.ndarray:
+        """(2, R) ticks: centres that leave an arc inside cutter radius compensation its radius, where only rounding takes
+        of it: one that just takes the tool must not become too narrow for it. chord (2, R): ticks from begin to end."""
+        held = np.flatnonzero(self.inside[rows.arc])
+        if not len(held):
+            return centre
+        arc = rows.arc[held]
+        grid, chord, exact, near = self.arcs.grid[:, arc], chord[:, held], exact[:, held], centre[:, held]
+        radius = np.minimum(self.arcs.radius, self.arcs.radius_end)[arc] * TICKS_PER_MM
+        tried = near[:, None] + NEIGHBOURS[:, :, None] * grid[:, None]
+        narrow = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried)))
+        fits = narrow >= np.minimum(radius, np.where(np.hypot(*exact) < radius - 2 * grid.max(axis=0), 0.0, radius)) - 0.5
+        cost = np.where(fits, np.hypot(*(tried - exact[:, None])), np.inf)
+        best = np.argmin(cost, axis=0)
+        column = np.arange(len(held))
+        centre = centre.copy()
+        centre[:, held] = np.where(np.isfinite(cost[best, column]), tried[:, best, column], near)
+        return centre
 
     def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:
         """The same for a few rows with `count` (R,) samples each."""
@@ -223,6 +244,7 @@ class Fitter:
         base = np.where(rows.t0 == 0, self.base[:, rows.arc], 0)
         grid = arcs.grid[:, rows.arc]
         centre = base + np.rint((exact - base) / grid).astype(np.int64) * grid
+        centre = self._as_wide(rows, exact, centre, (end2 - begin2) * TICKS_PER_MM)
         middle_at = begin2 + centre / TICKS_PER_MM
         radius0, radius1 = np.hypot(*(begin2 - middle_at)), np.hypot(*(end2 - middle_at))
         share = step / (count - 1)[row]
@@ -244,7 +266,8 @@ class Fitter:
         worst = np.maximum.reduceat(np.abs(off), first)
         good = worst <= self.tolerance + 0.5 * grid.min(axis=0) / TICKS_PER_MM
         whole = np.abs(sweep) > 2 * np.pi - 0.1  # a full circle that was not moved
-        good |= self.inside[rows.arc] & (np.abs(sweep) * arcs.radius[rows.arc] < 2 * self.shortest[rows.arc])
+        kept = self.inside[rows.arc] & (np.abs(sweep) * arcs.radius[rows.arc] < 2 * self.shortest[rows.arc])
+        good |= kept
         good &= whole | (np.abs(turned - sweep) < 0.5 * np.abs(sweep))  # rounding must not turn a sliver into a circle
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
@@ -254,7 +277,6 @@ class Fitter:
             bow = wanted[axis] - (begin[axis][row] + (end - begin)[axis][row] * share)
             half = self.step[axis, rows.arc] / TICKS_PER_MM / 2  # the ends are rounded already
             linear = np.maximum.reduceat(np.abs(bow), first) <= self.tolerance_across + half
-            kept = self.inside[rows.arc] & (np.abs(sweep) * arcs.radius[rows.arc] < 2 * self.shortest[rows.arc])
             good &= linear | (a == axis) | (b == axis) | kept
             straight &= linear  # a chord leaves the plane's axes no bow either
         middle = first + (count - 1) // 2

@@ -37,11 +37,13 @@ class Options:
 @dataclass(frozen=True)
 class Carry:
     """turn (A,): approach state; issued (A,): ticks last commanded; sure: whether `issued` is where the machine stands
-    and is what the nominal position needs; largest: mm, the largest correction so far."""
+    and is what the nominal position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the last
+    motion inside it ended; largest: mm, the largest correction so far."""
 
     turn: np.ndarray
     issued: np.ndarray
     sure: bool = False
+    heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
 
 
@@ -144,6 +146,7 @@ class Compensator:
             b.turn_after[:, -1].copy(),
             b.end[:, -1].copy(),
             bool(b.sure_after[-1]),
+            cutter.heading(b),
             max(carry.largest, largest),
         )
         return pieces, after, b.notices

@@ -109,7 +109,9 @@ def _cuts(b: Batch, chosen: np.ndarray):
         )
     if b.inside:
         may = cutter.may_cut(b, chosen, owner, t)
-        owner, t, axis = owner[may], t[may], axis[may]
+        more, at = cutter.edges(b, chosen)
+        owner, t = np.concatenate([owner[may], more]), np.concatenate([t[may], at])
+        axis = np.concatenate([axis[may], np.full(len(more), -1)])
     exact = _along(b, chosen, owner, t)
     # It is the command that passes the node, not the nominal point: step back by the correction.
     node = (axis >= 0).nonzero()[0]

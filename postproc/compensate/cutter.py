@@ -7,7 +7,8 @@ corner, inside corners where the shifted blocks meet, which lies `radius / tan(h
 - a block that rests in the plane must not move there at all: a motion of 1 um has a direction of its own, and the tool
   swings by its radius; and one that moves may turn but little, by SLANT at most. What can not be followed is held.
 - a piece that is shorter than the way from the corner to where the shifted blocks meet would be run backwards, or end
-  the program; a cut keeps MARGIN radii from both ends, and where the radius is not stated nothing is cut.
+  the program: a cut keeps clear of the corner behind it, which is known, and MARGIN radii from the one ahead. Where the
+  radius is not stated nothing is cut.
 - the map holds for the centre. Its place beside a block follows from the block alone, so that no look ahead is needed.
   At a corner the place of the block before it is taken: the centre swings on from there by two radii at most.
 """
@@ -29,7 +30,7 @@ SLANT = 0.02  # rad: two neighbours then stay below the 0.05 rad from which Linu
 # LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before their corner, a line and an
 # arc at most twice that: four radii hold for corners down to 28 degrees, with an arc down to 53.
 MARGIN = 4.0
-NEARLY_ROUND = np.radians(300.0)  # beyond, an arc's ends must move alike
+BEND = 3e-4  # mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
 FREELY = np.iinfo(np.int64).max
 
 
@@ -104,16 +105,61 @@ def leash(b: Batch) -> np.ndarray | None:
     arc = b.arc_of[of]
     on = np.flatnonzero(arc >= 0)
     if len(on):
-        sweep = np.abs(m.arcs.sweep[arc[on]])
-        way[on] = np.where(sweep > NEARLY_ROUND, 0.0, sweep * m.arcs.radius[arc[on]] * TICKS_PER_MM)
+        way[on] = np.abs(m.arcs.sweep[arc[on]]) * m.arcs.radius[arc[on]] * TICKS_PER_MM
+    freely = SLANT * way
+    if len(on):
+        freely[on] = np.minimum(freely[on], _room(b, arc[on], way[on]))
     result = np.full(b.travel.shape, FREELY)
     for row in m.plane[:, of]:
         step = m.grid[row, of]
-        most = np.floor(SLANT * way / step).astype(np.int64) * step
+        most = np.floor(freely / step).astype(np.int64) * step
         # Behind the end of an offset the axis stands where the tool's centre stood until it is named.
         leaves = (m.cutter[of] == ENTRY) & (m.radius[of] == 0) & (m.word[row, of] < 0)
         result[row, inside] = np.where(leaves, 0, most)
     return result
+
+
+def _room(b: Batch, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """(K,) ticks by which the ends of arcs may move apart, so that a tool on their inside that fits still fits."""
+    arcs, radius = b.m.arcs, b.m.radius[b.m.arcs.motion[arc]]
+    wide = (np.minimum(arcs.radius, arcs.radius_end)[arc] - np.abs(radius)) / 2 * TICKS_PER_MM
+    wide = np.where(radius * arcs.sweep[arc] > 0, np.maximum(wide, 0.0), np.inf)
+    return np.where(np.isfinite(radius), wide, BEND * way)
+
+
+def heading(b: Batch) -> tuple[float, float]:
+    """The unit tangent in the plane in which the last motion inside ended."""
+    if not b.inside:
+        return (0.0, 0.0)
+    along, moves = _headings(b, np.ones(len(b.motion)))
+    last = b.motion[-1]
+    if b.m.cutter[last] == FREE:
+        return (0.0, 0.0)
+    at = np.flatnonzero(moves)
+    first, second = along[:, at[-1]] if len(at) else b.carry.heading
+    return float(first), float(second)
+
+
+def _headings(b: Batch, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(2, S) unit tangents of strokes in the plane at t, and (S,) bool whether they move there inside compensation."""
+    left = normal(b, np.arange(len(b.motion)), t)
+    along = np.stack([left[1], -left[0]])
+    return along, (b.m.cutter[b.motion] != FREE) & along.any(axis=0)
+
+
+def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
+    """(K,) mm from the begin of strokes to where their shifted way begins, behind an inside corner."""
+    ends, moves = _headings(b, np.ones(len(b.motion)))
+    begins = _headings(b, np.zeros(len(b.motion)))[0][:, chosen]
+    last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), -1))
+    last = np.concatenate([[-1], last[:-1]])[chosen]
+    before = np.where(last >= 0, ends[:, np.maximum(last, 0)], np.array(b.carry.heading)[:, None])
+    radius = b.m.radius[b.motion[chosen]]
+    across = before[0] * begins[1] - before[1] * begins[0]
+    along = (before * begins).sum(axis=0)
+    turn = np.where(across * radius > 0, np.arctan2(np.abs(across), along), 0.0)
+    # A line and an arc meet at most twice as far away as two lines; no block is shorter than the map is steep.
+    return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
 
 
 def arcs_beside(b: Batch) -> tuple[np.ndarray, np.ndarray]:
@@ -133,14 +179,25 @@ def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
 def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(K,) bool: places t of straight strokes `chosen[owner]` at which they may be cut."""
     motion = b.motion[chosen]
-    away = margin(b, motion)
-    if not away.any():
-        return np.ones(len(owner), bool)
-    first, second = np.maximum(b.m.plane[:, motion], 0)
-    way = np.hypot(b.travel[first, chosen], b.travel[second, chosen]) / TICKS_PER_MM
+    away, behind_ = margin(b, motion), behind(b, chosen)
+    way = _way(b, chosen)
     free = b.m.cutter[motion[owner]] == FREE
-    result: np.ndarray = free | ((t * way[owner] >= away[owner]) & ((1 - t) * way[owner] >= away[owner]))
+    result: np.ndarray = free | ((t * way[owner] >= behind_[owner]) & ((1 - t) * way[owner] >= away[owner]))
     return result
+
+
+def _way(b: Batch, chosen: np.ndarray) -> np.ndarray:
+    """(K,) mm of strokes in the plane."""
+    first, second = np.maximum(b.m.plane[:, b.motion[chosen]], 0)
+    way: np.ndarray = np.hypot(b.travel[first, chosen], b.travel[second, chosen]) / TICKS_PER_MM
+    return way
+
+
+def edges(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) index into chosen and (K,) t of the places nearest to their ends at which strokes inside may be cut."""
+    away, behind_, way = margin(b, b.motion[chosen]), behind(b, chosen), _way(b, chosen)
+    which = np.flatnonzero((away > 0) & (way > away + behind_))
+    return np.concatenate([which, which]), np.concatenate([behind_[which] / way[which], 1 - away[which] / way[which]])
 
 
 def tell(b: Batch) -> None:
