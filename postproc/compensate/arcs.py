@@ -23,6 +23,7 @@ SHALLOWEST = 1e-6  # mm
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
+NARROWER = 3e-4  # an arc on whose inside nobody knows the tool may lose so much of its radius
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
 
@@ -118,6 +119,7 @@ class Fitter:
     step: np.ndarray  # (A, n) ticks of a least increment of each axis' word
     inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
     shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
+    tool: np.ndarray  # (n,) mm: radius of a tool on the arc's inside, 0 for one on its outside, nan: not stated
 
     def samples(self, rows: Rows) -> np.ndarray:
         """(R,) how many steps make each part's samples dense enough: between two of them at most an eighth of the
@@ -190,20 +192,26 @@ class Fitter:
         return np.concatenate(good), np.concatenate(straight), joined, np.concatenate(middle, axis=1)
 
     def _as_wide(self, rows: Rows, exact: np.ndarray, centre: np.ndarray, chord: np.ndarray) -> np.ndarray:
-        """(2, R) ticks: centres that leave an arc inside cutter radius compensation its radius, where only rounding takes
-        of it: one that just takes the tool must not become too narrow for it. chord (2, R): ticks from begin to end."""
+        """(2, R) ticks: centres that leave an arc inside cutter radius compensation wide enough for the tool on its inside
+        (`tool`; where that is not known, as wide as it is). chord (2, R): ticks from begin to end."""
         held = np.flatnonzero(self.inside[rows.arc])
         if not len(held):
             return centre
-        arc = rows.arc[held]
-        grid, chord, exact, near = self.arcs.grid[:, arc], chord[:, held], exact[:, held], centre[:, held]
-        radius = np.minimum(self.arcs.radius, self.arcs.radius_end)[arc] * TICKS_PER_MM
+        arcs, arc = self.arcs, rows.arc[held]
+        grid, chord, exact = arcs.grid[:, arc], chord[:, held], exact[:, held]
+        tool, step = self.tool[arc] * TICKS_PER_MM, grid.max(axis=0)
+        radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
+        found = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact)))
+        least = np.where(np.isfinite(tool), np.minimum(radius, np.where(tool > 0, tool + step, 0.0)), radius)
+        narrow = found < np.where(np.isfinite(tool), least - step, radius * (1 - NARROWER))
+        angle = arcs.angle[arc] + arcs.sweep[arc] * rows.t0[held]
+        exact = np.where(narrow, -radius * np.stack([np.cos(angle), np.sin(angle)]), exact)  # moved as it is
+        least = np.where(~np.isfinite(tool) & ~narrow & (found < radius - 2 * step), 0.0, least)
+        near = np.where(narrow, np.rint(exact / grid) * grid, centre[:, held]).astype(np.int64)
         tried = near[:, None] + NEIGHBOURS[:, :, None] * grid[:, None]
-        narrow = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried)))
-        fits = narrow >= np.minimum(radius, np.where(np.hypot(*exact) < radius - 2 * grid.max(axis=0), 0.0, radius)) - 0.5
+        fits = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried))) >= least - 0.5
         cost = np.where(fits, np.hypot(*(tried - exact[:, None])), np.inf)
-        best = np.argmin(cost, axis=0)
-        column = np.arange(len(held))
+        best, column = np.argmin(cost, axis=0), np.arange(len(held))
         centre = centre.copy()
         centre[:, held] = np.where(np.isfinite(cost[best, column]), tried[:, best, column], near)
         return centre

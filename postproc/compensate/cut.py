@@ -195,7 +195,7 @@ def arc_pieces(b: Batch):
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
-        inside=cutter.arcs_beside(b)[0], shortest=cutter.arcs_beside(b)[1],
+        **cutter.arcs_inside(b),
     )  # fmt: skip
     rows = fitter.settle(rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)

@@ -162,11 +162,12 @@ def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
     return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
 
 
-def arcs_beside(b: Batch) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) bool: arcs inside, which are cut only where it is safe; (n,) mm of way that a piece of them needs, at least."""
+def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
+    """What Fitter must know of arcs: which are inside, the shortest piece of one, and the tool that must fit."""
     motion = b.m.arcs.motion
-    inside = b.m.cutter[motion] != FREE
-    return inside, np.where(inside, margin(b, motion), 0.0)
+    inside, radius = b.m.cutter[motion] != FREE, b.m.radius[motion]
+    tool = np.where(np.isnan(radius), np.nan, np.where(radius * b.m.arcs.sweep > 0, np.abs(radius), 0.0))
+    return {"inside": inside, "shortest": np.where(inside, margin(b, motion), 0.0), "tool": tool}
 
 
 def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
