@@ -112,10 +112,7 @@ def leash(b: Batch) -> np.ndarray | None:
     result = np.full(b.travel.shape, FREELY)
     for row in m.plane[:, of]:
         step = m.grid[row, of]
-        most = np.floor(freely / step).astype(np.int64) * step
-        # Behind the end of an offset the axis stands where the tool's centre stood until it is named.
-        leaves = (m.cutter[of] == ENTRY) & (m.radius[of] == 0) & (m.word[row, of] < 0)
-        result[row, inside] = np.where(leaves, 0, most)
+        result[row, inside] = np.floor(freely / step).astype(np.int64) * step
     return result
 
 

@@ -5,8 +5,7 @@ LinuxCNC takes the diameter of the tool that D names, or of the one in the spind
 itself (src/emc/rs274ngc/interp_convert.cc, convert_cutter_compensation_on); Fanuc mills count offsets by the last D,
 lathes by T0101, Siemens by T and D. What is not stated is not known: nan.
 
-Behind G40 an axis of the plane stays where the tool's centre stood until a block names it; until then nothing is known
-of its way but its end.
+The first block behind G40 goes to its programmed end in both axes of the plane, named or not.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from postproc.motions import ENTRY, FREE, OFFSET
 from postproc.nc.arcs import PLANES
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
-from postproc.nc.positions import Places
 from postproc.nc.state import NONE, Beside
 from postproc.nc.zeros import stated, stated_tool
 from postproc.units import MM_PER_INCH
@@ -31,10 +29,10 @@ LINUXCNC_NOSE = {1: (1, -1), 2: (-1, -1), 3: (-1, 1), 4: (1, 1), 5: (1, 0), 6: (
 FANUC_NOSE = {1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1), 5: (1, 0), 6: (0, 1), 7: (-1, 0), 8: (0, -1)}
 
 
-def beside_columns(b: Batch, block: np.ndarray, places: Places) -> dict[str, np.ndarray]:
+def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     """Motions' columns cutter, plane, radius and nose, at the moving blocks. Sets `b.beside` to what the next batch needs."""
     n, held = len(block), b.held("cutter")
-    if not b.dialect.beside or not ({"cutter", "D"} & (b.given.keys() | b.places.keys()) or b.beside.on or b.beside.due):
+    if not b.dialect.beside or not ({"cutter", "D"} & (b.given.keys() | b.places.keys()) or b.beside.on):
         return {"cutter": np.zeros(n, np.int8), "plane": np.full((2, n), -1), "radius": np.zeros(n), "nose": np.zeros((2, n))}
     on = np.isin(spread(held, b.n)[block], b.dialect.beside)
     before = np.concatenate([[b.state.beside.on], on[:-1]])
@@ -42,10 +40,8 @@ def beside_columns(b: Batch, block: np.ndarray, places: Places) -> dict[str, np.
     b.beside = replace(b.beside, on=bool(on[-1]) if n else b.state.beside.on)
     cutter = np.where(on != before[:n], ENTRY, np.where(on, OFFSET, FREE)).astype(np.int8)
     plane = np.full((2, n), -1)
-    if cutter.any() or b.beside.due:
-        plane = _planes(b, block)
-        _hold_back(b, cutter, on, plane, places)
-        plane[:, cutter == FREE] = -1
+    if cutter.any():
+        plane = np.where(cutter != FREE, _planes(b, block), -1)
     columns = {"cutter": cutter, "plane": plane, "radius": np.zeros(n), "nose": np.zeros((2, n))}
     if on.any():
         columns["radius"] = np.where(on, radius[block], 0.0)
@@ -60,18 +56,6 @@ def _planes(b: Batch, block: np.ndarray) -> np.ndarray:
     for number, (first, second, *_) in PLANES.items():
         plane[:, code == number] = np.array([[b.rows.get(first, -1)], [b.rows.get(second, -1)]])
     return plane
-
-
-def _hold_back(b: Batch, cutter: np.ndarray, on: np.ndarray, plane: np.ndarray, places: Places) -> None:
-    """Behind the end of an offset, motions stay ENTRY until every axis of the plane has been named."""
-    due = set(b.state.beside.due)
-    for i in np.flatnonzero(~on) if due or (cutter == ENTRY).any() else ():
-        if cutter[i] == ENTRY:
-            due = {int(row) for row in plane[:, i] if row >= 0}
-        elif due:
-            cutter[i] = ENTRY
-        due = {row for row in due if places.word[row, i] < 0}
-    b.beside = replace(b.beside, due=() if b.beside.on else tuple(sorted(due)))
 
 
 # -- which tool ----------------------------------------------------------------------------------------------------------

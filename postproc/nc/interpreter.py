@@ -276,7 +276,7 @@ def columns(
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block, places), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
+        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
         length=np.repeat(b.frame.length[:, None], len(block), axis=1),
     )  # fmt: skip
 

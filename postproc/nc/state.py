@@ -71,13 +71,11 @@ class Cycle:
 
 @dataclass(frozen=True)
 class Beside:
-    """Cutter radius compensation. on: whether the last motion was inside it; due: rows of axes that still stand where the
-    tool's centre was when it ended; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
+    """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
     stated; nose: mm along the plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
     number in force, -1: none."""
 
     on: bool = False
-    due: tuple[int, ...] = ()
     side: int = 1
     radius: float = float("nan")
     nose: tuple[float, float] = (0.0, 0.0)

@@ -6,6 +6,7 @@ corrected one's centre path is sampled and moved by the deviation where each sli
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,8 +90,8 @@ def actual(path: Path, machine) -> np.ndarray:
     return path.point + machine.deviation(q, s)[rows]
 
 
-def distances(point: np.ndarray, path: np.ndarray) -> np.ndarray:
-    """(N,) mm from points to a path of samples taken as a polyline."""
+def distances(point: np.ndarray, path: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) mm from points to a path of samples taken as a polyline, and (N,) the nearest sample."""
     near = cKDTree(path.T).query(point.T, k=3)[1].T
     best = np.full(point.shape[1], np.inf)
     for at in near:
@@ -101,15 +102,36 @@ def distances(point: np.ndarray, path: np.ndarray) -> np.ndarray:
             use = length < (2 * STEP) ** 2  # not across a rapid
             t = np.where(use & (length > 0), ((point - a) * way).sum(axis=0) / np.where(length > 0, length, 1), 0)
             best = np.minimum(best, np.linalg.norm(point - a - way * np.clip(t, 0, 1), axis=0))
-    return best
+    return best, near[0]
 
 
-def missed(nominal: list[Motion], run: list[Motion], machine) -> tuple[float, int]:
-    """mm: the largest distance between the actual path of `run` and the nominal one, either way, and the line."""
+def missed(nominal: list[Motion], run: list[Motion], machine) -> dict[int, float]:
+    """Line of the nominal program to mm: the largest distance there between its path and the actual one, either way."""
     wanted, made = sampled(nominal), sampled(run)
-    if not made.point.shape[1]:
-        return (0.0, 0) if not wanted.point.shape[1] else (np.inf, 0)
+    found: dict[int, float] = {}
+    if not wanted.point.shape[1] or not made.point.shape[1]:
+        assert not wanted.point.shape[1] and not made.point.shape[1]
+        return found
     real = actual(made, machine)
-    there, back = distances(real, wanted.point), distances(wanted.point, real)
-    k, j = int(np.argmax(there)), int(np.argmax(back))
-    return (float(there[k]), int(made.line[k])) if there[k] >= back[j] else (float(back[j]), int(wanted.line[j]))
+    there, near = distances(real, wanted.point)
+    back, _ = distances(wanted.point, real)
+    for line, distance in [*zip(wanted.line[near].tolist(), there.tolist()), *zip(wanted.line.tolist(), back.tolist())]:
+        found[line] = max(found.get(line, 0.0), distance)
+    return found
+
+
+def kinds(text: str) -> dict[int, str]:
+    """Line (from 1) to "free", "entry", "inside", "rest" (no word of the plane, inside) or "exit", from the text alone."""
+    found, state, plane = {}, "free", "XY"
+    for number, line in enumerate(text.split("\n"), 1):
+        line = re.sub(r"\([^)]*\)|;.*", "", line).upper()
+        plane = "XZ" if re.search(r"G18(?!\d)", line) else "XY" if re.search(r"G17(?!\d)", line) else plane
+        if re.search(r"G4[12](?!\d)", line):
+            state = "entry"
+        if re.search(r"G40(?!\d)", line):
+            state = "exit"
+        words = set(re.findall(r"[XYZIJK](?=\s*[-+.\d])", line))
+        found[number] = "rest" if state == "inside" and words and not words & {*plane, *"IJK"} else state
+        if words and not re.search(r"G10(?!\d)|G92", line):
+            state = {"entry": "inside", "exit": "free"}.get(state, state)
+    return found
