@@ -15,11 +15,12 @@ from postproc.compensate import approach
 from postproc.compensate.arcs import points, turning_points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
-from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
+from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM, UM
+from postproc.verify_cutter import CentreVerifier
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
@@ -47,6 +48,8 @@ class Verifier:
         filter_.watchers.append(self.check)
         self.turn = np.zeros(len(self.machine.axes), np.int64)
         self.corrected, self.uncorrected = Largest(), Largest()
+        self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
+        self.centre = CentreVerifier(self.machine, bool(self.limit))
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -95,16 +98,10 @@ class Verifier:
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
-            self._measure(
-                motions,
-                owner,
-                begin,
-                begin + pieces.share,
-                back,
-                line,
-                self.corrected,
-                ~pieces.take_up & pieces.corrected,
-            )
+            followed = self.centre.check(motions, back, pieces, self.weights, line)
+            counts, inside = ~pieces.take_up & pieces.corrected, (motions.cutter != FREE)[owner]
+            for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
+                self._measure(motions, owner, begin, begin + pieces.share, back, line, into, counts & of)
             self._measure_holes(motions, motions, line, self.uncorrected)
             self._measure_holes(motions, back, line, self.corrected)
             self.turn = self.after
@@ -300,6 +297,15 @@ class Verifier:
         """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
         return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
 
+    def _beside(self) -> str:
+        said = self.centre.report(self.tolerance + self.grid / 2)
+        if self.at_contour.deviation:
+            said += (
+                f"; inside G41 G42, at the contour, where no centre is followed, {self.at_contour.deviation / UM:.2f} um "
+                f"(line {self.at_contour.line})"
+            )
+        return said
+
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
         before, after = self.uncorrected.deviation, self.corrected.deviation
@@ -307,5 +313,5 @@ class Verifier:
         return (
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}; tolerance {self.tolerance / UM:g} um; "
-            f"{self.motions_in} motions in, {self.motions_out} out"
+            f"{self.motions_in} motions in, {self.motions_out} out{self._beside()}"
         )

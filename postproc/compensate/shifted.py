@@ -28,7 +28,8 @@ class Gouge(Exception):
 @dataclass
 class Way:
     """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end (A,): mm; plane: rows of the
-    two axes; centre: mm in the plane and turn: rad, signed, of an arc, else 0; direction: of the contour's block; rapid."""
+    two axes; centre: mm in the plane, turns and sweep: rad, signed, of an arc, else 0; direction: of the contour's block;
+    measured: for those who read it."""
 
     owner: int
     start: np.ndarray
@@ -39,6 +40,7 @@ class Way:
     direction: Point = (0.0, 0.0)
     rapid: bool = False
     sweep: float = 0.0
+    measured: bool = False
 
 
 @dataclass
