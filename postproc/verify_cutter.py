@@ -1,21 +1,22 @@
 """Verify inside G41 G42: nominal and corrected contour are both shifted by the tool's radius, and their centres compared.
 
 The corrected centre is where the slides are sent; with the deviation there it must lie on the nominal centre's path. Both
-are followed with LinuxCNC's rules (postproc.compensate.shifted); a contour that is entered by an arc is not followed, nor
+are followed with LinuxCNC's rules (postproc.nc.shifted); a contour that is entered by an arc is not followed, nor
 is one without a stated radius: those are measured at the contour.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import ceil, pi
+from math import ceil
 
 import numpy as np
 
-from postproc.compensate.shifted import LEFT, RIGHT, Block, Gouge, Shifted, Way
 from postproc.errors import GcompError
 from postproc.machine.model import Machine
-from postproc.motions import ENTRY, FREE, RAPID, Motions
+from postproc.motions import ENTRY, FREE, Motions
+from postproc.nc.beside_refusals import begun, block_of
+from postproc.nc.shifted import Gouge, Shifted, Way
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM, UM
 
@@ -58,7 +59,9 @@ class CentreVerifier:
         self.lines: dict[int, int] = {}
         self.count = 0
 
-    def check(self, motions: Motions, back: Motions, pieces: Pieces, weights: np.ndarray, line: np.ndarray) -> np.ndarray:
+    def check(
+        self, motions: Motions, back: Motions, pieces: Pieces, weights: np.ndarray, line: np.ndarray
+    ) -> np.ndarray:
         """(N,) bool: nominal motions whose centres were followed. Raises GcompError where the correction makes a corner
         that the control refuses."""
         followed = np.zeros(len(motions), bool)
@@ -66,7 +69,7 @@ class CentreVerifier:
         first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
         for i in inside.tolist():
             if motions.cutter[i] == ENTRY and motions.radius[i] and np.isfinite(motions.radius[i]):
-                self._enter(motions, back, i, int(first[i]), weights)
+                self._enter(motions, i, weights)
             if self.nominal is None or self.run is None:
                 continue
             followed[i] = True
@@ -100,31 +103,20 @@ class CentreVerifier:
         self.nominal = self.run = None
         self.lines.clear()
 
-    def _enter(self, motions: Motions, back: Motions, i: int, piece: int, weights: np.ndarray) -> None:
+    def _enter(self, motions: Motions, i: int, weights: np.ndarray) -> None:
         self.finish()
-        arc = motions.arcs.motion == i
-        known = motions.start_known[:, i].all() and motions.target_known[:, i].all()
-        if arc.any() or not known or (motions.plane[:, i] < 0).any() or motions.alone[i]:
+        nominal, run = begun(motions, i), begun(motions, i)
+        if nominal is None or run is None:
             return
-        first, second = (int(row) for row in motions.plane[:, i])
-        radius, nose = float(motions.radius[i]), (float(motions.nose[0, i]), float(motions.nose[1, i]))
-        for name in ("nominal", "run"):
-            shifted = Shifted((first, second), abs(radius), LEFT if radius > 0 else RIGHT, nose)
-            setattr(self, name, Contour(shifted, weights[:, i].copy()))
+        self.nominal, self.run = Contour(nominal, weights[:, i].copy()), Contour(run, weights[:, i].copy())
+        self.at_work = self.machine
         if self.machine.turns and motions.length.any():
             length = dict(zip(self.machine.letters, (motions.length[:, i] / TICKS_PER_MM).tolist(), strict=True))
             self.at_work = self.machine.with_tool((length.get("X", 0.0), length.get("Y", 0.0), length.get("Z", 0.0)))
-        else:
-            self.at_work = self.machine
 
     def _step(self, shifted: Shifted, of: Motions, row: int, nominal: Motions, i: int) -> None:
         """One motion of a program, which belongs to nominal motion i."""
-        block = Block(self.count + i, of.target[:, row] / TICKS_PER_MM, bool(of.code[row] == RAPID))
-        k = int(np.searchsorted(of.arcs.motion, row))
-        if k < len(of.arcs) and of.arcs.motion[k] == row:
-            sweep = float(of.arcs.sweep[k])
-            block.centre = float(of.arcs.centre[0, k]), float(of.arcs.centre[1, k])
-            block.turns = int(np.sign(sweep)) * ceil(abs(sweep) / (2 * pi) - 1e-9)
+        block = block_of(of, row, self.count + i)
         if nominal.cutter[i] != ENTRY:
             shifted.follow(block)
         elif nominal.radius[i]:
@@ -181,7 +173,11 @@ class CentreVerifier:
         self.finish()
         said = ""
         if self.uncorrected.deviation:
-            over = ", more than the tolerance, as nothing may be put in there" if self.corrected.deviation > allowed else ""
+            over = (
+                ", more than the tolerance, as nothing may be put in there"
+                if self.corrected.deviation > allowed
+                else ""
+            )
             said += (
                 f"; inside G41 G42 along the tool's centre {self.corrected.deviation / UM:.2f} um (line {self.corrected.line}), "
                 f"uncorrected {self.uncorrected.deviation / UM:.2f} um{over}"

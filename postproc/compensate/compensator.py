@@ -137,7 +137,7 @@ class Compensator:
         b.starts()
         b.settle_ends()
         if b.leash is not None:
-            cutter.tell_held(b)
+            cutter.tell_held(b, b.leash)
         b.spread_reversals()
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))

@@ -43,7 +43,9 @@ def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(A, K) mm from the contour at t of strokes to the point that the slides carry; 0 where it is not known."""
     m, motion = b.m, b.motion[stroke]
     result = np.zeros((len(b.machine.axes), len(stroke)))
-    which = np.flatnonzero((m.cutter[motion] != FREE) & np.isfinite(m.radius[motion]) & (m.plane[:, motion] >= 0).all(axis=0))
+    which = np.flatnonzero(
+        (m.cutter[motion] != FREE) & np.isfinite(m.radius[motion]) & (m.plane[:, motion] >= 0).all(axis=0)
+    )
     if not len(which):
         return result
     motion, t = motion[which], t[which]
@@ -225,15 +227,16 @@ def tell(b: Batch) -> None:
         ))  # fmt: skip
 
 
-def tell_held(b: Batch) -> None:
+def tell_held(b: Batch, limits: np.ndarray) -> None:
     """Say how much of a correction is not made because the blocks that would need it do not move in the plane."""
     m, motion = b.m, b.motion
-    inside = np.flatnonzero((m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0) & b.free[motion] & b.last)
+    inside = np.flatnonzero(
+        (m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0) & b.free[motion] & b.last
+    )
     left = np.zeros(len(inside))
     for row in m.plane[:, motion[inside]]:
-        column = np.arange(len(inside))
         off = np.abs(b.exact[row, inside] - b.end[row, inside] / TICKS_PER_MM)
-        left = np.maximum(left, np.where((b.leash[row, inside] < FREELY) & (column >= 0), off, 0.0))
+        left = np.maximum(left, np.where(limits[row, inside] < FREELY, off, 0.0))
     over = left > b.c.tolerance
     if over.any():
         k = int(np.argmax(left))

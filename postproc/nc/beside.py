@@ -32,8 +32,13 @@ FANUC_NOSE = {1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1), 5: (1, 0), 6: (0, 
 def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     """Motions' columns cutter, plane, radius and nose, at the moving blocks. Sets `b.beside` to what the next batch needs."""
     n, held = len(block), b.held("cutter")
-    if not b.dialect.beside or not ({"cutter", "D"} & (b.given.keys() | b.places.keys()) or b.beside.on):
-        return {"cutter": np.zeros(n, np.int8), "plane": np.full((2, n), -1), "radius": np.zeros(n), "nose": np.zeros((2, n))}
+    named = (
+        "cutter" in b.given or "D" in b.places or b.beside.on or b.state.codes.get("cutter", NONE) in b.dialect.beside
+    )
+    if not b.dialect.beside or not named:
+        return {
+            "cutter": np.zeros(n, np.int8), "plane": np.full((2, n), -1), "radius": np.zeros(n), "nose": np.zeros((2, n)),
+        }  # fmt: skip
     on = np.isin(spread(held, b.n)[block], b.dialect.beside)
     before = np.concatenate([[b.state.beside.on], on[:-1]])
     radius, nose = _tools(b)
@@ -87,7 +92,7 @@ def _from(b: Batch, state: Beside, block: int, code: int, d: float | None) -> Be
         state = replace(state, offset=int(d))
     side = state.side if code == NONE else 1 if code in LEFT else -1
     size, orientation = _size(b, state, block, code, d)
-    nose = (LINUXCNC_NOSE if _by_tool(b) else FANUC_NOSE).get(orientation, (0, 0))
+    nose = (LINUXCNC_NOSE if by_tool(b) else FANUC_NOSE).get(orientation, (0, 0))
     if spread(b.held("plane"), b.n)[block] != 180:
         nose = (0, 0)
     # LinuxCNC: a negative radius changes the side.
@@ -95,13 +100,14 @@ def _from(b: Batch, state: Beside, block: int, code: int, d: float | None) -> Be
     return replace(state, side=side, radius=side * size, nose=(along, across))
 
 
-def _by_tool(b: Batch) -> bool:
+def by_tool(b: Batch) -> bool:
+    """Whether D names a tool, as in LinuxCNC."""
     return any(number in b.dialect.by_number and b.dialect.by_number[number].does == "cutter" for number in DYNAMIC)
 
 
 def _by_offset(b: Batch) -> bool:
     """Whether D alone changes the offset in force."""
-    return not _by_tool(b) and not b.dialect.tool_offsets
+    return not by_tool(b) and not b.dialect.tool_offsets
 
 
 def _size(b: Batch, state: Beside, block: int, code: int, d: float | None) -> tuple[float, int]:
@@ -119,13 +125,15 @@ def _place(b: Batch, state: Beside, block: int, d: float | None) -> dict[str, fl
     """The offset that holds the radius; {"R": 0.0} for none."""
     if b.dialect.tool_offsets:
         return stated(b, _last_name(b, block))
-    number = _tool(b, block) if d is None and _by_tool(b) else state.offset
+    number = _tool(b, block) if d is None and by_tool(b) else state.offset
     if number == 0:
         return {"R": 0.0}
     if number < 0:
         return None
-    if _by_tool(b):
+    if by_tool(b):
         found = stated_tool(b, "H", number)  # G10 L1 keeps what it sets under H
+        if found is None and d is not None and any(name[:1] == "T" for name in b.setup.offsets):
+            b.beside_missing.append((block, number))
         return found if found and "R" in found else stated(b, f"T{number}")
     return stated_tool(b, "D", number)
 

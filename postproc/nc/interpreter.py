@@ -21,6 +21,7 @@ from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import LINEAR, Batch, written_codes
 from postproc.nc.beside import beside_columns
+from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import hold_last_float, spread
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
@@ -271,7 +272,7 @@ def columns(
         absolute=spread(b.held("arc centre"), n)[block] == 901, alone=alone,
     )  # fmt: skip
     arcs = arcs_of(b, places, circle, centre_words)
-    return Motions(
+    motions = Motions(
         block=block, code=code, start=places.start, target=places.target, start_known=places.start_known,
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
@@ -279,6 +280,7 @@ def columns(
         reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
         length=np.repeat(b.frame.length[:, None], len(block), axis=1),
     )  # fmt: skip
+    return refuse_beside(b, motions)
 
 
 def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from postproc.nc.shifted import Shifted
+
 NONE = -1  # no code of that group yet
 
 
@@ -73,13 +75,16 @@ class Cycle:
 class Beside:
     """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
     stated; nose: mm along the plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
-    number in force, -1: none."""
+    number in force, -1: none; shifted: follows the centre where it is known (never changed in place); fault: what the control
+    has refused already."""
 
     on: bool = False
     side: int = 1
     radius: float = float("nan")
     nose: tuple[float, float] = (0.0, 0.0)
     offset: int = NONE
+    shifted: Shifted | None = None
+    fault: str = ""
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,15 @@ def approach(point: np.ndarray) -> np.ndarray:
         for k, value in enumerate(point[row].tolist()):
             if side >= 0 and value < extreme - PLAY or side <= 0 and value > extreme + PLAY:
                 side = 1.0 if value > extreme else -1.0
-            extreme = value if side == 0 and k == 0 else max(extreme, value) if side > 0 else min(extreme, value) if side < 0 else extreme
+            extreme = (
+                value
+                if side == 0 and k == 0
+                else max(extreme, value)
+                if side > 0
+                else min(extreme, value)
+                if side < 0
+                else extreme
+            )
             result[row, k] = side
     return result
 

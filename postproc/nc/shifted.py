@@ -158,10 +158,10 @@ class Shifted:
         theta = atan2(p[1] - op[1], p[0] - op[0]) + sense * pi / 2
         phi = atan2(front.centre[1] - op[1], front.centre[0] - op[0])
         d = (old + r if inside else old - r) * cos(theta - phi)
-        l = (d - r if inside else d + r) / old
-        if not -1.0 <= l <= 1.0:
+        cosine = (d - r if inside else d + r) / old
+        if not -1.0 <= cosine <= 1.0:
             raise Gouge("Arc to straight motion makes a corner the compensated tool can't fit in without gouging")
-        angle = theta + pi + (-sense if inside else sense) * acos(l)
+        angle = theta + pi + (-sense if inside else sense) * acos(cosine)
         return front.centre[0] + old * cos(angle), front.centre[1] + old * sin(angle)
 
     # -- arcs ------------------------------------------------------------------------------------------------------------
@@ -244,7 +244,9 @@ class Shifted:
             if way.centre is not None:
                 self._check_arc(way, place)
             elif self.endpoint is not None:
-                dot = way.direction[0] * (place[0] - self.endpoint[0]) + way.direction[1] * (place[1] - self.endpoint[1])
+                dot = way.direction[0] * (place[0] - self.endpoint[0]) + way.direction[1] * (
+                    place[1] - self.endpoint[1]
+                )
                 if dot < 0:
                     raise Gouge(f"Straight {'traverse' if way.rapid else 'feed'} in concave corner {GOUGE}")
             way.end = way.end.copy()
