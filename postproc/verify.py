@@ -16,6 +16,7 @@ from postproc.compensate.arcs import points, turning_points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
+from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
@@ -69,9 +70,10 @@ class Verifier:
                 Place(self.name, first_line + 1, line),
             ) from None
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
+            why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
-                f"the output can not be followed: {back.reasons[int(back.reason[i])][0]} (near line {first_line + 1})",
-                "this is an error of gcomp: please report the program",
+                f"the output can not be followed: {why} (near line {first_line + 1})",
+                LIMIT if why == self.state.beside.fault else "this is an error of gcomp: please report the program",
             )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
             raise GcompError(

@@ -15,6 +15,7 @@ import numpy as np
 from postproc.errors import GcompError
 from postproc.machine.model import Machine
 from postproc.motions import ENTRY, FREE, Motions
+from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.beside_refusals import begun, block_of
 from postproc.nc.shifted import Gouge, Shifted, Way
 from postproc.pieces import Pieces
@@ -86,7 +87,7 @@ class CentreVerifier:
             except Gouge as gouge:
                 raise GcompError(
                     f"the corrected contour of line {int(line[i])} is one that LinuxCNC refuses, and the nominal is not: {gouge}",
-                    "nothing may be put in inside G41 G42: let the CAM program write the tool centre path there",
+                    LIMIT,
                 ) from None
             if motions.cutter[i] == ENTRY and not motions.radius[i]:
                 self.finish()

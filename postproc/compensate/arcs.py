@@ -23,7 +23,6 @@ SHALLOWEST = 1e-6  # mm
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 SHORTEST = 3  # least increments: a shorter arc is a chord
 HALVINGS = 14
-NARROWER = 3e-4  # an arc on whose inside nobody knows the tool may lose so much of its radius
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
 
@@ -203,17 +202,16 @@ class Fitter:
         radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
         found = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact)))
         least = np.where(np.isfinite(tool), np.minimum(radius, np.where(tool > 0, tool + step, 0.0)), radius)
-        narrow = found < np.where(np.isfinite(tool), least - step, radius * (1 - NARROWER))
+        narrow = found < least - step
         angle = arcs.angle[arc] + arcs.sweep[arc] * rows.t0[held]
         exact = np.where(narrow, -radius * np.stack([np.cos(angle), np.sin(angle)]), exact)  # moved as it is
-        least = np.where(~np.isfinite(tool) & ~narrow & (found < radius - 2 * step), 0.0, least)
         near = np.where(narrow, np.rint(exact / grid) * grid, centre[:, held]).astype(np.int64)
         tried = near[:, None] + NEIGHBOURS[:, :, None] * grid[:, None]
         fits = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried))) >= least - 0.5
         cost = np.where(fits, np.hypot(*(tried - exact[:, None])), np.inf)
         best, column = np.argmin(cost, axis=0), np.arange(len(held))
         centre = centre.copy()
-        centre[:, held] = np.where(np.isfinite(cost[best, column]), tried[:, best, column], near)
+        centre[:, held] = np.where(np.isfinite(cost[best, column]), tried[:, best, column], centre[:, held])
         return centre
 
     def fit(self, rows: Rows, count: np.ndarray) -> tuple[np.ndarray, np.ndarray, Rows, np.ndarray]:

@@ -30,7 +30,7 @@ SLANT = 0.02  # rad: two neighbours then stay below the 0.05 rad from which Linu
 # LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before their corner, a line and an
 # arc at most twice that: four radii hold for corners down to 28 degrees, with an arc down to 53.
 MARGIN = 4.0
-BEND = 3e-4  # mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
+BEND = 1e-4  # mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
 FREELY = np.iinfo(np.int64).max
 
 

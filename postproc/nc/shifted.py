@@ -16,6 +16,7 @@ from math import acos, asin, atan2, cos, hypot, pi, sin, tan
 import numpy as np
 
 CORNER = 0.05  # rad: TOLERANCE_CONCAVE_CORNER
+LONGER = 0.0254  # rad: by how much an arc may grow, as measured: 0.022 is accepted, 0.036 refused
 LEFT, RIGHT = 1, -1
 GOUGE = "cannot be reached by the tool without gouging"
 Point = tuple[float, float]
@@ -28,7 +29,8 @@ class Gouge(Exception):
 @dataclass
 class Way:
     """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end (A,): mm; plane: rows of the
-    two axes; centre: mm in the plane, turns and sweep: rad, signed, of an arc, else 0; direction: of the contour's block;
+    two axes; centre: mm in the plane, turns and sweep: rad, signed, of an arc, else 0; direction: of the contour's block,
+    and programmed: rad, size of the sweep of its arc;
     measured: for those who read it."""
 
     owner: int
@@ -40,6 +42,7 @@ class Way:
     direction: Point = (0.0, 0.0)
     rapid: bool = False
     sweep: float = 0.0
+    programmed: float = 0.0
     measured: bool = False
 
 
@@ -236,7 +239,10 @@ class Shifted:
     def _enqueue(self, block: Block, end: Point, direction: Point, centre: Point | None = None, turns: int = 0) -> None:
         target = block.end.copy()
         target[list(self.plane)] = end
-        self.queue.append(Way(block.owner, self.at, target, self.plane, centre, turns, direction, block.rapid))
+        way = Way(block.owner, self.at, target, self.plane, centre, turns, direction, block.rapid)
+        if block.centre is not None:
+            way.programmed = abs(_sweep(self.programmed, self._in_plane(block.end), block.centre, block.turns))
+        self.queue.append(way)
 
     def _move_end(self, place: Point) -> None:
         """All that waits ends at another place (move_endpoint_and_flush)."""
@@ -258,25 +264,30 @@ class Shifted:
 
     def _check_arc(self, way: Way, place: Point) -> None:
         assert way.centre is not None
-        was = abs(self._sweep(replace(way, start=self.at)))
         moved = way.end.copy()
         moved[list(self.plane)] = place
-        if self.endpoint is not None and abs(self._sweep(replace(way, start=self.at, end=moved))) > was + 0.001:
+        if not way.programmed or self.endpoint is None:
+            return
+        if abs(self._sweep(replace(way, start=self.at, end=moved))) > way.programmed + LONGER:
             raise Gouge(f"Arc move in concave corner {GOUGE}")
 
     def _sweep(self, way: Way) -> float:
         """rad of an arc from where it starts to where it ends."""
         assert way.centre is not None
-        a, b = self._in_plane(way.start), self._in_plane(way.end)
-        turn = atan2(b[1] - way.centre[1], b[0] - way.centre[0]) - atan2(a[1] - way.centre[1], a[0] - way.centre[0])
-        sense = 1 if way.turns > 0 else -1
-        turn = sense * turn % (2 * pi)
-        if turn < 1e-9:
-            turn = 2 * pi
-        return sense * (turn + 2 * pi * (abs(way.turns) - 1))
+        return _sweep(self._in_plane(way.start), self._in_plane(way.end), way.centre, way.turns)
 
     def _in_plane(self, point: np.ndarray) -> Point:
         return float(point[self.plane[0]]), float(point[self.plane[1]])
 
     def _beside(self, point: Point, angle: float) -> Point:
         return point[0] + self.radius * cos(angle), point[1] + self.radius * sin(angle)
+
+
+def _sweep(start: Point, end: Point, centre: Point, turns: int) -> float:
+    """rad, signed, of an arc."""
+    turn = atan2(end[1] - centre[1], end[0] - centre[0]) - atan2(start[1] - centre[1], start[0] - centre[0])
+    sense = 1 if turns > 0 else -1
+    turn = sense * turn % (2 * pi)
+    if turn < 1e-9:
+        turn = 2 * pi
+    return sense * (turn + 2 * pi * (abs(turns) - 1))

@@ -282,6 +282,24 @@ def test_a_contour_that_the_control_would_refuse_is_no_error_of_gcomp():
     assert "error of gcomp" not in error.value.message
 
 
+def test_a_cut_before_a_sharp_corner_is_refused_not_handed_on():
+    """A corner of 20 degrees between two lines: the cut six millimetres before it lies behind where the centre turns."""
+    text = """G0 X100 Y-70
+G1 Z-2 F300
+G41 D2 G1 X114.9279 Y-52.9630 F500
+X127.5065 Y-55.7587
+X168.8124 Y-64.9394
+X143.3806 Y-48.4815
+G40 X118
+M2
+"""
+    assert not isinstance(asked([(text, cutter_programs.TOOLS)])[0], Exception)
+    with pytest.raises(ProgramError) as error:
+        corrected(text, cutter_programs.TOOLS, machines()["one way"])
+    assert "the corrected contour can not be followed" in error.value.message
+    assert error.value.place.line == 6
+
+
 def test_arcs_stay_arcs(runs):
     """Of a pocket: no chord in place of an arc, and no more arcs than it had."""
     for name in ("pocket_tangent", "pocket_corner_as_the_tool", "pocket_small_tool"):
