@@ -40,31 +40,34 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
     c = copy.deepcopy(before)
     first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
     for i in inside.tolist():
-        if motions.cutter[i] == ENTRY:
+        leaves = motions.cutter[i] == ENTRY and not motions.radius[i]
+        if motions.cutter[i] == ENTRY and not leaves:
             c = Contours(begun(motions, i), begun(motions, i))
-        if c.nominal is None or c.corrected is None:
+        nominal, corrected = c.nominal, c.corrected
+        if nominal is None or corrected is None:
             continue
         try:
-            _step(c.nominal, motions, i, motions.start[:, i], block_of(motions, i, i))
+            _step(nominal, motions, i, motions.start[:, i], block_of(motions, i, i))
         except Gouge:  # its control has other rules
             c = Contours()
             continue
         try:
-            corrected = c.corrected
             for k in range(int(first[i]), int(first[i + 1])):
                 _step(corrected, motions, i, pieces.start[:, k], _block(motions, pieces, k))
         except Gouge as gouge:
-            raise BlockFault(
-                int(motions.block[i]), f"the corrected contour can not be followed by its tool: {gouge}", LIMIT
-            ) from None
+            message = f"the corrected contour can not be followed by its tool: {gouge}"
+            raise BlockFault(int(motions.block[i]), message, LIMIT) from None
+        c = Contours() if leaves else c
     return c
 
 
 def _step(shifted: Shifted, motions: Motions, i: int, start: np.ndarray, block: Block) -> None:
-    if motions.cutter[i] == ENTRY:
+    if motions.cutter[i] != ENTRY:
+        shifted.follow(block)
+    elif motions.radius[i]:
         shifted.enter(start / TICKS_PER_MM, block)
     else:
-        shifted.follow(block)
+        shifted.leave(block)
     shifted.done.clear()
 
 

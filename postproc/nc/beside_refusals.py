@@ -96,6 +96,8 @@ def _gouge(b: Batch, motions: Motions) -> tuple[int, str] | None:
 def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | None:
     block = block_of(motions, i, i)
     if motions.cutter[i] == ENTRY:
+        if shifted is not None:
+            shifted.leave(block)
         shifted = begun(motions, i)
         if shifted is not None:
             shifted.enter(motions.start[:, i] / TICKS_PER_MM, block)

@@ -96,8 +96,9 @@ class Shifted:
             self._straight(block)
 
     def leave(self, block: Block) -> None:
-        """The first block behind G40: to its end, whether it names both axes of the plane or not."""
-        self.flush()
+        """The first block behind G40: to its end, whether it names both axes of the plane or not. Raises Gouge: what
+        waits must reach its own end (convert_cutter_compensation_off)."""
+        self._move_end(self.current)
         self.nose = (0.0, 0.0)
         self._enqueue(block, self._in_plane(block.end), (0.0, 0.0))
         self.flush()
