@@ -296,8 +296,12 @@ class Verifier:
 
     @property
     def passed(self) -> bool:
-        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
-        return self.mode in ("ramp", "off") or self.corrected.deviation <= self.tolerance + self.grid / 2 + 1e-9
+        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured,
+        as is what stays inside cutter radius compensation, where nothing may be put in: there it must not get worse."""
+        self.centre.finish()
+        allowed, centre = self.tolerance + self.grid / 2 + 1e-9, self.centre
+        better = centre.corrected.deviation <= max(allowed, centre.uncorrected.deviation)
+        return better and (self.mode in ("ramp", "off") or self.corrected.deviation <= allowed)
 
     def _beside(self) -> str:
         said = self.centre.report(self.tolerance + self.grid / 2)

@@ -30,6 +30,7 @@ SLANT = 0.02  # rad: two neighbours then stay below the 0.05 rad from which Linu
 # LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before their corner, a line and an
 # arc at most twice that: four radii hold for corners down to 28 degrees, with an arc down to 53.
 MARGIN = 4.0
+BACK = 0.1  # rad
 BEND = 1e-4  # mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
 FREELY = np.iinfo(np.int64).max
 
@@ -156,7 +157,9 @@ def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
     radius = b.m.radius[b.motion[chosen]]
     across = before[0] * begins[1] - before[1] * begins[0]
     along = (before * begins).sum(axis=0)
-    turn = np.where(across * radius > 0, np.arctan2(np.abs(across), along), 0.0)
+    # One that turns right back counts as an inside corner on either side: behind an arc LinuxCNC takes it for one.
+    inner = (across * radius > 0) | (along < -np.cos(BACK))
+    turn = np.where(inner, np.arctan2(np.abs(across), along), 0.0)
     # A line and an arc meet at most twice as far away as two lines; no block is shorter than the map is steep.
     return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
 

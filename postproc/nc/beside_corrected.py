@@ -57,6 +57,8 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
         except Gouge as gouge:
             message = f"the corrected contour can not be followed by its tool: {gouge}"
             raise BlockFault(int(motions.block[i]), message, LIMIT) from None
+        if corrected.backwards and not nominal.backwards:
+            raise BlockFault(int(motions.block[i]), "the corrected contour runs backwards behind a corner", LIMIT)
         c = Contours() if leaves else c
     return c
 

@@ -17,6 +17,7 @@ import numpy as np
 
 CORNER = 0.05  # rad: TOLERANCE_CONCAVE_CORNER
 LONGER = 0.0254  # rad: by how much an arc may grow, as measured: 0.022 is accepted, 0.036 refused
+AGAINST = 0.002  # mm: what rounding makes
 LEFT, RIGHT = 1, -1
 GOUGE = "cannot be reached by the tool without gouging"
 Point = tuple[float, float]
@@ -62,7 +63,7 @@ class Block:
 class Shifted:
     """Follows a contour with a tool. plane: rows of its axes; radius: mm; side: LEFT or RIGHT; nose: mm in the
     plane from the centre to the point that the control drives. `done`: ways that will not
-    change any more."""
+    change any more; backwards: whether one ran against its block."""
 
     plane: tuple[int, int]
     radius: float
@@ -75,6 +76,7 @@ class Shifted:
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
     driven: np.ndarray = field(default_factory=lambda: np.zeros(0))
     endpoint: Point | None = None
+    backwards: bool = False
 
     def enter(self, start: np.ndarray, block: Block) -> None:
         """The first block: from where the tool stands to beside its end."""
@@ -109,10 +111,19 @@ class Shifted:
             way.start = self.at
             if way.centre is not None:
                 way.sweep = self._sweep(way)
+            self._look_back(way)
             self.at = way.end
             self._drive(way)
             self.done.append(way)
         self.queue, self.endpoint = [], None
+
+    def _look_back(self, way: Way) -> None:
+        """Note a straight way that runs against its block: LinuxCNC does not refuse it, but it cuts where nobody meant to."""
+        first, second = self.plane
+        way_back = way.direction[0] * (way.end[first] - way.start[first]) + way.direction[1] * (
+            way.end[second] - way.start[second]
+        )
+        self.backwards |= way_back < -AGAINST * hypot(*way.direction)
 
     def _drive(self, way: Way) -> None:
         """From the centre of the nose to the point that the control drives; the way in begins with that point."""

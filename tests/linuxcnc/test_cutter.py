@@ -15,7 +15,7 @@ import pytest
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
-from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FREE, RAPID
+from postproc.motions import ENTRY, FREE, RAPID
 from postproc.nc import dialects
 from postproc.nc.beside_refusals import begun, block_of
 from postproc.nc.lexer import lex
@@ -300,6 +300,34 @@ M2
     assert error.value.place.line == 6
 
 
+def test_a_line_that_turns_right_back_behind_an_arc_is_not_cut_where_it_would_run_backwards():
+    """The centre turns ten millimetres from such a corner; a piece of two would have led it 10 mm astray."""
+    text = """G0 X31 Y58
+G1 Z-2 F300
+G41 D2 G1 X53.651 Y105.572 F500
+X53.832 Y105.960
+G2 X64.610 Y116.013 I17.859 J-8.343
+G1 X40.175 Y105.929
+X30.707 Y99.600
+G40 X0 Y99
+M2
+"""
+    machine = machines()["one way"]
+    [nominal] = asked([(text, cutter_programs.TOOLS)])
+    out, verifier, _ = corrected(text, cutter_programs.TOOLS, machine)
+    [made] = asked([(out, cutter_programs.TOOLS)])
+    assert max(judge.missed(nominal, made, machine).values()) < 0.15  # um of the corner, 80 times as far at its end
+    assert verifier.passed
+
+
+def test_verify_fails_where_the_centre_gets_worse():
+    text, tools = ACCEPTED["rectangle_outside"]
+    _, verifier, _ = corrected(text, tools, machines()["one way"])
+    assert verifier.passed
+    verifier.centre.corrected.deviation = 2 * verifier.centre.uncorrected.deviation
+    assert not verifier.passed
+
+
 def test_arcs_stay_arcs(runs):
     """Of a pocket: no chord in place of an arc, and no more arcs than it had."""
     for name in ("pocket_tangent", "pocket_corner_as_the_tool", "pocket_small_tool"):
@@ -308,4 +336,3 @@ def test_arcs_stay_arcs(runs):
         arcs = [line for line in text.split("\n") if re.match(r"G[23]\b", line)]
         out = [line for line in runs["one way", True][name][0].split("\n") if re.match(r"G[23]\b", line)]
         assert len(out) == len(arcs)
-    assert {CLOCKWISE, COUNTER} == {2, 3}
