@@ -96,7 +96,11 @@ def test_linuxcnc_tool_table():
         inch=False,
     )
     assert found.format == "linuxcnc-tool-table"
-    assert found.tools == {"T1": {"Z": 0.511, "R": 0.0625}, "T2": {"X": -1.5, "Z": 0, "A": 45, "R": 1.5, "Q": 2}, "T10": {}}
+    assert found.tools == {
+        "T1": {"Z": 0.511, "R": 0.0625},
+        "T2": {"X": -1.5, "Z": 0, "A": 45, "R": 1.5, "Q": 2},
+        "T10": {},
+    }
     assert found.notices == []
     assert of("T1 P1 Z1 D1 A5", inch=True).tools == {"T1": {"Z": 25.4, "R": 12.7, "A": 5}}
 
