@@ -17,6 +17,7 @@ from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.nc import checksums
+from postproc.nc.beside_corrected import Contours, follow_both
 from postproc.nc.dialects import Dialect
 from postproc.nc.emitter import Emitter, Written
 from postproc.nc.interpreter import Interpreter, ModalState, Setup
@@ -133,6 +134,7 @@ class Filter:
         self.modal: ModalState = self.interpreter.initial()
         self.carry = self.compensator.initial()
         self.written = Written()
+        self.contours = Contours()
         self._rest = b""
         self._numbering = checksums.START
         self._begun = False
@@ -221,6 +223,7 @@ class Filter:
             pieces, carry, more = self.compensator.run(motions, self.carry)
         except MotionFault as fault:
             raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
+        contours = self.contours if self.machine.is_zero else follow_both(self.contours, motions, pieces)
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
         result = self._numbered(result)
         for watcher in self.watchers:
@@ -229,7 +232,7 @@ class Filter:
             self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
         for notice in more:
             self._tell(replace(notice, line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1))
-        self.modal, self.carry, self.written = modal, carry, written
+        self.modal, self.carry, self.written, self.contours = modal, carry, written, contours
         self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks

@@ -124,7 +124,9 @@ class Motions:
     ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
     holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
     since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
-    (its start-up or end: not to be cut either). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
+    (its start-up or end: not to be cut either); plane (2, N): rows of that plane's axes, -1 where there is none; radius (N,):
+    mm, of the tool, + where its centre lies left of the path, nan where it is not stated; nose (2, N): mm along the plane's
+    axes from that centre to the point that the control drives (lathe tools with an orientation). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
     motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
     the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
     (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
@@ -155,6 +157,9 @@ class Motions:
     holes: Holes = field(default_factory=no_holes)
     presets: Presets = field(default_factory=no_presets)
     cutter: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int8))
+    plane: np.ndarray = field(default_factory=lambda: np.zeros((2, 0), np.int64))
+    radius: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    nose: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     sent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))

@@ -16,12 +16,14 @@ from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.machine.uncertainty import AlongPath
-from postproc.motions import CLOCKWISE, COUNTER, HOLE, RAPID, Motions
+from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
+from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.units import TICKS_PER_MM, UM
+from postproc.verify_cutter import CentreVerifier
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
@@ -67,6 +69,8 @@ class Verifier:
             Largest(),
         )  # how far axes of holes stay off sideways, whose cycle holds its place
         self.map = AlongPath(self.machine)
+        self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
+        self.centre = CentreVerifier(self.machine, self.follows)
         self.motions_in = self.motions_out = 0
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -86,9 +90,10 @@ class Verifier:
                 Place(self.name, first_line + 1, line),
             ) from None
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
+            why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
-                f"the output can not be followed: {back.reasons[int(back.reason[i])][0]} (near line {first_line + 1})",
-                "this is an error of gcomp: please report the program",
+                f"the output can not be followed: {why} (near line {first_line + 1})",
+                LIMIT if why == self.state.beside.fault else "this is an error of gcomp: please report the program",
             )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
             raise GcompError(
@@ -111,8 +116,13 @@ class Verifier:
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
             counts = np.where(pieces.corrected, np.where(pieces.take_up, END, PATH), NOTHING)
-            end = begin + pieces.share
-            self._measure(motions, owner, begin, end, back, (own, led), line, self.corrected, counts)
+            end, sense = begin + pieces.share, own.way(own.leg(every, one))
+            ends = own.at(every, one, motions.target / TICKS_PER_MM, sense, motions.code == RAPID)[0]
+            followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
+            inside = (motions.cutter != FREE)[owner]
+            for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
+                some = np.where(of, counts, NOTHING)
+                self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
             self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
             self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
 
@@ -279,9 +289,22 @@ class Verifier:
 
     @property
     def passed(self) -> bool:
-        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured."""
+        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are only measured,
+        as is what stays inside cutter radius compensation, where nothing may be put in: there it must not get worse."""
+        self.centre.finish()
+        centre = self.centre
+        better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        return self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
+        return better and (self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed))
+
+    def _beside(self) -> str:
+        said = self.centre.report(self.tolerance + self.grid / 2)
+        if self.at_contour.deviation:
+            said += (
+                f"; inside G41 G42, at the contour, where no centre is followed, {self.at_contour.deviation / UM:.2f} um "
+                f"(line {self.at_contour.line})"
+            )
+        return said
 
     def report(self) -> str:
         """One line for a person: before, after, and their ratio."""
@@ -291,7 +314,7 @@ class Verifier:
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
             f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
-            f"{self._of_holes()}; {self.map.report()}"
+            f"{self._of_holes()}{self._beside()}; {self.map.report()}"
         )
 
     def _lost_motion(self) -> str:

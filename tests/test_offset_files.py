@@ -96,7 +96,11 @@ def test_linuxcnc_tool_table():
         inch=False,
     )
     assert found.format == "linuxcnc-tool-table"
-    assert found.tools == {"T1": {"Z": 0.511, "R": 0.0625}, "T2": {"X": -1.5, "Z": 0, "A": 45, "R": 1.5}, "T10": {}}
+    assert found.tools == {
+        "T1": {"Z": 0.511, "R": 0.0625},
+        "T2": {"X": -1.5, "Z": 0, "A": 45, "R": 1.5, "Q": 2},
+        "T10": {},
+    }
     assert found.notices == []
     assert of("T1 P1 Z1 D1 A5", inch=True).tools == {"T1": {"Z": 25.4, "R": 12.7, "A": 5}}
 
@@ -153,7 +157,7 @@ def test_fanuc_lathe_tools():
     text = "G10 P10001 X-200. Z-100. R0.8 Q3\nG10 P1 X0.1 Z0.02 R0. Q3\nG10 P10012 X10. Z5.\nG10 L2 P1 X4. Z300.\n"
     found = of(text)
     assert found.tools == {
-        "T0101": {"X": pytest.approx(-99.95), "Z": pytest.approx(-99.98), "R": 0.8},
+        "T0101": {"X": pytest.approx(-99.95), "Z": pytest.approx(-99.98), "R": 0.8, "Q": 3},
         "T1212": {"X": 5, "Z": 5},
     }
     assert found.work == {"G54": {"X": 2, "Z": 300}}

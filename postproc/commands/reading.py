@@ -187,7 +187,7 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
     offsets.update(dict(options.offset))
     for name, place in [*((f"--offset {n}", p) for n, p in options.offset), ("--start", options.start)]:
         for axis in place:
-            if axis not in machine.axes and not (axis == "R" and name != "--start"):
+            if axis not in machine.axes and not (axis in "RQ" and name != "--start"):
                 raise UsageError(
                     f"{name} names {axis}, which is no axis of {machine.name}",
                     f"its axes are {' '.join(machine.letters)}",

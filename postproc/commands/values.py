@@ -12,7 +12,7 @@ from postproc.units import LARGEST_WORD_MM
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
 LENGTH = re.compile(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
 LONGEST, COARSEST = 10.0, 1.0  # mm
-WORD = re.compile(r"\s*([XYZABCUVWR])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
+WORD = re.compile(r"\s*([XYZABCUVWRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
 
@@ -55,7 +55,8 @@ def place(text: str) -> dict[str, float]:
 
 
 def offset(text: str) -> tuple[str, dict[str, float]]:
-    """Name and place, from "G54=X1,Z2", "G54.1P3=X1", "T0101=X0,Z80", "H1=Z120" or "D1=R5" (R: the tool's radius).
+    """Name and place, from "G54=X1,Z2", "G54.1P3=X1", "T0101=X0,Z80", "H1=Z120" or "D1=R5" (R: the tool's radius; Q: the
+    number of a lathe tool's orientation).
 
     The name comes back as offset files give it: "G54.1 P3".
     """
@@ -65,7 +66,7 @@ def offset(text: str) -> tuple[str, dict[str, float]]:
         raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: after the name comes =, then axes")
     if known is None:
         raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: there is no {name.strip()!r}, but {KNOWN_NAMES}")
-    letters = {"D": "XYZABCUVWR", "T": "XYZABCUVWR"}.get(known[0], "XYZABCUVW")
+    letters = {"D": "XYZABCUVWR", "T": "XYZABCUVWRQ"}.get(known[0], "XYZABCUVW")
     return known, _words(text, rest, letters, OFFSET)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.compensate import sides, turning
+from postproc.compensate import cutter, sides, turning
 from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
@@ -72,6 +72,9 @@ class Batch:
             travel = np.where(sure, travel, 0)
             self.forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
         self.travel = travel
+        self.inside = bool(m.cutter.any())
+        self.reads_beside = self.inside and cutter.reads_beside(self)
+        self.turns = cutter.last_way(self, travel) if self.inside else travel
         self.known_before = self.start_known[motion] | (t0 > 0)
         self.hole = np.searchsorted(motion, m.holes.motion)
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
@@ -106,7 +109,7 @@ class Batch:
         which = self.free[self.motion].nonzero()[0]
         self.exact = self.end_nominal.copy()
         nominal, weight = self.end_nominal[:, which], self.weight_end[:, which]
-        self.exact[:, which] = command(self.machine, nominal, weight, self.motion[which])
+        self.exact[:, which] = self.command(which, self.t1[which], nominal, weight)
 
     def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
@@ -141,14 +144,24 @@ class Batch:
         In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block. In mode step an
         axis whose lost motion is followed goes from its begin to its end without turning back on the way.
         """
-        exact = command(self.machine, nominal, weight, self.motion[stroke])
+        if self.inside:
+            weight = cutter.approach_on_arcs(self, stroke, t, weight)
+        exact = self.command(stroke, t, nominal, weight)
         if self.c.mode == "off":
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
             exact += self.differs[:, stroke] * rest
         for row in self.c.followed:
             one, two = self.begin[row, stroke] / TICKS_PER_MM, self.end[row, stroke] / TICKS_PER_MM
-            exact[row] = np.minimum(np.maximum(exact[row], np.minimum(one, two)), np.maximum(one, two))
+            held = np.minimum(np.maximum(exact[row], np.minimum(one, two)), np.maximum(one, two))
+            exact[row] = np.where(self.m.cutter[self.motion[stroke]] == FREE, held, exact[row])
         return exact
+
+    def command(self, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """(A, K) mm: commands at t along strokes, the map read where the tool's centre is."""
+        if not self.reads_beside:
+            return command(self.machine, nominal, weight, self.motion[stroke])
+        beside = cutter.centre(self, stroke, t)
+        return command(self.machine, nominal + beside, weight, self.motion[stroke]) - beside
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of each axis' word."""
@@ -161,7 +174,7 @@ class Batch:
 
     def ends(self) -> None:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""
-        m, motion, n = self.m, self.motion, len(self.motion)
+        m, motion = self.m, self.motion
         free = self.free[motion]
         step = m.grid[:, motion]
         correction = self.exact - self.end_nominal
@@ -190,7 +203,7 @@ class Batch:
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
-        m, motion = self.m, self.motion
+        motion = self.motion
         first = self.carry.sides.side.astype(float)
         ramped = self.c.reach > 0
         first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
@@ -213,7 +226,9 @@ class Batch:
         more than half the tolerance. Sets `begin` (A, S), where each stroke is begun, and the final `before` and `end`."""
         free, known = self.free[self.motion], self.known_before
         held = (self.travel == 0).any(axis=1)
-        if known.all() and self.told.all() and not (self.turning.any() or held[self.rows].any() or self.left.any()):
+        self.leash = cutter.leash(self) if self.inside else None
+        quiet = known.all() and self.told.all() and self.leash is None
+        if quiet and not (self.turning.any() or held[self.rows].any() or self.left.any()):
             self.begin = self.before
             return
         code = self.m.code[self.motion]
@@ -225,8 +240,10 @@ class Batch:
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
-            if row in self.rows and (held[row] or self.left[row].any()):
+            if row in self.rows and (held[row] or self.left[row].any() or self.leash is not None):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
+                if self.leash is not None:
+                    rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | self.left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end)
             before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
@@ -251,10 +268,15 @@ class Batch:
         wanted, enough = self.wanted[row, still].tolist(), self.enough[row, still].tolist()
         wanted = [w if t else None for w, t in zip(wanted, self.turning[still].tolist(), strict=True)]
         side = (self.bound[row, still] * self.weight_begin[row, still]).tolist()
-        last = -2
+        most = self.leash[row, still].tolist() if self.leash is not None else [cutter.FREELY] * len(value)
+        way, last = self.travel[row, still].tolist(), -2
         for k, i in enumerate(still.tolist()):
             here = value[k - 1] if i == last + 1 and not moved[k] else before[k]
             to = wanted[k]
+            if most[k] < cutter.FREELY and not stays[k]:  # by how much its correction may change along the stroke
+                value[k] = here + way[k] + min(max(value[k] - here - way[k], -most[k]), most[k])
+                last = i
+                continue
             if to is not None and abs(to - here) > enough[k] and (to - here) * side[k] >= 0:
                 here = to
             if stays[k] or abs(exact[k] - here) <= hold[k] or (exact[k] - here) * side[k] < 0:

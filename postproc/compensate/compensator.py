@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, holes, limits, threads
+from postproc.compensate import approach, cut, cutter, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import XYZ
@@ -46,13 +46,16 @@ class Options:
 
 @dataclass(frozen=True)
 class Carry:
-    """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last command's motion; sure: whether `issued` is where the machine stands
-    and is what the nominal position needs; largest: mm, the largest correction so far."""
+    """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
+    command's motion; sure: whether `issued` is where the machine stands and is what the nominal
+    position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
+    last motion inside it ended; largest: mm, the largest correction so far."""
 
     sides: approach.Sides
     issued: np.ndarray
     way: np.ndarray
     sure: bool = False
+    heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
 
 
@@ -159,7 +162,7 @@ class Compensator:
         limits.refuse(b)
         limits.refuse_turning_arcs(b)
         limits.check_unknown(b)
-        limits.bound_cutter(b)
+        cutter.tell(b)
         b.strokes()
         limits.check_inside(b)
         b.approach()
@@ -167,6 +170,8 @@ class Compensator:
         holes.settle(b)
         b.starts()
         b.settle_ends()
+        if b.leash is not None:
+            cutter.tell_held(b, b.leash)
         b.spread_reversals()
         b.lead_beyond()
         threads.say(b)
@@ -178,6 +183,7 @@ class Compensator:
             b.end[:, -1].copy(),
             b.way,
             bool(b.sure_after[-1]),
+            cutter.heading(b),
             max(carry.largest, largest),
         )
         return pieces, after, b.notices

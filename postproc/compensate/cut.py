@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import nodes
+from postproc.compensate import cutter, nodes
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.fit import Fitter, Rows
 from postproc.errors import MotionFault
-from postproc.motions import CLOCKWISE, COUNTER, ENTRY, FEED, RAPID, THREAD
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
@@ -53,7 +53,7 @@ def straight_pieces(b: Batch):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
     may |= (code[straight] == THREAD) & ~m.whole[motion[straight]]
-    may &= b.free[motion[straight]] & b.known_before[straight] & (m.cutter[motion[straight]] != ENTRY)
+    may &= b.free[motion[straight]] & b.known_before[straight] & (cutter.margin(b, motion[straight]) < np.inf)
     chosen = straight[may]
     if not b.c.reach.any():
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
@@ -111,13 +111,19 @@ def _cuts(b: Batch, chosen: np.ndarray):
     if not len(chosen):
         return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
     start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
-    owner, t, axis = nodes.candidates(b.machine, start, target, b.c.slack)
+    beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
+    owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
         owner, t, axis = (
             np.concatenate([owner, more]),
             np.concatenate([t, at]),
             np.concatenate([axis, np.full(len(at), -1)]),
         )
+    if b.inside:
+        may = cutter.may_cut(b, chosen, owner, t)
+        more, at = cutter.edges(b, chosen)
+        owner, t = np.concatenate([owner[may], more]), np.concatenate([t[may], at])
+        axis = np.concatenate([axis[may], np.full(len(more), -1)])
     exact = _along(b, chosen, owner, t)
     # It is the command that passes the node, not the nominal point: step back by the correction.
     node = (axis >= 0).nonzero()[0]
@@ -164,7 +170,8 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
         led = np.maximum.accumulate(ahead - first + lift) - lift + first
         end = np.rint(side * b.end[row, stroke]).astype(np.int64)
         led = np.minimum(led, np.maximum(end, first))
-        more[row] = np.where(inner & (side != 0), side * led / TICKS_PER_MM - course, 0.0)
+        free = inner & (side != 0) & (b.m.cutter[b.motion[stroke]] == FREE)
+        more[row] = np.where(free, side * led / TICKS_PER_MM - course, 0.0)
     return more
 
 
@@ -233,6 +240,7 @@ def arc_pieces(b: Batch):
         single=single,
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p, t), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
+        **cutter.arcs_inside(b),
     )  # fmt: skip
     rows = fitter.settle(rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)

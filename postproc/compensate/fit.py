@@ -30,6 +30,8 @@ MOST_SAMPLES = 20_000
 EXACT = 1e-9  # mm: what a square root leaves of half a turn
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 SHORTEST = 3  # least increments: a shorter arc is a chord
+LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
+NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 HALVINGS = 14
 
 
@@ -124,6 +126,9 @@ class Fitter:
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start
     step: np.ndarray  # (A, n) ticks of a least increment of each axis' word
     single: np.ndarray
+    inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
+    shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
+    tool: np.ndarray  # (n,) mm: radius of a tool on the arc's inside, 0 for one on its outside, nan: not stated
 
     def density(self, rows: Rows) -> np.ndarray:
         """(R,) how many steps make each part's samples dense enough: between two of them at most an
@@ -195,13 +200,13 @@ class Fitter:
         in_plane = np.zeros((len(self.start), len(rows)), bool)
         k = np.arange(len(rows))
         in_plane[self.arcs.first[rows.arc], k] = in_plane[self.arcs.second[rows.arc], k] = True
-        good &= ~(bent & ~in_plane).any(axis=0)
+        good &= ~(bent & ~in_plane).any(axis=0) | self._kept(rows, s)
         middle = s.first + (count - 1) // 2
         halfway = self.round_to(rows, k, s.command[:, middle])
         # A chord leaves the plane's axes no bow either.
         return good, np.logical_not(bent.any(axis=0)), replace(rows, centre=centre, radius=radius), halfway
 
-    def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+    def _candidates(self, rows: Rows, s: Samples) -> Iterator[tuple[np.ndarray, np.ndarray, float | np.ndarray]]:
         """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make
         them, and the mm that each may miss the samples; best first: R as programmed, held like an
         axis at rest while that costs half of the tolerance at most, R as fitted, the centre as
@@ -213,6 +218,9 @@ class Fitter:
             yield self._drawn(rows, s, programmed), programmed, self.tolerance / 2
             yield self._drawn(rows, s, fitted), fitted, self.tolerance
         yield self._rounded(rows, s, exact), none, self.tolerance
+        if self.inside[rows.arc].any():
+            tolerance = np.where(self._kept(rows, s), np.inf, self.tolerance)
+            yield self._as_wide(rows, s, exact), none, tolerance
         radius = self.arcs.radius[rows.arc] * np.where(np.abs(s.sweep) > np.pi, -1, 1)
         same = centre_by_radius(s.begin, s.end, radius, s.sweep > 0)
         yield self._rounded(rows, s, same), none, self.tolerance
@@ -292,7 +300,38 @@ class Fitter:
         reaches = (word != 0) & (half > 0) & (half - np.abs(radius) <= short)
         return np.where(reaches, centre_by_radius(s.begin, s.end, radius, s.sweep > 0), np.nan)
 
-    def _proven(self, rows: Rows, s: Samples, centre: np.ndarray, tolerance: float) -> np.ndarray:
+    def _kept(self, rows: Rows, s: Samples) -> np.ndarray:
+        """(R,) bool: inside cutter radius compensation, and too short to be cut, whatever that leaves."""
+        way = np.abs(s.sweep) * self.arcs.radius[rows.arc]
+        result: np.ndarray = self.inside[rows.arc] & (way < 2 * self.shortest[rows.arc])
+        return result
+
+    def _least(self, rows: Rows) -> np.ndarray:
+        """(R,) ticks that the radius must have at least: inside cutter radius compensation the tool must fit on the inside of
+        an arc; where its radius is not known, as it did."""
+        arcs, arc = self.arcs, rows.arc
+        step, tool = arcs.grid[:, arc].max(axis=0), self.tool[arc] * TICKS_PER_MM
+        radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
+        least = np.where(np.isfinite(tool), np.minimum(radius, np.where(tool > 0, tool + step, 0.0)), radius)
+        return np.where(self.inside[arc], least - 0.5, 0.0)
+
+    def _as_wide(self, rows: Rows, s: Samples, centre: np.ndarray) -> np.ndarray:
+        """(2, R) mm: centres near the fitted ones that leave arcs inside cutter radius compensation wide enough; nan for
+        other arcs and where there is none."""
+        arcs, arc = self.arcs, rows.arc
+        grid, chord = arcs.grid[:, arc], (s.end - s.begin) * TICKS_PER_MM
+        exact, least = (centre - s.begin) * TICKS_PER_MM, self._least(rows)
+        radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
+        narrow = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact))) < least - grid.max(axis=0)
+        exact = np.where(narrow, -radius * s.unit[:, s.first], exact)  # moved as it is
+        tried = (np.rint(exact / grid) * grid)[:, None] + NEIGHBOURS[:, :, None] * grid[:, None]
+        fits = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried))) >= least
+        cost = np.where(fits & self.inside[arc], np.hypot(*(tried - exact[:, None])), np.inf)
+        best, column = np.argmin(cost, axis=0), np.arange(len(arc))
+        found = s.begin + tried[:, best, column] / TICKS_PER_MM
+        return np.where(np.isfinite(cost[best, column]), found, np.nan)
+
+    def _proven(self, rows: Rows, s: Samples, centre: np.ndarray, tolerance: float | np.ndarray) -> np.ndarray:
         """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
         tolerance, mm, and are arcs to a control."""
         arcs, row = self.arcs, s.row
@@ -313,6 +352,8 @@ class Fitter:
         good &= closed | ~full
         good &= (turns(s.sweep) == 0) | (self.single[rows.arc] & (rows.t0 == 0) & (rows.t1 == 1))
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
+        good &= np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least(rows)
+        good &= ~(self.inside[rows.arc] & (np.abs(s.sweep) > LARGEST_SWEEP))
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
         # Together they must stay below the control's limit, twice the mismatch; what misses by more already, by no more.
         good &= np.abs(radius1 - radius0) <= np.where(was <= self.mismatch, was + self.mismatch, was)

@@ -8,8 +8,8 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
-from postproc.motions import FEED, FREE, RAPID
-from postproc.units import TICKS_PER_MM, UM
+from postproc.motions import FEED, RAPID
+from postproc.units import TICKS_PER_MM
 
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
@@ -153,21 +153,3 @@ def check_limits(b: Batch) -> float:
         f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
         "the slide can not go there: move the part or the work offset",
     )
-
-
-def bound_cutter(b: Batch) -> None:
-    """Inside cutter radius compensation the control shifts the path by the tool's radius, and the map is read at the
-    contour: say by how much that can be wrong, and what reversal stays."""
-    if not b.m.cutter.any():
-        return
-    inside = ((b.m.cutter != FREE) & b.free).nonzero()[0]
-    if not len(inside):
-        return
-    reversal = ""
-    if b.machine.two_way.any():
-        half = [np.abs(t.half[:3]).max() for _, t in b.machine.every_table]
-        reversal = f"; where an axis turns back its reversal of up to {2 * max(half, default=0.0) / UM:.1f} um is spread over the block"
-    b.notices.append(
-        Notice("cutter", f"inside G41 G42 the map is read at the programmed contour, not at the tool's centre: wrong by {b.machine.bounds.steepest / UM:.2f} um "
-               f"per mm of tool radius at most{reversal}", int(inside[0]))
-    )  # fmt: skip

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
-from postproc.compensate.inverse import command
 from postproc.motions import RAPID
 from postproc.units import TICKS_PER_MM
 
@@ -49,7 +48,9 @@ class Course:
             sense[m.holes.axis, b.hole] = np.sign(m.holes.level - m.holes.bottom)
             given = given.copy()
             given[m.holes.axis, b.hole] = True
-        sense = np.where(b.jumps, np.sign(b.travel), sense)
+        led = b.turns != b.travel  # arcs inside G41 G42, not cut where an axis turns back: as their last part
+        sense = np.where(b.jumps | led, np.sign(b.turns), sense)
+        given = given | led
         unknown = ~b.m.target_known[:, b.motion]
         self.sense, self.given = sense[self.rows], given[self.rows]
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back, which no rapid does.
@@ -93,7 +94,7 @@ class Course:
         at = which.nonzero()[0]
         if len(at):
             weight = self.spread(side)[:, at]
-            found = command(b.machine, b.end_nominal[:, at], weight, b.motion[at])
+            found = b.command(at, b.t1[at], b.end_nominal[:, at], weight)
             result[:, at] = np.where(b.told[:, at], found, b.end_nominal[:, at])
         return result
 
@@ -109,7 +110,7 @@ class Course:
         begin = self.nowhere.copy()
         if len(at):
             b, weight = self.b, self.spread(side)[:, at]
-            first = command(b.machine, b.begin_nominal[:, at], weight, b.motion[at])
+            first = b.command(at, b.t0[at], b.begin_nominal[:, at], weight)
             begin[:, at] = self._without_play(side[:, at], first)
         return begin, end
 
@@ -195,7 +196,7 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         which = b.free[b.motion].nonzero()[0]
         exact = b.end_nominal.copy()
         nominal = b.end_nominal[:, which]
-        exact[:, which] = command(b.machine, nominal, end[:, which], b.motion[which])
+        exact[:, which] = b.command(which, b.t1[which], nominal, end[:, which])
         course.exact = exact
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
     b.twice[course.rows] = course.twice & (course.travel == 0)

@@ -75,7 +75,8 @@ class Batch:
         self.offset = np.zeros((len(self.rows), 1), np.int64)  # (A, B) or (A, 1) ticks, zero of absolute words
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
         self.tool_after, self.next_tool = state.tool, state.next_tool
-        self.beside = state.cutting_beside
+        self.beside = state.beside
+        self.beside_missing: list[tuple[int, int]] = []  # block and number of tools that no table states
         self.cycle: InCycle | None = None
         self.presets = no_presets()
         self.zero_known = True

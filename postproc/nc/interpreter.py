@@ -16,10 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
-from postproc.motions import ENTRY, FOREIGN, FREE, OFFSET, Motions, join
+from postproc.motions import FOREIGN, Motions, join
 from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import LINEAR, Batch, written_codes
+from postproc.nc.beside import beside_columns
+from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import hold_last_float, spread
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
@@ -272,28 +274,15 @@ def columns(
     )  # fmt: skip
     arcs = arcs_of(b, places, circle, centre_words)
     whole, lead = thread_columns(b, block, code, motion, feed[block])
-    return Motions(
+    motions = Motions(
         block=block, code=code, start=places.start, target=places.target, start_known=places.start_known,
         target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
         scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, cutter=cutter_column(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
+        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
         length=np.repeat(b.frame.length[:, None], len(block), axis=1), whole=whole, lead=lead,
     )  # fmt: skip
-
-
-def cutter_column(b: Batch, block: np.ndarray) -> np.ndarray:
-    """(N,) FREE, OFFSET inside cutter radius compensation, ENTRY where it begins and where it has ended."""
-    held = b.held("cutter")
-    if isinstance(held, int) and held not in b.dialect.beside and not b.state.cutting_beside:
-        b.beside = False if len(block) else b.state.cutting_beside
-        return np.zeros(len(block), np.int8)
-    on = np.isin(spread(held, b.n)[block], b.dialect.beside)
-    b.beside = bool(on[-1]) if len(on) else b.state.cutting_beside
-    if not on.any() and not b.state.cutting_beside:
-        return np.zeros(len(block), np.int8)
-    before = np.concatenate([[b.state.cutting_beside], on[:-1]])
-    return np.where(on != before, ENTRY, np.where(on, OFFSET, FREE)).astype(np.int8)
+    return refuse_beside(b, motions)
 
 
 def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
@@ -315,7 +304,7 @@ def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
         b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
         feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, offsets=b.offsets,
-        cycle=b.cycle.after if b.cycle else None, cutting_beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
+        cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
     )  # fmt: skip
 
 

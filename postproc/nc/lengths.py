@@ -37,6 +37,8 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
         unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
         values = {"Z": (round(radius * int(unit)), False)} if "Z" in b.rows else {}
     place = dict(stated_tool(b, "H", p) or {})
+    if radius is not None:  # LinuxCNC: of the tool
+        place["R"] = radius * int(np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]) / TICKS_PER_MM
     if line in (10, 11) and not b.dialect.extended_by_p:
         note_presets(b, axis_words, values)
     for letter, (value, _) in values.items():

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from postproc.nc.shifted import Shifted
+
 NONE = -1  # no code of that group yet
 
 
@@ -70,12 +72,28 @@ class Cycle:
 
 
 @dataclass(frozen=True)
+class Beside:
+    """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
+    stated; nose: mm along the plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
+    number in force, -1: none; shifted: follows the centre where it is known (never changed in place); fault: what the control
+    has refused already."""
+
+    on: bool = False
+    side: int = 1
+    radius: float = float("nan")
+    nose: tuple[float, float] = (0.0, 0.0)
+    offset: int = NONE
+    shifted: Shifted | None = None
+    fault: str = ""
+
+
+@dataclass(frozen=True)
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
     tool offset and F in force, whether the program has ended, and whether a motion code was
     named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch, and zero_known: whether it does; offsets: work and
     tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,): axes that G28 has taken elsewhere since the last motion; cycle: the
-    canned cycle in force; cutting_beside: whether the last motion was inside cutter radius compensation; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
+    canned cycle in force; beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -89,7 +107,7 @@ class ModalState:
     frame: Frame | None = None
     sent: np.ndarray | None = None
     cycle: Cycle | None = None
-    cutting_beside: bool = False
+    beside: Beside = Beside()
     tool_number: int = -1
     next_tool: int = -1
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)

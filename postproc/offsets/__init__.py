@@ -20,7 +20,7 @@ from postproc.units import LARGEST_WORD_MM, MM_PER_INCH
 
 LINEAR, ROTARY = "XYZUVW", "ABC"
 AXES = "XYZABCUVW"  # in the order in which LinuxCNC and grblHAL write them
-TOOL_KEYS = AXES + "R"
+TOOL_KEYS = AXES + "RQ"
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|EXT")
 EXTENDED_NAME = re.compile(r"G54\.1\s*P\s*0*([1-9][0-9]{0,2})")
@@ -35,7 +35,8 @@ class Offsets:
     """What a file says. All lengths mm, X a radius, angles degrees, as the control adds them to programmed places.
 
     work: name to axis to mm ("G54", "G59.1", "G54.1 P3", "G505", "G92" where in force; "EXT": the offset common to all).
-    tools: name to axis to mm, and "R" the radius ("H1": {"Z": length}, "D1": {"R": radius}, "T1", "T0101", "T1D1").
+    tools: name to axis to mm, "R" the radius and "Q" the number of a lathe tool's
+    orientation ("H1": {"Z": length}, "D1": {"R": radius}, "T1", "T0101", "T1D1").
     rotation: work offset to degrees about Z. notices: what was assumed or left out. format: the reader's name.
     """
 
@@ -54,9 +55,9 @@ class Offsets:
                 notices.extend(
                     f"{name} states {axis} = {value:g}, an axis that the machine has not: left out"
                     for axis, value in place.items()
-                    if value and axis != "R" and axis not in axes
+                    if value and axis not in "RQ" and axis not in axes
                 )
-            return {n: {a: v for a, v in place.items() if a == "R" or a in axes} for n, place in places.items()}
+            return {n: {a: v for a, v in place.items() if a in "RQ" or a in axes} for n, place in places.items()}
 
         return Offsets(kept(self.work), kept(self.tools), dict(self.rotation), notices, self.format)
 

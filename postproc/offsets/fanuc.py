@@ -47,6 +47,7 @@ class Memory:
     incremental: bool = False
     inch: bool | None = None
     bare: bool = False  # whether a length without a decimal point was met
+    nose: dict[int, float] = field(default_factory=dict)  # number of a lathe tool's orientation, by offset
 
     def write(self, key: tuple[str, int], letter: str, value: float, step: bool) -> bool:
         """Set or change a value; False where a step has nothing to step from."""
@@ -105,7 +106,9 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         raise source.fault(number, "G10 needs P, the number of the offset", ADVICE)
     n = int(p)
     if lathe:
-        words.pop("Q", None)  # the nose's direction
+        nose = words.pop("Q", "")
+        if nose:
+            memory.nose[n % GEOMETRY] = source.number(number, nose)
         for letter in set(words) & set(STEPS):
             if STEPS[letter] in words:
                 raise source.fault(number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE)
@@ -165,6 +168,8 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
         elif kind == "":
             offset = n % GEOMETRY
             _add(offsets.tools, f"T{offset:02d}{offset:02d}", place)
+            if offset in memory.nose:
+                offsets.tools[f"T{offset:02d}{offset:02d}"]["Q"] = memory.nose[offset]
         else:
             length = kind in (LENGTH, LENGTH_WEAR)
             if length:

@@ -25,7 +25,7 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source) -> Offsets:
-    """Tools by number, "T1" with the axes that stand there and R, half of D. Raises UsageError."""
+    """Tools by number, "T1" with the axes that stand there R, half of D, and Q. Raises UsageError."""
     offsets = Offsets(notices=source.unit_notice())
     if source.diameter:
         offsets.notices.append("LinuxCNC stores X as a radius: it is read as one")
@@ -55,7 +55,10 @@ def read(source: Source) -> Offsets:
         }
         if "D" in values:
             place["R"] = source.number(number, values["D"]) * source.scale() / 2
-        for letter in "PIJQ":
+        for letter in "PIJ":
             source.number(number, values.get(letter, "0"))
+        orientation = source.number(number, values.get("Q", "0"))
+        if orientation:
+            place["Q"] = orientation
         offsets.tools[name] = place
     return offsets

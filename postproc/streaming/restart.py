@@ -86,7 +86,7 @@ def refuse(filter_: Filter, rest: bytes, line: int) -> None:
     earlier = "name an earlier line, before that begins"
     if modal.ended:
         raise no("the program has ended before this line", "name an earlier line")
-    if modal.cutting_beside or modal.codes.get("cutter", NONE) in filter_.dialect.beside:
+    if modal.beside.on or modal.codes.get("cutter", NONE) in filter_.dialect.beside:
         raise no("cutter radius compensation (G41, G42) is on", earlier)
     if modal.cycle is not None or (modal.codes.get("motion", NONE) >= FIRST_CYCLE and modal.codes["motion"] != 800):
         raise no("a canned cycle is in force", earlier)

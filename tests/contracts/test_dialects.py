@@ -246,7 +246,7 @@ machine.toml chooses it, `--dialect auto` looks at the program.
 
 - **followed**: the code is obeyed,
     and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
-  programmed place, and the bound of that error is said.
+  tool's centre where its radius is stated, else at the programmed place, and the bound of that error is said.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, coordinates given to the place where the machine stands.
 - **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.

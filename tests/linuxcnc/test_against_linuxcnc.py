@@ -185,14 +185,12 @@ MANNERS = set(
 )
 
 
-# Refused by LinuxCNC for what a cycle, a tool table, a dwell or cutter compensation lacks: it stops there by itself, and
+# Refused by LinuxCNC for what a cycle, a tool table or a dwell lacks: it stops there by itself, and
 # what gcomp writes stops it at the same block.
 MANNERS |= set(
-    """cutter_d_missing_tool cutter_entry_short cutter_exit_arc cutter_g19 cutter_gouge cutter_machine_coordinates
-    cutter_plane_changed cutter_reference cutter_twice cutter_without_d cutter_work_offset_changed
-    cycle_code_alone cycle_code_changed_without_r cycle_dwell_missing cycle_inverse_time cycle_no_repeats
+    """cycle_code_alone cycle_code_changed_without_r cycle_dwell_missing cycle_inverse_time cycle_no_repeats
     cycle_peck_missing cycle_peck_zero cycle_r_alone cycle_rotary_word cycle_spindle_stopped
-    cycle_under_cutter_compensation cycle_without_feed cycle_without_words feed_zero g10_l1_bad_orientation
+    cycle_without_feed cycle_without_words feed_zero g10_l1_bad_orientation
     g10_l1_missing_tool g10_l1_without_words g10_l2_with_i g10_with_motion_code g52_without_words
     g92_under_cutter_compensation g92_with_motion_code g92_without_words orientation_out_of_range
     output_number_missing reference_two_codes speed_missing speed_negative sync_tap_spindle_stopped
