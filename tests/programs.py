@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import random
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -458,3 +459,21 @@ STUDER_FANUC = Site("fanuc-lathe", STUDER_RANGES, STUDER_NODES, ("X",))
 STUDER_LINUXCNC = Site("linuxcnc", STUDER_RANGES, STUDER_NODES, ("X",))
 MILL = Site("linuxcnc", MILL_RANGES, MILL_NODES)
 OFFSETS = {"G54": {"X": 0.0, "Z": 0.0}, "G55": {"X": 12.5, "Z": 100.0}, "G59": {"X": -3.0001, "Z": 77.7}}
+
+
+def write_lagging(source: Path, folder: Path) -> Path:
+    """The machine of a folder with the reversal of its positioning as real lost motion: forward never beyond reverse."""
+    shutil.copytree(source, folder)
+    for path in folder.glob("?.csv"):
+        lines = path.read_text().splitlines()
+        head = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+        columns, own = lines[head].split(","), f"E{path.stem}{path.stem}_um"
+        if own + "_fwd" not in columns:
+            continue
+        one, two = columns.index(own + "_fwd"), columns.index(own + "_rev")
+        for i in range(head + 1, len(lines)):
+            row = lines[i].split(",")
+            row[one], row[two] = sorted((row[one], row[two]), key=float)
+            lines[i] = ",".join(row)
+        path.write_text("\n".join(lines) + "\n")
+    return folder

@@ -1,6 +1,9 @@
 """What is left after compensation, by an evaluation that shares no line with the product: tests/reference.
 
-Everywhere along the path at most the tolerance and half a least increment; before compensation several um.
+Everywhere along the path at most the tolerance and half a least increment; before compensation several um. Where lost motion
+is taken up, each two-way axis may be held back by the hysteresis, and by half of it inside a block; and the straightness
+and angles that were measured both ways shift the others while it is taken up. The map of the S-36 has forward beyond
+reverse over most of its travel, which is no lost motion: it is judged with its reversal as one.
 """
 
 from __future__ import annotations
@@ -11,8 +14,9 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from programs import MILL, OFFSETS, STUDER_FANUC, STUDER_LINUXCNC, Taste, program, write_mill
+from programs import MILL, OFFSETS, STUDER_FANUC, STUDER_LINUXCNC, Taste, program, write_lagging, write_mill
 from reference.evaluate import residual
 from reference.machine import Machine
 
@@ -31,7 +35,8 @@ REFERENCE = 0.01 * UM  # the product's kinematics are of first order, the refere
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     folder = tmp_path_factory.mktemp("machines")
-    result = {name: ROOT / "machines" / name for name in ("studer-s36", "studer-s36-thesis")}
+    result = {"studer-s36-thesis": ROOT / "machines" / "studer-s36-thesis"}
+    result["studer-s36"] = write_lagging(ROOT / "machines" / "studer-s36", folder / "studer-s36")
     return result | {
         name: write_mill(folder / name, two_way) for name, two_way in (("one-way", False), ("two-way", True))
     }
@@ -43,7 +48,10 @@ def corrected(folder: Path, dialect: str, text: str, offsets=None, **options) ->
     filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=offsets), Options(**options))
     out = filter_.feed(text.encode()) + filter_.finish()
     unit = "inch" if re.search(r"G20(?!\d)", re.sub(r"\([^)]*\)|\s", "", text.upper())) else "mm"
-    return out.decode(), filter_.compensator.tolerance + HALF_INCREMENT[unit] + REFERENCE
+    limit = filter_.compensator.tolerance + HALF_INCREMENT[unit] + REFERENCE
+    if filter_.compensator.mode == "step":
+        limit += 1.5 * UM * np.sqrt(machine.two_way.sum()) + machine.lateral
+    return out.decode(), limit
 
 
 def left(folder: Path, dialect: str, text: str, density: float = 2.0, offsets=None):
@@ -86,7 +94,7 @@ FANUC = {
 def test_stays_within_the_tolerance_everywhere(folders, name):
     report, limit = left(folders["studer-s36"], "fanuc-lathe", FANUC[name])
     assert report.largest_mm <= limit, report.where
-    assert 5 * UM < report.uncompensated_mm < 90 * UM
+    assert 3.5 * UM < report.uncompensated_mm < 90 * UM
     assert not report.feed_changes
 
 

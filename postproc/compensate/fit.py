@@ -221,6 +221,7 @@ class Fitter:
         if self.inside[rows.arc].any():
             tolerance = np.where(self._kept(rows, s), np.inf, self.tolerance)
             yield self._as_wide(rows, s, exact), none, tolerance
+            yield self._rounded(rows, s, exact), none, tolerance
         radius = self.arcs.radius[rows.arc] * np.where(np.abs(s.sweep) > np.pi, -1, 1)
         same = centre_by_radius(s.begin, s.end, radius, s.sweep > 0)
         yield self._rounded(rows, s, same), none, self.tolerance
@@ -352,7 +353,8 @@ class Fitter:
         good &= closed | ~full
         good &= (turns(s.sweep) == 0) | (self.single[rows.arc] & (rows.t0 == 0) & (rows.t1 == 1))
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
-        good &= np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least(rows)
+        wide = np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least(rows)
+        good &= wide | np.isinf(tolerance)
         good &= ~(self.inside[rows.arc] & (np.abs(s.sweep) > LARGEST_SWEEP))
         was = np.abs(arcs.radius_end - arcs.radius)[rows.arc] * (rows.t1 - rows.t0)
         # Together they must stay below the control's limit, twice the mismatch; what misses by more already, by no more.
