@@ -49,8 +49,7 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _complain("interrupted: nothing was overwritten, and what was not yet written is dropped", INTERRUPTED)
     except BrokenPipeError:
-        with contextlib.suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_output()
         return CLOSED_PIPE
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
@@ -59,9 +58,16 @@ def main(argv: list[str] | None = None) -> int:
             if error.errno in (errno.ENOSPC, errno.EDQUOT)
             else ""
         )
+        _forget_output()
         return _complain(f"{what}{error.strerror or error}{full}", FAILED)
     except MemoryError:
         return _complain("out of memory", FAILED)
+
+
+def _forget_output() -> None:
+    """Drop what standard output still holds: it would fail once more when the interpreter ends, with a status of its own."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _keep_memory() -> None:

@@ -9,6 +9,7 @@ from pytest import approx
 
 from postproc.compensate.compensator import Compensator, Options
 from postproc.machine.file import read_machine
+from postproc.units import TICKS_PER_MM
 
 ROOT = Path(__file__).parent.parent
 WINDUP = '[[effect]]\nname = "windup"\naxis = "X"\nsize_um = {}\nlength_mm = 0.2\n'
@@ -22,13 +23,27 @@ def machine(tmp_path, size_um: float, stated: str = ""):
     return read_machine(folder)
 
 
-def test_the_largest_reversal_says_how_all_are_taken_up(tmp_path):
-    """The S-36's tables differ by up to 9.8 um: a windup of 30 um is larger, one of 2 um is not."""
+def test_the_largest_reversal_of_an_axis_says_how_it_is_taken_up(tmp_path):
+    """The S-36's tables of X differ by up to 9.8 um: a windup of 30 um is larger, one of 2 um is not."""
     large, small = machine(tmp_path, 30.0), machine(tmp_path, 2.0)
-    assert (large.reversal, small.reversal) == ("ramp", "step")
-    assert large.ramp == approx(0.6) and small.ramp == 0.0
-    assert Compensator(large).mode == "ramp" and Compensator(large, Options(reversal="step")).mode == "step"
+    assert large.pretravel == {"X": approx(0.6)} and small.pretravel == {}
+    x, z = Compensator(large).reach / TICKS_PER_MM
+    assert x == approx(0.3) and z == 0.0, "half of it to either side; Z is taken up at the turn"
+    assert not Compensator(small).reach.any()
 
 
-def test_what_the_file_states_holds(tmp_path):
-    assert machine(tmp_path, 30.0, 'reversal = "step"\n').reversal == "step"
+def test_a_ramp_that_is_asked_for_is_for_every_axis(tmp_path):
+    wound = machine(tmp_path, 30.0)
+    both = Compensator(wound, Options(reversal="ramp", ramp=2.0)).reach
+    assert (both / TICKS_PER_MM == 1.0).all()
+    own = Compensator(wound, Options(reversal="ramp")).reach
+    assert own[0] / TICKS_PER_MM == approx(0.3) and own[1] / TICKS_PER_MM == approx(0.25)
+
+
+def test_lost_motion_that_builds_up_over_a_few_micrometres_is_taken_up_over_them(tmp_path):
+    """9 um that a nut takes up over 16 um of command: its slide goes 7 um meanwhile."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    with open(folder / "machine.toml", "a") as file:
+        file.write('\n[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = 9.0\nplay_mm = 0.016\n')
+    assert read_machine(folder).pretravel == {"X": approx(0.007)}

@@ -76,6 +76,7 @@ def started(place: Path, *arguments: str):
     process = subprocess.Popen(
         [*COMMAND, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0,
         cwd=place, env=surroundings(place),
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored in jobs of a background shell
     )  # fmt: skip
     try:
         yield process

@@ -43,6 +43,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="how far the axis of a hole or tap may bend while its cycle stays (default: 5um; --tolerance at least)",
     )
     how.add_argument(
+        "--hysteresis",
+        metavar="LENGTH",
+        type=values.tolerance,
+        help="how far a slide's wanted place may turn back before its lost motion is taken up "
+        "(default: the machine's, or 1um)",
+    )
+    how.add_argument(
         "--reversal",
         choices=("mean", "step", "ramp", "off"),
         help="what to do where an axis turns back (default: the machine's, or step)",
@@ -198,7 +205,7 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
     )  # fmt: skip
     how = Options(
         options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
-        hole_tolerance=options.hole_tolerance,
+        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis,
     )  # fmt: skip
     filter_ = Filter(machine, dialect, setup, how)
     filter_.notices += notices

@@ -66,16 +66,17 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
     slow = (way[rows] < most).any(axis=0)
     slow[m.arcs.motion] = True
-    chosen = (cutting & slow & (most > b.c.hysteresis)).nonzero()[0]
+    least = max(b.c.hysteresis / 2, b.c.hold)  # what a resting axis is held still by is not seen either
+    chosen = (cutting & slow & (most > 2 * least)).nonzero()[0]
     if not len(chosen):
         return []
-    owner, t, place = _places(b, chosen, most)
+    owner, t, place = _places(b, chosen, most, least)
     deviation = b.machine.deviation(place, np.sign(m.target - m.start)[:, owner])
     plane = np.zeros(m.start.shape, bool)  # those turn back at quadrants
     for axes in (m.arcs.first, m.arcs.second):
         plane[axes, m.arcs.motion] = True
     course = np.where(plane[:, owner], 0.0, place - deviation)
-    return [_on_increments(b, *_turns(owner, t, course[row], b.c.hysteresis / 2)) for row in rows]
+    return [_on_increments(b, *_turns(owner, t, course[row], least)) for row in rows]
 
 
 def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -92,14 +93,14 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
     return motion[inside], t[inside]
 
 
-def _places(b: Batch, chosen: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _places(b: Batch, chosen: np.ndarray, most: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no deviation turns unseen."""
     m = b.m
     straight = chosen[m.code[chosen] == FEED]
     start, target = m.start[:, straight] / TICKS_PER_MM, m.target[:, straight] / TICKS_PER_MM
     of, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
     arcs = chosen[m.code[chosen] != FEED]
-    count = np.clip(np.ceil(4 * most[arcs] / b.c.hysteresis), *SAMPLES).astype(np.int64)
+    count = np.clip(np.ceil(2 * most[arcs] / least), *SAMPLES).astype(np.int64)
     on, index = nodes.spread(count - 1)
     owner = np.concatenate([straight[of], arcs[on], chosen, chosen])
     zero = np.zeros(len(chosen))

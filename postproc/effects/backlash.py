@@ -41,6 +41,11 @@ def coefficients(size_um: float, play_mm: float = 0.0) -> tuple[np.ndarray, dict
     return np.array([size_um]), {"play_mm": play_mm}
 
 
+def ramp_mm(size_um: float, play_mm: float = 0.0) -> float:
+    """mm that the slide itself goes while the lost motion builds up over play_mm of its command."""
+    return max(play_mm - abs(size_um) * UM, 0.0)
+
+
 def tables(axis: str, travel: tuple[float, float], size_um: float, play_mm: float = 0.0):
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -52,6 +52,11 @@ def coefficients(
     return np.array(shares[: int(degree) + 1]), {"play_mm": play_mm, "degree": degree}
 
 
+def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
+    """mm that the slide itself goes while the lost motion builds up over play_mm of its command."""
+    return max(play_mm - abs(b0_um) * UM, 0.0)
+
+
 def tables(axis: str, travel: tuple[float, float], **named: float):
     nodes = np.linspace(*travel, 121)
     shares, _ = coefficients(**named)

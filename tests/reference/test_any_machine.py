@@ -21,6 +21,7 @@ from tests.reference.machine import Machine as ReferenceMachine
 
 ROOT = Path(__file__).resolve().parents[2]
 UM, URAD = 1e-3, 1e-6
+HELD_BACK = 1.5 * UM * 3**0.5  # three slides, each by the hysteresis and half of it inside a block
 
 MILL = """G21 G90 G54 G17
 G0 X0 Y0 Z40
@@ -68,7 +69,7 @@ def test_a_mill_with_all_21_components_cuts_within_tolerance(text):
     )
     second_order = places.load(str(ROOT / "machines" / "example-mill")).bounds.second_order
     assert report.uncompensated_mm > 0.02
-    assert report.largest_mm < 0.001 + 0.0005 + second_order
+    assert report.largest_mm < 0.001 + 0.0005 + second_order + HELD_BACK
     assert second_order < 0.0003
 
 

@@ -1,0 +1,180 @@
+"""Which side of its play a slide bears on, and what is commanded for it: laws of the scan, and programs worked out by hand."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from postproc.compensate import Options
+from postproc.compensate.approach import FAR, Sides, bear, initial, scan
+from postproc.compensate.turning import _pivots
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from postproc.units import TICKS_PER_MM, UM
+from postproc.verify import Verifier
+
+ROOT = Path(__file__).resolve().parents[1]
+TICKS_PER_UM = round(TICKS_PER_MM * UM)
+
+
+def machine(folder: Path, more: str, **tables: str):
+    """`perfect` with what is written behind its machine.toml, and with other tables."""
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    with open(folder / "machine.toml", "a") as file:
+        file.write("\n" + more)
+    for letter, text in tables.items():
+        (folder / f"{letter}.csv").write_text(text)
+    return read_machine(folder)
+
+
+def backlash(axis: str, size_um: float) -> str:
+    return f'[[effect]]\nname = "backlash"\naxis = "{axis}"\nsize_um = {size_um}\n'
+
+
+def corrected(m, text: str, pieces: int = 1, **options) -> tuple[list[dict[str, float]], Verifier]:
+    """The axis words of every block that comes out, and the verifier."""
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m), Options(**options))
+    verifier = Verifier(filter_)
+    cuts = [len(text) * k // pieces for k in range(pieces + 1)]
+    out = b"".join(filter_.feed(text[a:b].encode()) for a, b in zip(cuts, cuts[1:], strict=False))
+    out += filter_.finish()
+    blocks = [dict(re.findall(r"([XYZ])(-?[\d.]+)", re.sub(r"\(.*\)", "", line))) for line in out.decode().split("\n")]
+    return [{x: float(v) for x, v in b.items()} for b in blocks if b], verifier
+
+
+# -- the play operator ---------------------------------------------------------------------------------------------------
+
+
+def one_by_one(place, half, begin):
+    """The operator as the textbook has it, a place at a time."""
+    r, side, found = begin, 0, []
+    for w in place:
+        now = min(max(r, w - half), w + half)
+        side = (now > r) - (now < r) or side
+        r = now
+        found.append((side, r))
+    return found
+
+
+places = st.lists(st.integers(-(10**12), 10**12), min_size=1, max_size=60)
+
+
+@given(place=places, half=st.integers(0, 10**11), cut=st.integers(0, 60))
+@settings(deadline=None, max_examples=200)
+def test_the_scan_is_the_operator_and_may_be_cut_anywhere(place, half, cut):
+    def run(part, carry):
+        w = np.array([part], np.int64)
+        no = np.zeros(w.shape, bool)
+        return bear(w, np.array([2 * half]), np.zeros_like(w), no, no, carry)
+
+    first = initial(1)
+    side, middle = run(place, first)
+    assert list(zip(side[0].tolist(), middle[0].tolist(), strict=True)) == one_by_one(place, half, 0)
+    cut = min(cut, len(place) - 1)
+    if cut:
+        one = run(place[:cut], first)
+        carry = Sides(one[0][:, -1], one[1][:, -1], first.taken, np.array([True]))
+        two = run(place[cut:], carry)
+        assert np.array_equal(np.concatenate([one[0], two[0]], axis=1), side)
+        assert np.array_equal(np.concatenate([one[1], two[1]], axis=1), middle)
+
+
+@given(st.lists(st.tuples(st.integers(-100, 100), st.integers(0, 50)), min_size=1, max_size=40), st.integers(-200, 200))
+def test_clamps_compose_into_clamps(clamps, carry):
+    low = np.array([[a for a, _ in clamps]], np.int64)
+    high = low + np.array([[b for _, b in clamps]], np.int64)
+    state, found = carry, []
+    for a, b in zip(low[0].tolist(), high[0].tolist(), strict=True):
+        state = min(max(state, a), b)
+        found.append(state)
+    assert scan(low, high, np.array([carry]))[0].tolist() == found
+
+
+def test_a_slide_that_is_not_moved_keeps_its_side():
+    w = np.array([[10, -500, 20]], np.int64)
+    stays = np.array([[False, True, False]])
+    side, middle = bear(w, np.array([4]), 0 * w, np.zeros(w.shape, bool), stays, initial(1))
+    assert side.tolist() == [[1, 1, 1]] and middle.tolist() == [[8, 8, 18]]
+    assert FAR > 10**18
+
+
+def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
+    """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at the bottom."""
+    course = np.array([0, 5, 2, 3, -1, 5])
+    assert _pivots(course, 0, len(course), 2.0) == [1, 4]
+    assert _pivots(np.array([0, 1, -4]), 0, 3, 3.0) == [], "it has not gone up before by half as much"
+
+
+# -- by hand -------------------------------------------------------------------------------------------------------------
+
+LEANING = "G21 G90\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG1 X100 F800\nG1 X20\nG1 Y100\nM2\n"
+
+
+def test_a_slide_that_corrections_alone_turn_is_taken_over_its_play(tmp_path):
+    """Y leans by 400 urad: X must go 40 um in + while Y goes 100 mm, with 40 um of play, and has come in -."""
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0))
+    blocks, verifier = corrected(m, LEANING)
+    assert [b.get("X") for b in blocks[2:]] == [0.02, 100.02, 99.98, 19.98, 20.02, 20.06]
+    assert blocks[-2:] == [{"X": 20.02, "Y": 0.0}, {"X": 20.06, "Y": 100.0}]
+    assert verifier.corrected.slide < 0.01 * UM
+
+
+def test_what_turns_back_within_the_hysteresis_is_held(tmp_path):
+    """The straightness of X takes Y 0.8 um up and down again: it is taken up at first (nobody knows the side before), and
+    then held at the top. With a hysteresis of 0.4 um its 12 um of play are taken up where it turns."""
+    table = "X_mm,EYX_um\n-400,0\n0,0\n50,-0.8\n100,0\n400,0\n"
+    text = "G0 X0 Y0 Z0\nG1 Y1 F500\nX100\nX120\nM2\n"
+    m = machine(tmp_path / "m", backlash("Y", 12.0), X=table)
+    calm, verifier = corrected(m, text)
+    assert [b["Y"] for b in calm if "Y" in b] == [0.0, 0.006, 1.006, 1.0068]
+    assert verifier.corrected.slide == pytest.approx(0.8 * UM, abs=0.06 * UM)
+    keen, verifier = corrected(m, text, hysteresis=0.4 * UM)
+    assert [b["Y"] for b in keen if "Y" in b] == [0.0, 0.006, 1.006, 1.0068, 0.9948, 0.994]
+    assert verifier.corrected.slide < 0.2 * UM
+
+
+def test_a_small_take_up_is_left_out_where_the_tolerance_allows(tmp_path):
+    m = machine(tmp_path / "m", backlash("X", 1.0))
+    text = "G0 X0 Y0\nG1 X10 F500\nX0\nX10\n"
+    fine, coarse = (corrected(m, text, tolerance=t)[0] for t in (0.5 * UM, 5 * UM))
+    assert len(fine) == 7 and len(coarse) == 4
+
+
+def test_the_side_before_an_axis_has_moved_is_nobodys(tmp_path):
+    m = machine(tmp_path / "m", backlash("X", 10.0))
+    blocks, _ = corrected(m, "G0 X0 Y0\nG1 Y10 F500\nX5\n")
+    assert blocks[:2] == [{"X": 0.0, "Y": 0.0}, {"Y": 10.0}], "the mean of both directions"
+    assert blocks[2:] == [{"X": 0.005}, {"X": 5.005}]
+
+
+def test_a_block_that_goes_nowhere_turns_nothing(tmp_path):
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0) + backlash("Y", 40.0))
+    once, twice = (corrected(m, f"G0 X0 Y0\nG1 X50 F500\nX20\nY30\n{'X20 Y30' + chr(10)}" * n)[0] for n in (1, 1))
+    assert once == twice
+    text = "G0 X0 Y0\nG1 X50 F500\nX20\nY30\n"
+    assert len(corrected(m, text + "X20 Y30\n" * 3)[0]) == len(corrected(m, text)[0]) + 3
+
+
+@pytest.mark.parametrize("mode", ["step", "ramp", "off", "mean"])
+def test_any_cut_gives_the_same(tmp_path, mode):
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 12.0) + backlash("Y", 40.0))
+    text = LEANING.replace("M2", "G2 X40 Y100 I10 J5\nG1 X39.999\nX40\nY3\nX38 Y3.001\nG0 X0 Y0\nG1 Y-40\nM2")
+    whole = corrected(m, text, reversal=mode)[0]
+    assert all(corrected(m, text, pieces, reversal=mode)[0] == whole for pieces in (2, 3, 7, 29, len(text)))
+
+
+def test_a_map_turned_round_is_led_beyond_and_back(tmp_path):
+    """Forward beyond reverse by 8 um (a control that takes up too much): where X rests, its side is the direction of the
+    last command, so that it is led past its place and comes back in the direction that is wanted."""
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = -400\n" + backlash("X", -8.0))
+    blocks, verifier = corrected(m, LEANING.replace("G1 X20\n", ""))
+    last = [b["X"] for b in blocks if "X" in b][-4:]
+    assert last == [99.996, 100.0061, 100.004, 99.964], "beyond by twice the hysteresis and an increment, back, and on"
+    assert verifier.corrected.deviation < 0.1 * UM
