@@ -70,8 +70,8 @@ def table(axis: str, two_way: bool) -> str:
             values = smooth(rng, share, rng.uniform(10.0, 30.0))
             if two_way and direction == axis:
                 half = 2.0 + 0.5 * np.sin(3.0 * share)
-                columns[f"{name}_{unit}_fwd"] = values + half
-                columns[f"{name}_{unit}_rev"] = values - half
+                columns[f"{name}_{unit}_fwd"] = values - half
+                columns[f"{name}_{unit}_rev"] = values + half
             else:
                 columns[f"{name}_{unit}"] = values
     rows = zip(*columns.values(), strict=True)

@@ -232,7 +232,9 @@ class Batch:
             self.begin = self.before
             return
         code = self.m.code[self.motion]
-        self.hold = np.where(code == RAPID, self.c.hold_rapid, self.c.hold) * TICKS_PER_MM
+        # In a rapid the axes that rest may be left beside their places by all of the tolerance together.
+        resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
+        self.hold = np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))

@@ -85,8 +85,7 @@ class Compensator:
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
-        # An axis that rests in a rapid may be left beside its place by what chords of the others leave of the tolerance.
-        self.hold, self.hold_rapid = self.chord / 2, float(np.sqrt(inner**2 - (n - 1) * self.chord**2))
+        self.hold, self.inner = self.chord / 2, inner
         self.by_tool: dict[tuple[float, ...], Compensator] = {}
         self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
         self._directions()
