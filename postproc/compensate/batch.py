@@ -97,7 +97,6 @@ class Batch:
     def approach(self) -> None:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
         stroke's end, as if nothing were held still. `sides`: what the next batch must know."""
-        self.drive = np.zeros(self.travel.shape)  # of a ramp that the whole stroke travels
         self.twice = np.zeros(self.travel.shape, bool)
         if self.c.mode in ("step", "ramp"):
             self.weight_begin, self.weight_end, self.exact, self.sides = sides.follow(self)
@@ -123,8 +122,8 @@ class Batch:
             result[:, on_arc] = points(m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc])
         return result
 
-    def weight(self, stroke: np.ndarray, nominal: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """(A, K) side of approach at places along strokes, t of the motion."""
+    def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+        """(A, K) side of approach at places along strokes."""
         begin = self.weight_begin[:, stroke]
         ramped = self.c.reach > 0
         if not ramped.any():
@@ -132,10 +131,6 @@ class Batch:
         reach = np.where(ramped, self.c.reach, 1)[:, None]
         way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / reach)
         moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
-        share = (t - self.t0[stroke]) / (self.t1 - self.t0)[stroke]
-        # An axis that rests is taken over by the way of the path, evenly along the stroke.
-        rests = np.minimum(np.maximum(begin + self.drive[:, stroke] * share, -1.0), 1.0)
-        moved = np.where(self.travel[:, stroke] != 0, moved, rests)
         return np.where(ramped[:, None], moved, begin)
 
     def needed(self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray) -> np.ndarray:

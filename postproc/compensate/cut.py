@@ -197,14 +197,14 @@ def _along(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np
     start = b.begin_nominal[:, stroke]
     nominal = start + (b.end_nominal[:, stroke] - start) * t
     t = _of_motion(b, stroke, t)
-    return b.needed(stroke, nominal, b.weight(stroke, nominal, t), t)
+    return b.needed(stroke, nominal, b.weight(stroke, nominal), t)
 
 
 def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Where a ramp ends inside a stroke: there the correction bends."""
     result = []
     for row in np.flatnonzero(b.c.reach):
-        way = b.drive[row, chosen]
+        way = b.travel[row, chosen] / b.c.reach[row]
         with np.errstate(divide="ignore", invalid="ignore"):
             t = (np.sign(way) - b.weight_begin[row, chosen]) / way
         inside = ((t > 0) & (t < 1)).nonzero()[0]
@@ -238,7 +238,7 @@ def arc_pieces(b: Batch):
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
         tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
         single=single,
-        needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p, t), t),
+        needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
         **cutter.arcs_inside(b),
     )  # fmt: skip

@@ -206,20 +206,16 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
 
 
 def _ramps(b: Batch, course: Course, side: np.ndarray):
-    """Shares of the axes that take lost motion up over some travel: their own, or, where they rest and nothing but the
-    option asks for a ramp, that of the path."""
+    """Shares of the axes that take lost motion up over some travel of their own. Where the option alone asks for a ramp, an
+    axis that rests is taken up at once: there its motor moves alone, and nothing is cut."""
     rows, reach = course.rows, b.c.reach[course.rows]
-    travel = course.travel
-    if b.c.mode == "ramp":
-        way = np.sqrt(((b.end_nominal - b.begin_nominal)[b.rows] ** 2).sum(axis=0))
-        path = np.rint(way * TICKS_PER_MM).astype(np.int64)
-        travel = np.where((travel == 0) & ~course.stays, course.side * path, travel)
-    taken = ramp(travel, course.given, course.sense * reach[:, None], reach, course.carry.taken)
-    before = course.before(taken, course.carry.taken)
+    rests = (course.travel == 0) & ~course.stays & (b.c.mode == "ramp")
+    value = np.where(rests, course.side, course.sense) * reach[:, None]
+    taken = ramp(course.travel, course.given | rests, value, reach, course.carry.taken)
+    before = np.where(rests, taken, course.before(taken, course.carry.taken))
     unit = 1.0 / np.maximum(reach, 1)[:, None]
     begin, end = side.copy(), side.copy()
     ramped = reach > 0
-    b.drive[rows[ramped]] = (travel * unit)[ramped]
     begin[rows[ramped]] = (before * unit)[ramped]
     end[rows[ramped]] = (taken * unit)[ramped]
     return begin, end, taken

@@ -60,5 +60,5 @@ def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
     order = nodes.tidy(owner, t)
     owner, t = owner[order], t[order]
     place = start[:, owner] + (target - start)[:, owner] * t
-    exact = command(b.machine, place, b.weight(stroke[owner], place, t), b.motion[stroke[owner]])
+    exact = command(b.machine, place, b.weight(stroke[owner], place), b.motion[stroke[owner]])
     return owner, t, (exact - place)[b.rows]
