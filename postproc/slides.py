@@ -137,27 +137,26 @@ def _legs(m: Motions) -> Legs:
     """Motions; arcs cut where an axis of their plane turns back; holes down and up."""
     start = np.where(m.start_known & ~m.sent, m.start / TICKS_PER_MM, np.nan)
     target = np.where(m.target_known, m.target / TICKS_PER_MM, np.nan)
-    n = np.arange(len(m))
-    motion, until, end = [n], [np.ones(len(m))], [target]
+    motions, untils, stops = [np.arange(len(m))], [np.ones(len(m))], [target]
     arcs = m.arcs
     if len(arcs):
         of = arcs.motion
         begins, ends = m.start[:, of] / TICKS_PER_MM, m.target[:, of] / TICKS_PER_MM
         arc, t = turning_points(arcs, begins, ends)
-        motion.append(of[arc])
-        until.append(t)
-        end.append(points(arcs, begins, ends, arc, t))
+        motions.append(of[arc])
+        untils.append(t)
+        stops.append(points(arcs, begins, ends, arc, t))
     holes = m.holes
     if len(holes):
         for share, place in ((1 / 3, holes.level), (2 / 3, holes.bottom)):
-            motion.append(holes.motion)
-            until.append(np.full(len(holes), share))
+            motions.append(holes.motion)
+            untils.append(np.full(len(holes), share))
             there = target[:, holes.motion].copy()
             there[holes.axis, np.arange(len(holes))] = place / TICKS_PER_MM
-            end.append(there)
-    motion, until = np.concatenate(motion), np.concatenate(until)
+            stops.append(there)
+    motion, until = np.concatenate(motions), np.concatenate(untils)
     order = np.lexsort((until, motion))
-    motion, until, ends = motion[order], until[order], np.concatenate(end, axis=1)[:, order]
+    motion, until, ends = motion[order], until[order], np.concatenate(stops, axis=1)[:, order]
     begin = np.concatenate([np.full((len(ends), 1), np.nan), ends[:, :-1]], axis=1)
     first = np.concatenate([[True], motion[1:] != motion[:-1]])
     begin[:, first] = start[:, motion[first]]

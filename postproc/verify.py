@@ -108,9 +108,7 @@ class Verifier:
             line = first_line + words.line[motions.block] + 1
             every, one = np.arange(len(motions)), np.ones(len(motions))
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
-            self._measure(
-                motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH
-            )
+            self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH)
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
@@ -146,7 +144,9 @@ class Verifier:
             for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
                 weight[row] = np.sign(bottom - top)
                 if ends is self.corrected and not slides:
-                    self.map.see(command, weight * self.follows, run.length[:, of] / TICKS_PER_MM, line[0 * of + motion])
+                    self.map.see(
+                        command, weight * self.follows, run.length[:, of] / TICKS_PER_MM, line[0 * of + motion]
+                    )
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
                 deep = float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM)
@@ -156,7 +156,9 @@ class Verifier:
                     ends.take(abs(deep), int(line[motion]), bool(slides))
                 (taps if holes.tap[k] else axes).take(aside, int(line[motion]), bool(slides))
 
-    def _measure(self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts) -> None:
+    def _measure(
+        self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts
+    ) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led: the slides of the nominal
         program and of this one. counts: PATH; END of a take-up, which counts for the slides alone; or NOTHING."""
         known = self._all(run.target_known)

@@ -220,7 +220,9 @@ def test_any_machine_keeps_the_tolerance(tmp_path, seed):
     filter_.feed(text)
     filter_.finish()
     slides = m.two_way[list(m.corrected)].sum()
-    limit = 0.001 + 0.00005 * np.sqrt(3) + 1.5 * 0.001 * np.sqrt(slides)  # each held back by the hysteresis and half of it
+    limit = (
+        0.001 + 0.00005 * np.sqrt(3) + 1.5 * 0.001 * np.sqrt(slides)
+    )  # each held back by the hysteresis and half of it
     assert max(verifier.corrected.deviation, verifier.corrected.slide) <= limit
     assert verifier.uncorrected.deviation > 0.005
     cut = rng.randrange(len(text))

@@ -80,9 +80,7 @@ def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.nda
     return np.where(last >= 0, np.take_along_axis(value, np.maximum(last, 0), axis=1), carry[:, None])
 
 
-def ramp(
-    travel: np.ndarray, given: np.ndarray, value: np.ndarray, reach: np.ndarray, carry: np.ndarray
-) -> np.ndarray:
+def ramp(travel: np.ndarray, given: np.ndarray, value: np.ndarray, reach: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) ticks of a ramp travelled behind each stroke, held within +-reach (A,).
 
     travel (A, S): ticks, signed, that count; given (A, S): where it is `value` (A, S) whatever was before; carry (A,).

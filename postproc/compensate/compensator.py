@@ -105,7 +105,7 @@ class Compensator:
         self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
         self.reach[~slides] = 0
         self.overshoots = slides & (m.least_play < -self.chord)
-        self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else ()
+        self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else np.zeros(0, np.int64)
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""

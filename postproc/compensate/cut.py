@@ -59,9 +59,7 @@ def straight_pieces(b: Batch):
         chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
-        return pack(
-            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0, b.nominal_end
-        )
+        return pack(b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0, b.nominal_end)
     if not len(owner):
         return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
                          (b.t1 - b.t0)[straight], b.nominal_end[:, straight])  # fmt: skip

@@ -128,16 +128,16 @@ class Course:
             led, r = np.where((way != 0) & ~self.stays, way, led), now
         return np.where(self.given, self.sense, led)
 
-    def bear(self, place: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def bear(self, places: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
-        begin, end = place
+        begin, end = places
         if not self.couples:
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
         pairs = ((begin, end), (self.sense, self.sense), (none, self.given), (begin == NOWHERE, none))
-        both = [np.stack(pair, axis=2).reshape(len(self.rows), -1) for pair in pairs]
-        both[3] |= np.repeat(self.stays, 2, axis=1)
-        side, middle = bear(both[0], self.band, *both[1:], self.carry)
+        place, sense, given, stays = (np.stack(p, axis=2).reshape(len(self.rows), -1) for p in pairs)
+        stays |= np.repeat(self.stays, 2, axis=1)
+        side, middle = bear(place, self.band, sense, given, stays, self.carry)
         self.twice = (side[:, ::2] != side[:, 1::2]) & (begin != NOWHERE) & ~self.given
         return side[:, 1::2], middle[:, 1::2]
 
@@ -181,7 +181,7 @@ def carried(b: Batch, course: Course, side: np.ndarray, middle: np.ndarray, take
     for whole, part in zip(after, (side, middle, taken), strict=True):
         if part is not None:
             whole[course.rows] = part[:, -1]
-    return Sides(*after, s.begun | b.m.target_known.any(axis=1))
+    return Sides(after[0], after[1], after[2], s.begun | b.m.target_known.any(axis=1))
 
 
 def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:

@@ -11,6 +11,7 @@ from .lost_motion_trial import EXAMPLE, TOLERANCE, Outcome, example, figures, ou
 from .machine import UM, Machine
 from .random_machines import CHAINS, PLAYS_UM, draw_machine, draw_program
 
+
 @pytest.fixture(scope="module")
 def outcomes():
     return trials(1, "step")
