@@ -151,7 +151,9 @@ def uncertain_machine(rng, chain_text: str):
         axes[x] = Axis(x, (-400.0, 400.0), 1e-4, measured, None, "", centre, uncertainty=uncertainty)
         sizes[x] = (u, lean)
         q = float(rng.uniform(-300, 300) if linear else rng.uniform(-60, 60))
-        links.append(Link(x, chain.side(x), q, measured=measured, centre=centre))
+        carried = chain.axes[chain.axes.index(x) + 1 :]  # where any other stood is no arm
+        counts = np.where([y in carried for y in XYZ], measured, 0.0)
+        links.append(Link(x, chain.side(x), q, measured=counts, centre=centre))
     links.sort(key=lambda link: chain.axes.index(link.letter))
     tool = rng.uniform(-150, 150, 3)
     return Machine("m", "", "linuxcnc", chain, axes, tool=tool, square_u=square_u), links, sizes
