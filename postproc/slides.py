@@ -94,6 +94,14 @@ class Slides:
         play = np.maximum(self.machine.lost_motion(np.nan_to_num(position), self.rows), 0.0)
         return (play + np.array(self.more)[:, None]) / 2
 
+    def has_play(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(P,) bool: pieces, from begin to end (A, P) ticks, that move no two-way axis without play of its own: where forward
+        lies beyond reverse nothing says on which side a take-up leaves it before the motion goes on."""
+        moved = (begin != end)[self.rows]
+        tells = 2 * self.half(end / TICKS_PER_MM) > self.hysteresis
+        result: np.ndarray = (~moved | tells).all(axis=0)
+        return result
+
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""
         legs = _legs(motions)

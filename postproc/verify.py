@@ -113,7 +113,8 @@ class Verifier:
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
             begin -= begin[first][np.cumsum(first) - 1]
-            counts = np.where(pieces.corrected, np.where(pieces.take_up, END, PATH), NOTHING)
+            ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
+            counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
             end, sense = begin + pieces.share, own.way(own.leg(every, one))
             ends = own.at(every, one, motions.target / TICKS_PER_MM, sense, motions.code == RAPID)[0]
             followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
