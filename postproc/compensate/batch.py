@@ -77,6 +77,10 @@ class Batch:
         self.turns = cutter.last_way(self, travel) if self.inside else travel
         self.known_before = self.start_known[motion] | (t0 > 0)
         self.hole = np.searchsorted(motion, m.holes.motion)
+        self.reached = self.end_nominal
+        if len(m.holes):  # a hole asks for its place at the middle of its depth
+            self.reached = self.end_nominal.copy()
+            self.reached[m.holes.axis, self.hole] = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.

@@ -94,7 +94,7 @@ class Course:
         at = which.nonzero()[0]
         if len(at):
             weight = self.spread(side)[:, at]
-            found = b.command(at, b.t1[at], b.end_nominal[:, at], weight)
+            found = b.command(at, b.t1[at], b.reached[:, at], weight)
             result[:, at] = np.where(b.told[:, at], found, b.end_nominal[:, at])
         return result
 

@@ -238,7 +238,7 @@ def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False)
             name = f"E{direction}{axis}_{unit}"
             if two_way and direction == axis:
                 gap = GAP_UM * (0.8 + 0.2 * np.sin(nodes / 500.0))
-                columns |= {name + "_fwd": values + gap / 2, name + "_rev": values - gap / 2}
+                columns |= {name + "_fwd": values - gap / 2, name + "_rev": values + gap / 2}
             else:
                 columns[name] = values
         rows = [",".join(columns), *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True))]

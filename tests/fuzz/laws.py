@@ -138,7 +138,7 @@ def _write(folder: Path, shape: str, kind: str) -> Path:
                 name, values = f"E{direction}{axis}_{unit}", np.cumsum(rng.normal(0.0, 5.0, len(nodes)))
                 values = values * (kind != "zero")
                 if kind == "two-way" and direction == axis:
-                    columns |= {name + "_fwd": values + 2.0, name + "_rev": values - 2.0 - 0.5 * rng.random(len(nodes))}
+                    columns |= {name + "_rev": values + 2.0, name + "_fwd": values - 2.0 - 0.5 * rng.random(len(nodes))}
                 else:
                     columns[name] = values
         rows = [",".join(columns), *(",".join(f"{v:.3f}" for v in row) for row in zip(*columns.values(), strict=True))]
