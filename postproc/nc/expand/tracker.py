@@ -5,6 +5,8 @@ Plain lines are only collected until somebody asks; then the one interpreter run
 
 from __future__ import annotations
 
+from postproc.errors import BlockFault
+from postproc.motions import Motions
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import ModalState
@@ -36,6 +38,17 @@ class Tracker:
             if words.fault and not self._state.ended:
                 raise words.fault
         return self._state
+
+    def ahead(self, line: bytes) -> tuple[Motions, ModalState] | None:
+        """What one more plain line would be to the filter, and the state behind it; None: it would
+        be refused. The line is not taken."""
+        state = self.state
+        words = lex(line + b"\n", self.dialect.grammar, self.setup.block_delete)
+        try:
+            motions, state, _ = self.interpreter.run(words, state)
+        except BlockFault:
+            return None
+        return None if words.fault else (motions, state)
 
     def code(self, group: str) -> int:
         """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...), -1: none yet."""
