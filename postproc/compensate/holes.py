@@ -26,11 +26,10 @@ if TYPE_CHECKING:
 
 
 class Axis(NamedTuple):
-    """Commands down a hole. exact (A, K): mm; across: rows of the axes that are held; middle
-    (len(across),): mm that corrects them for the middle; bend: mm that the hole's axis stays off
-    that middle; depth: mm that corrects the bottom."""
+    """A hole's axis. across: rows of the axes that are held; middle (len(across),): mm that corrects
+    them for the middle; bend: mm that the axis stays off that middle; depth: mm that corrects the
+    bottom."""
 
-    exact: np.ndarray
     across: list[int]
     middle: np.ndarray
     bend: float
@@ -46,8 +45,9 @@ def settle(b: Batch) -> None:
     for k in map(int, np.flatnonzero(free)):
         i, row = int(b.hole[k]), int(holes.axis[k])
         target = _depth(b.machine, holes, k, b.end_nominal[:, i])
-        weight = _weight(b.c.follows, holes, k, b.weight_end[:, i])
-        exact, across, middle, bend, depth = _axis(b.machine, target, weight, row, int(holes.motion[k]))
+        weight = _weight(b.c.follows, holes, k, b.weight_end[:, i : i + 1], target.shape[1])
+        exact = command(b.machine, target, weight, np.full(target.shape[1], holes.motion[k]))
+        across, middle, bend, depth = _axis(b.machine, exact, target, row)
         stands = (b.end[:, i - 1] if i else b.carry.issued)[across]
         if not holes.place[k]:  # the tap goes straight down from there
             off = exact[across] - stands[:, None] / TICKS_PER_MM
@@ -114,34 +114,33 @@ def straight(c: Compensator, m: Motions, tolerance: float) -> bool:
             return False
         target = _depth(c.machine, holes, k, m.target[:, motion] / TICKS_PER_MM)
         deep = abs(target[row, -1] - target[row, 0])
-        for side in _sides(c, row):
-            weight = _weight(c.follows, holes, k, side)
-            axis = _axis(c.machine, target, weight, row, motion)
+        sides = _sides(c, row)
+        each, count = target.shape[1], target.shape[1] * sides.shape[1]
+        wanted, weight = np.tile(target, sides.shape[1]), _weight(c.follows, holes, k, sides, each)
+        exact = command(c.machine, wanted, weight, np.full(count, motion))
+        for first in range(0, count, each):
+            axis = _axis(c.machine, exact[:, first : first + each], target, row)
             if axis.bend >= tolerance or 2 * abs(axis.depth) >= deep:
                 return False
     return True
 
 
-def _sides(c: Compensator, row: int) -> list[np.ndarray]:
-    """(A,) each: every side from which the axes but that of the hole may have come."""
+def _sides(c: Compensator, row: int) -> np.ndarray:
+    """(A, S): every side from which the axes but that of the hole may have come."""
     rows = [r for r in np.flatnonzero(c.machine.two_way) if r != row] if c.follows else []
-    sides = []
-    for ends in itertools.product((-1.0, 1.0), repeat=len(rows)):
-        side = np.zeros(len(c.machine.letters))
-        side[rows] = ends
-        sides.append(side)
+    sides = np.zeros((len(c.machine.letters), 2 ** len(rows)))
+    if rows:
+        sides[rows] = np.array(list(itertools.product((-1.0, 1.0), repeat=len(rows)))).T
     return sides
 
 
-def _axis(machine: Machine, target: np.ndarray, weight: np.ndarray, row: int, motion: int) -> Axis:
-    """Down the (A, K) mm of a hole along axis `row`. weight (A,): approach. Raises MotionFault."""
-    count = target.shape[1]
-    exact = command(machine, target, np.repeat(weight[:, None], count, 1), np.full(count, motion))
+def _axis(machine: Machine, exact: np.ndarray, target: np.ndarray, row: int) -> Axis:
+    """Of the (A, K) mm commanded and wanted down a hole along axis `row`."""
     across = [r for r in machine.corrected if r != row]
     aside = (exact - target)[across]
     low, high = aside.min(axis=1, initial=np.inf), aside.max(axis=1, initial=-np.inf)
     bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
-    return Axis(exact, across, (low + high) / 2, bend, float(exact[row, -1] - target[row, -1]))
+    return Axis(across, (low + high) / 2, bend, float(exact[row, -1] - target[row, -1]))
 
 
 def _depth(machine: Machine, holes: Holes, k: int, place: np.ndarray) -> np.ndarray:
@@ -156,9 +155,10 @@ def _depth(machine: Machine, holes: Holes, k: int, place: np.ndarray) -> np.ndar
     return target
 
 
-def _weight(follows: bool, holes: Holes, k: int, side: np.ndarray) -> np.ndarray:
-    """(A,) approach in hole k: `side`, but for the axis that drills."""
-    weight = side.copy()
+def _weight(follows: bool, holes: Holes, k: int, sides: np.ndarray, count: int) -> np.ndarray:
+    """(A, S * count) approach at `count` places down hole k: `sides` (A, S), but for the axis that
+    drills."""
+    weight = np.repeat(sides, count, axis=1)
     if follows:
         weight[holes.axis[k]] = np.sign(holes.bottom[k] - holes.level[k])
     return weight

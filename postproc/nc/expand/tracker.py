@@ -12,6 +12,8 @@ from postproc.nc.lexer import lex
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
+NOTHING_AHEAD: tuple[bytes | None, ModalState | None] = (None, None)
+
 
 class Tracker:
     """Follows plain lines. Everything asked for is as it stands behind the last line taken."""
@@ -20,6 +22,7 @@ class Tracker:
         self.interpreter = interpreter
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
+        self._next = NOTHING_AHEAD
         self._waiting: list[bytes] = [b""]  # a first block, so that the zero in force is known from the start
 
     def take(self, line: bytes) -> None:
@@ -30,10 +33,14 @@ class Tracker:
     @property
     def state(self) -> ModalState:
         """The modal state behind the last line taken. Raises BlockFault for one that is no plain block."""
-        if self._waiting:
+        line, behind = self._next  # looked at ahead
+        if behind is not None and self._waiting == [line]:
+            self._state, self._next, self._waiting = behind, NOTHING_AHEAD, []
+        elif self._waiting:
             text = b"\n".join(self._waiting) + b"\n"
             self._waiting = []
             words = lex(text, self.dialect.grammar, self.setup.block_delete)
+            self._next = NOTHING_AHEAD
             self._state = self.interpreter.run(words, self._state)[1]
             if words.fault and not self._state.ended:
                 raise words.fault
@@ -48,7 +55,10 @@ class Tracker:
             motions, state, _ = self.interpreter.run(words, state)
         except BlockFault:
             return None
-        return None if words.fault else (motions, state)
+        if words.fault:
+            return None
+        self._next = line, state
+        return motions, state
 
     def code(self, group: str) -> int:
         """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...), -1: none yet."""
