@@ -36,8 +36,9 @@ ENDINGS = (
 )
 
 
-def written_out(filter_: Filter, source, options: argparse.Namespace) -> Written:
-    """The program of the stream, ready to be written out. Raises UsageError where its control has nothing to write out."""
+def written_out(filter_: Filter, source, options: argparse.Namespace, keeps: bool = True) -> Written:
+    """The program of the stream, ready to be written out. keeps: drilling cycles stay where their holes bend by less than
+    the tolerance of holes. Raises UsageError where its control has nothing to write out."""
     from postproc.nc.expand import Limits, Program
     from postproc.nc.expand.written import Written
     from postproc.nc.interpreter import Interpreter
@@ -51,7 +52,8 @@ def written_out(filter_: Filter, source, options: argparse.Namespace) -> Written
     folders = [here, *map(Path, options.library)]
     program = Program(filter_.name, text, Library(folders, filter_.notices).text)
     # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
-    return Written(program, Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth))
+    tracked, limits = Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth)
+    return Written(program, tracked, limits, filter_.compensator.keeps if keeps else None)
 
 
 def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:

@@ -39,8 +39,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument(
         "--hole-tolerance",
         metavar="LENGTH",
-        type=values.tolerance,
-        help="how far the axis of a hole or tap may bend while its cycle stays (default: 5um; --tolerance at least)",
+        type=values.hole_tolerance,
+        help="how far the axis of a hole or tap may bend while its cycle stays (default: 5um; --tolerance at least; "
+        "with --expand 0 writes every drilling cycle out)",
     )
     how.add_argument(
         "--hysteresis",

@@ -160,7 +160,7 @@ def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str)
     for part in range(1, options.parts + 1):
         portions: Iterable[bytes] = (text,)
         if options.expand:
-            portions = expansion.written_out(make(reader.machine, start), io.BytesIO(text), options)
+            portions = expansion.written_out(make(reader.machine, start), io.BytesIO(text), options, keeps=False)
         start = reader.read(portions, part, start)
     rest = {x: min(max(0.0, a.travel[0]), a.travel[1]) for x, a in machine.axes.items()}
     steps: Steps = reader.steps(rest)

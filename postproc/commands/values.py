@@ -49,6 +49,11 @@ def tolerance(text: str) -> float:
     return value
 
 
+def hole_tolerance(text: str) -> float:
+    """mm, as `tolerance`; 0: no hole is straight enough."""
+    return 0.0 if re.fullmatch(r"[+-]?0+(\.0*)?\s*(um|mm|in|)", text.strip()) else tolerance(text)
+
+
 def place(text: str) -> dict[str, float]:
     """Axis to mm, from "X1,Z-2.5"."""
     return _words(text, text, "XYZABCUVW", PLACE)

@@ -237,6 +237,8 @@ class Batch:
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
+        # Nor is a hole's place that of the rapid before it: its middle is of other depths.
+        self.bound &= code != HOLE
         self.enough = np.where(self.flipped, self.c.chord, self.c.hold) * TICKS_PER_MM
         self.begin = self.before.copy()
         for row in range(len(self.end)):

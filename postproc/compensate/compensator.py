@@ -71,6 +71,7 @@ class Compensator:
         self.tolerance = options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
         asked = options.hole_tolerance if options.hole_tolerance is not None else HOLE_TOLERANCE
         self.hole_tolerance = max(asked, self.tolerance)
+        self.straightness = self.hole_tolerance if options.hole_tolerance is None else asked
         # Where no table and no effect asks for it, there is no direction to follow.
         self.mode = (options.reversal or machine.reversal) if machine.two_way.any() else "mean"
         self.outside = options.outside or machine.limits.outside
@@ -137,15 +138,8 @@ class Compensator:
         parts, notices = [], []
         for first, stop in pairwise(edges):
             one = motions.part(first, stop)
-            x, y, z = (
-                float(one.length[self.machine.letters.index(x), 0]) / TICKS_PER_MM if x in self.machine.letters else 0.0
-                for x in "XYZ"
-            )
-            tool = (x, y, z)
-            if tool not in self.by_tool:
-                self.by_tool[tool] = Compensator(self.machine.with_tool(tool), self.options)
             try:
-                pieces, carry, more = self.by_tool[tool]._run(one, carry)
+                pieces, carry, more = self._of_tool(one.length[:, 0])._run(one, carry)
             except MotionFault as fault:
                 fault.motion += first
                 raise
@@ -155,6 +149,26 @@ class Compensator:
             )
             notices += [replace(n, line=n.line + first) for n in more]
         return joined(parts), carry, notices
+
+    def _of_tool(self, length: np.ndarray) -> Compensator:
+        """The machine with a tool of this `length` (A,), ticks."""
+        letters = self.machine.letters
+        x, y, z = (float(length[letters.index(x)]) / TICKS_PER_MM if x in letters else 0.0 for x in XYZ)
+        if (x, y, z) not in self.by_tool:
+            self.by_tool[x, y, z] = Compensator(self.machine.with_tool((x, y, z)), self.options)
+        return self.by_tool[x, y, z]
+
+    def keeps(self, motions: Motions) -> bool:
+        """Whether the holes among these motions of one tool can stay with their cycles under --expand:
+        each bends by less than the tolerance of holes, as it was asked for, so that 0 keeps none."""
+        if self.machine.is_zero or not len(motions.holes):
+            return self.straightness > 0
+        turned = self.machine.turns and motions.length.any()
+        with_tool = self._of_tool(motions.length[:, 0]) if turned else self
+        try:
+            return holes.straight(with_tool, motions, self.straightness)
+        except MotionFault:  # said where the motions themselves are corrected
+            return False
 
     def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         b = Batch(self, motions, carry)

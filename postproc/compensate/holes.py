@@ -8,12 +8,32 @@ stay as written.
 
 from __future__ import annotations
 
+import itertools
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 
 from postproc.compensate.batch import Batch
 from postproc.compensate.inverse import command
+from postproc.compensate.known import known
 from postproc.errors import MotionFault, Notice
+from postproc.machine.model import Machine
+from postproc.motions import Holes, Motions
 from postproc.units import TICKS_PER_MM, UM
+
+if TYPE_CHECKING:
+    from postproc.compensate.compensator import Compensator
+
+
+class Axis(NamedTuple):
+    """A hole's axis. across: rows of the axes that are held; middle (len(across),): mm that corrects
+    them for the middle; bend: mm that the axis stays off that middle; depth: mm that corrects the
+    bottom."""
+
+    across: list[int]
+    middle: np.ndarray
+    bend: float
+    depth: float
 
 
 def settle(b: Batch) -> None:
@@ -24,12 +44,10 @@ def settle(b: Batch) -> None:
     free = b.free[holes.motion]
     for k in map(int, np.flatnonzero(free)):
         i, row = int(b.hole[k]), int(holes.axis[k])
-        target, weight = _depth(b, k, i, row)
+        target = _depth(b.machine, holes, k, b.end_nominal[:, i])
+        weight = _weight(b.c.follows, holes, k, b.weight_end[:, i : i + 1], target.shape[1])
         exact = command(b.machine, target, weight, np.full(target.shape[1], holes.motion[k]))
-        correction = exact - target
-        across = [r for r in b.rows if r != row]
-        low, high = correction[across].min(axis=1, initial=np.inf), correction[across].max(axis=1, initial=-np.inf)
-        bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
+        across, middle, bend, depth = _axis(b.machine, exact, target, row)
         stands = (b.end[:, i - 1] if i else b.carry.issued)[across]
         if not holes.place[k]:  # the tap goes straight down from there
             off = exact[across] - stands[:, None] / TICKS_PER_MM
@@ -37,14 +55,14 @@ def settle(b: Batch) -> None:
         if bend > b.c.tolerance:
             _bends(b, k, bend, target[row])
         place = b.end_nominal[:, i].copy()
-        place[across] += (low + high) / 2
+        place[across] += middle
         place[row] = exact[row, -1]
         b.exact[:, i] = place
         step = b.m.grid[:, holes.motion[k]]
         whole = np.rint((place - b.end_nominal[:, i]) * TICKS_PER_MM / step).astype(np.int64) * step
         b.end[across, i] = b.nominal_end[across, i] + whole[across] if holes.place[k] else stands
-        depth = np.rint(correction[row, -1] * TICKS_PER_MM / step[row])
-        bottom = holes.bottom[k] + int(depth) * step[row] if row in b.rows else holes.bottom[k]
+        steps = np.rint(depth * TICKS_PER_MM / step[row])
+        bottom = holes.bottom[k] + int(steps) * step[row] if row in b.rows else holes.bottom[k]
         if (bottom > holes.level[k]) != (holes.bottom[k] > holes.level[k]) and bottom != holes.level[k]:
             raise MotionFault(
                 int(holes.motion[k]),
@@ -82,15 +100,65 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
         )
 
 
-def _depth(b: Batch, k: int, stroke: int, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """(A, K) mm places down a hole, from R to the bottom with every node between, and (A, K) their approach."""
-    top, bottom = b.m.holes.level[k] / TICKS_PER_MM, b.m.holes.bottom[k] / TICKS_PER_MM
-    inner = np.unique(np.concatenate([np.zeros(0), *b.machine.knots.get(b.machine.letters[row], [])]))
+def straight(c: Compensator, m: Motions, tolerance: float) -> bool:
+    """Whether every hole of these motions bends by less than `tolerance` mm, from whatever side its
+    place is reached, and keeps a depth: so its cycle can stay.
+
+    Deviations are linear in the side of approach, so that the bend, a norm, is largest where every
+    axis lies at one end or the other of its lost motion.
+    """
+    holes, there = m.holes, known(c.machine, m).end
+    for k, motion in enumerate(map(int, holes.motion)):
+        row = int(holes.axis[k])
+        if not there[motion] or m.alone[motion]:
+            return False
+        target = _depth(c.machine, holes, k, m.target[:, motion] / TICKS_PER_MM)
+        deep = abs(target[row, -1] - target[row, 0])
+        sides = _sides(c, row)
+        each, count = target.shape[1], target.shape[1] * sides.shape[1]
+        wanted, weight = np.tile(target, sides.shape[1]), _weight(c.follows, holes, k, sides, each)
+        exact = command(c.machine, wanted, weight, np.full(count, motion))
+        for first in range(0, count, each):
+            axis = _axis(c.machine, exact[:, first : first + each], target, row)
+            if axis.bend >= tolerance or 2 * abs(axis.depth) >= deep:
+                return False
+    return True
+
+
+def _sides(c: Compensator, row: int) -> np.ndarray:
+    """(A, S): every side from which the axes but that of the hole may have come."""
+    rows = [r for r in np.flatnonzero(c.machine.two_way) if r != row] if c.follows else []
+    sides = np.zeros((len(c.machine.letters), 2 ** len(rows)))
+    if rows:
+        sides[rows] = np.array(list(itertools.product((-1.0, 1.0), repeat=len(rows)))).T
+    return sides
+
+
+def _axis(machine: Machine, exact: np.ndarray, target: np.ndarray, row: int) -> Axis:
+    """Of the (A, K) mm commanded and wanted down a hole along axis `row`."""
+    across = [r for r in machine.corrected if r != row]
+    aside = (exact - target)[across]
+    low, high = aside.min(axis=1, initial=np.inf), aside.max(axis=1, initial=-np.inf)
+    bend = float(np.linalg.norm((high - low) / 2)) if across else 0.0
+    return Axis(across, (low + high) / 2, bend, float(exact[row, -1] - target[row, -1]))
+
+
+def _depth(machine: Machine, holes: Holes, k: int, place: np.ndarray) -> np.ndarray:
+    """(A, K) mm down hole k at `place` (A,), from R to the bottom with every node between."""
+    row = int(holes.axis[k])
+    top, bottom = holes.level[k] / TICKS_PER_MM, holes.bottom[k] / TICKS_PER_MM
+    inner = np.unique(np.concatenate([np.zeros(0), *machine.knots.get(machine.letters[row], [])]))
     inner = inner[(inner > min(top, bottom)) & (inner < max(top, bottom))]
-    place = np.concatenate([[top], inner if bottom > top else inner[::-1], [bottom]])
-    target = np.repeat(b.end_nominal[:, stroke : stroke + 1], len(place), axis=1)
-    target[row] = place
-    weight = np.repeat(b.weight_end[:, stroke : stroke + 1], len(place), axis=1)
-    if b.c.follows:
-        weight[row] = np.sign(bottom - top)
-    return target, weight
+    depth = np.concatenate([[top], inner if bottom > top else inner[::-1], [bottom]])
+    target = np.repeat(place[:, None], len(depth), axis=1)
+    target[row] = depth
+    return target
+
+
+def _weight(follows: bool, holes: Holes, k: int, sides: np.ndarray, count: int) -> np.ndarray:
+    """(A, S * count) approach at `count` places down hole k: `sides` (A, S), but for the axis that
+    drills."""
+    weight = np.repeat(sides, count, axis=1)
+    if follows:
+        weight[holes.axis[k]] = np.sign(holes.bottom[k] - holes.level[k])
+    return weight

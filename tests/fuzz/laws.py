@@ -208,10 +208,15 @@ def outcome(filter_: Filter, fed: list[bytes]) -> tuple[bytes, str]:
         return out + error.delivered, str(error)
 
 
+def _written(case: Case, filter_: Filter) -> Written:
+    interpreter = Interpreter(filter_.dialect, filter_.setup)
+    return Written(Program("program", case.text), interpreter, LIMITS, filter_.compensator.keeps)
+
+
 def expanded(case: Case) -> tuple[bytes, str, bool]:
     """The plain text of a program, the refusal, and whether it was cut short because it is long."""
     filter_ = filter_of(case)
-    written = Written(Program("program", case.text), Interpreter(filter_.dialect, filter_.setup), LIMITS)
+    written = _written(case, filter_)
     plain = b""
     try:
         for portion in written:
@@ -273,7 +278,7 @@ def _broken_expanded(case: Case) -> str:
     if not long:
         filter_ = filter_of(case)
         verifier = Watch(filter_)
-        written = Written(Program("program", case.text), Interpreter(filter_.dialect, filter_.setup), LIMITS)
+        written = _written(case, filter_)
         out, seen = b"", ""
         try:
             for data in through(filter_, written, lambda n: None):

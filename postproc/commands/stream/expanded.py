@@ -36,7 +36,9 @@ def lines(source: Source, text: bytes, options: argparse.Namespace) -> Iterator[
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
     library = expansion.Library([here, *map(Path, options.library)], filter_.notices)
     tracked = Standing(filter_.modal, filter_.dialect, filter_.setup)
-    written = Written(Program(filter_.name, text, library.text), tracked, Limits(options.max_steps, options.max_depth))
+    limits = Limits(options.max_steps, options.max_depth)
+    program = Program(filter_.name, text, library.text)
+    written = Written(program, tracked, limits, filter_.compensator.keeps)
     fed = SimpleNamespace(feed=source.feed, finish=source.finish, notices=filter_.notices)
     try:
         for batch in expansion.through(cast(Any, fed), written, lambda size: None):

@@ -23,12 +23,14 @@ UNDEFINED = -2
 class Outcome(NamedTuple):
     """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the
     source lines, first and last, that the control steps over behind it, and ten times the motion code in force behind
-    a cycle that is not modal (None: that before it, UNDEFINED: manuals do not say)."""
+    a cycle that is not modal (None: that before it, UNDEFINED: manuals do not say); stays: the tracker follows it as
+    the cycle that it is."""
 
     lines: list[bytes]
     told: list[bytes] | None = None
     skip: tuple[int, int] | None = None
     then: int | None = None
+    stays: bool = False
 
 
 @dataclass(frozen=True)
@@ -170,6 +172,7 @@ class Drilling:
     code: int = 0  # the cycle in force, 0: none
     initial: float | None = None  # where the hole's axis stood when the cycles began
     stays: bool = False  # the last block was passed on, so the control itself is in the cycle
+    kept: bool = True  # every block of the cycles was, so the tracker is in them too
     held: dict[str, float] = field(default_factory=dict)
 
     modal = True
@@ -190,7 +193,8 @@ class Drilling:
 
     def end(self) -> None:
         """G80 or another motion: nothing is remembered."""
-        self.p, self.code, self.initial, self.stays, self.held = "", 0, None, False, {}
+        self.p, self.code, self.initial, self.held = "", 0, None, {}
+        self.stays, self.kept = False, True
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
@@ -203,11 +207,41 @@ class Drilling:
         if 40 in block.codes:
             raise scene.fault("a dwell and a hole in one block", "write G4 in a block of its own")
         job = self.job(scene, block, code)
+        if self._can_stay(scene, block, job):
+            self.stays, self.code = True, code
+            return Outcome([block.text], stays=True)
+        self.kept = False
         stays = code in self.tapping and not self.synchronised
         text = self.passed_on(scene, block, job) if stays else []
         self.stays, self.code = stays, code
         lines = self.lines(scene, block, job)
         return Outcome(text, lines) if stays else Outcome(lines)
+
+    def _can_stay(self, scene: Scene, block: Block, job: Job) -> bool:
+        """Whether a block may stay the cycle that it is: the filter follows it and finds the same
+        hole in it as we do, and that hole may (a tap always, which is no feed).
+
+        Behind a hole that was written out none may, since the control has left its cycle. In G91 none may: the filter takes
+        places and distances in one series for a fault.
+        """
+        if scene.keeps is None or not self.kept or scene.incremental or scene.unsure or job.codes or job.times != 1:
+            return False
+        found = scene.tracker.ahead(block.text)
+        scene.asked()
+        if found is None:
+            return False
+        motions, state = found
+        holes, hole = motions.holes, job.hole
+        if len(motions) != 1 or len(holes) != 1 or motions.reason.any():
+            return False
+        row = int(holes.axis[0])
+        read = (holes.level[0], holes.bottom[0], motions.target[row, 0])
+        least = 10.0 ** -scene.decimals(hole.axis)
+        same = scene.tracker.setup.axes[row] == hole.axis and all(
+            abs(scene.coordinate(hole.axis, int(ticks), state) - value) <= least
+            for ticks, value in zip(read, (hole.r, hole.bottom, hole.back), strict=True)
+        )
+        return same and (job.code in self.tapping or scene.keeps(motions))
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         """What the block asks for. Raises ProgramError."""

@@ -6,9 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from postproc.errors import Notice, ProgramError
+from postproc.motions import Motions
 from postproc.nc.codes import Code, code_number
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.expand.tracker import Tracker, number
+from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
 Fault = Callable[[str, str, bytes], ProgramError]  # message, advice, and what to point at in the line
@@ -34,6 +36,7 @@ class Scene:
         self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
         self.notices: list[Notice] = []  # what the user should know of what was written
+        self.keeps: Callable[[Motions], bool] | None = None  # whether the block's hole may stay a cycle
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = (
             set()
@@ -105,12 +108,16 @@ class Scene:
         axes, state = self.tracker.setup.axes, self.tracker.state
         if axis not in axes or axis in self.unsure or state.origin is None or not state.known[axes.index(axis)]:
             return None
-        row = axes.index(axis)
+        return self.coordinate(axis, int(state.position[axes.index(axis)]), state)
+
+    def coordinate(self, axis: str, ticks: int, state: ModalState) -> float:
+        """A machine coordinate as words have it beneath any frame, in a `state` whose zeros are known."""
+        assert state.origin is not None
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
             2 if self.is_diameter(axis) else 1
         )
         # An offset that nobody has stated is in neither of the two, and a block has named the axis behind it.
-        return float((state.position[row] - state.origin[row]) / unit)
+        return float((ticks - state.origin[self.tracker.setup.axes.index(axis)]) / unit)
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""

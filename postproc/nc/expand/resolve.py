@@ -8,8 +8,10 @@ leaves. A cycle is written out first, in the coordinates of the program; then th
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from postproc.errors import BlockFault, ProgramError
+from postproc.motions import Motions
 from postproc.nc.codes import FRAME_KEYS, KEYWORD, KEYWORDS
 from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.affine import AXES
@@ -27,11 +29,18 @@ READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")  # no motio
 
 
 class Resolver:
-    """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone."""
+    """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone. `keeps`:
+    whether a drilling cycle's block can stay, by what it drills (None: never)."""
 
-    def __init__(self, program: Program, tracker: Tracker, synchronised: bool = False):
+    def __init__(
+        self,
+        program: Program,
+        tracker: Tracker,
+        synchronised: bool = False,
+        keeps: Callable[[Motions], bool] | None = None,
+    ):
         self.program, self.tracker, self.grammar = program, tracker, tracker.dialect.grammar
-        self.scene = Scene(tracker)
+        self.scene, self.keeps = Scene(tracker), keeps
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
         if self.control:
@@ -191,6 +200,7 @@ class Resolver:
         scene.block = block
         turned = self.control is not None and not self.control.frames.map.identity
         scene.extra_decimals = 4 if turned else 0
+        scene.keeps = None if self._turned else self.keeps
         form_of(cycle.forms(code), block).check(scene, block, code)
         outcome = cycle.run(scene, block, code)
         scene.extra_decimals = 0
@@ -203,6 +213,9 @@ class Resolver:
                 self.missing = self.before if outcome.then is None else outcome.then
         if outcome.skip:
             self.skip = (self.line.file, *outcome.skip)
+        if outcome.stays:
+            scene.settle()
+            return lead + self._tell(outcome.lines, False)
         if outcome.told is None:
             return lead + self._out(outcome.lines, False, places=True)
         if self.control is None or not self.control.active:

@@ -5,10 +5,14 @@ Plain lines are only collected until somebody asks; then the one interpreter run
 
 from __future__ import annotations
 
+from postproc.errors import BlockFault
+from postproc.motions import Motions
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
+
+NOTHING_AHEAD: tuple[bytes | None, ModalState | None] = (None, None)
 
 
 class Tracker:
@@ -18,6 +22,7 @@ class Tracker:
         self.interpreter = interpreter
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
+        self._next = NOTHING_AHEAD
         self._waiting: list[bytes] = [b""]  # a first block, so that the zero in force is known from the start
 
     def take(self, line: bytes) -> None:
@@ -28,14 +33,32 @@ class Tracker:
     @property
     def state(self) -> ModalState:
         """The modal state behind the last line taken. Raises BlockFault for one that is no plain block."""
-        if self._waiting:
+        line, behind = self._next  # looked at ahead
+        if behind is not None and self._waiting == [line]:
+            self._state, self._next, self._waiting = behind, NOTHING_AHEAD, []
+        elif self._waiting:
             text = b"\n".join(self._waiting) + b"\n"
             self._waiting = []
             words = lex(text, self.dialect.grammar, self.setup.block_delete)
+            self._next = NOTHING_AHEAD
             self._state = self.interpreter.run(words, self._state)[1]
             if words.fault and not self._state.ended:
                 raise words.fault
         return self._state
+
+    def ahead(self, line: bytes) -> tuple[Motions, ModalState] | None:
+        """What one more plain line would be to the filter, and the state behind it; None: it would
+        be refused. The line is not taken."""
+        state = self.state
+        words = lex(line + b"\n", self.dialect.grammar, self.setup.block_delete)
+        try:
+            motions, state, _ = self.interpreter.run(words, state)
+        except BlockFault:
+            return None
+        if words.fault:
+            return None
+        self._next = line, state
+        return motions, state
 
     def code(self, group: str) -> int:
         """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...), -1: none yet."""
