@@ -7,7 +7,7 @@ import argparse
 import numpy as np
 
 from postproc.errors import GcompError, UsageError
-from postproc.machine import places
+from postproc.machine import overshoot, places
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.file import read_machine
 from postproc.machine.lacks import lacks
@@ -116,6 +116,7 @@ def show(machine: Machine) -> str:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
     lines.append(_known(machine))
+    lines += [f"in doubt: {text}" for text in overshoot.found(machine)]
     lines += [f"not in this map: {text}" for text in lacks(machine)]
     return "\n".join(lines)
 
