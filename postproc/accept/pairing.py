@@ -14,6 +14,7 @@ from postproc.iso.targets import subject
 from postproc.recordings import Recording
 
 SAME = 1e-3  # mm: targets that differ by less are the same, written with fewer digits
+ALIKE = 0.9999  # cosine of the angle between the directions of two readings
 NEAR = 0.6  # mm: a corrected target lies no farther from its nominal one (max_correction 0.5 mm)
 
 
@@ -68,6 +69,11 @@ def _key(motion: Motion) -> tuple:
     return motion.test, motion.subject, motion.axes, tuple((x, round(v, 1)) for x, v in sorted(motion.at.items()))
 
 
+def _alike(one: Recording, other: Recording) -> bool:
+    """Whether both were read along the same direction; a corrected diagonal leans by its correction."""
+    return sum(v * other.sensitive.get(x, 0.0) for x, v in one.sensitive.items()) > ALIKE
+
+
 def _points(recording: Recording) -> np.ndarray:
     """(K, A) mm: places of a recording, each once."""
     return np.unique(np.stack([recording.position(x) for x in recording.axes], axis=1), axis=0)
@@ -79,18 +85,14 @@ def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], c
     Raises AcceptError where its targets are others.
     """
     own = np.stack([recording.position(x) for x in recording.axes], axis=1)
-    best = None
+    best, source = None, recording
     for other, points in before:
-        if (
-            other.axes != recording.axes
-            or other.quantity != recording.quantity
-            or other.sensitive != recording.sensitive
-        ):
+        if other.axes != recording.axes or other.quantity != recording.quantity or not _alike(recording, other):
             continue
         apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
         near = points[apart.argmin(axis=1)]
         if best is None or np.abs(own - near).max() < np.abs(own - best).max():
-            best = near
+            best, source = near, other
     if best is None:
         return recording  # another quantity: pairs() names it
     far = float(np.abs(own - best).max())
@@ -109,5 +111,6 @@ def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], c
     name = "reading_urad" if recording.quantity == "angle" else "reading_um"
     columns = dict(recording.columns)
     columns[name] = columns[name] + (0.0 if recording.quantity == "angle" else along / recording.unit)
+    head = recording.head | {"sensitive": dict(source.sensitive)}
     columns |= {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": best[:, i] for i, x in enumerate(recording.axes)}
-    return replace(recording, columns=columns)
+    return replace(recording, head=head, columns=columns)

@@ -43,7 +43,9 @@ def left(axis: Slide, name: str, fault: str) -> Slide:
 
 def expected(fault: str) -> set[str]:
     plus, minus = signs.WAYS
-    return {"both": {plus, minus, signs.REVERSAL}, "+": {plus}, "-": {minus}, "exchanged": {signs.REVERSAL}}.get(fault, set())
+    return {"both": {plus, minus, signs.REVERSAL}, "+": {plus}, "-": {minus}, "exchanged": {signs.REVERSAL}}.get(
+        fault, set()
+    )
 
 
 def found(rng, axis: Slide, name: str, fault: str, noise=0.3, runs=5):
@@ -79,7 +81,9 @@ def test_a_ratio_is_what_is_left_by_hand(noise):
     axis = machine(rng)["Z"]
     rest = {"X": 80.0}
     third = replace(
-        axis, forward={n: 0.3 * v for n, v in axis.forward.items()}, reverse={n: 0.3 * v for n, v in axis.reverse.items()}
+        axis,
+        forward={n: 0.3 * v for n, v in axis.forward.items()},
+        reverse={n: 0.3 * v for n, v in axis.reverse.items()},
     )
     files = [recording(rng, a, "EZZ", rest, noise=noise, file=f) for a, f in ((axis, "b.csv"), (third, "a.csv"))]
     ((one, other),) = pairing.pairs(files[:1], files[1:], False)
@@ -94,12 +98,12 @@ def test_the_interval_of_a_ratio_holds_19_of_20():
     """200 measurements of one axis with 40 % left: the three intervals hold the truth in 90 to 99 % of them."""
     rng = np.random.default_rng(8)
     axis = machine(rng)["X"]
-    part = replace(
-        axis, forward={"EXX": 0.4 * axis.forward["EXX"]}, reverse={"EXX": 0.4 * axis.reverse["EXX"]}
-    )
+    part = replace(axis, forward={"EXX": 0.4 * axis.forward["EXX"]}, reverse={"EXX": 0.4 * axis.reverse["EXX"]})
     held = []
     for _ in range(200):
-        files = [recording(rng, a, "EXX", {"Z": 200.0}, noise=0.5, file=f) for a, f in ((axis, "b.csv"), (part, "a.csv"))]
+        files = [
+            recording(rng, a, "EXX", {"Z": 200.0}, noise=0.5, file=f) for a, f in ((axis, "b.csv"), (part, "a.csv"))
+        ]
         ((one, other),) = pairing.pairs(files[:1], files[1:], False)
         held += [[abs(r.value - 0.4) <= r.U for r in judge.outcome(one, other, None, Options()).ratios]]
     assert ((0.90 <= np.mean(held, axis=0)) & (np.mean(held, axis=0) <= 0.995)).all(), np.mean(held, axis=0)
