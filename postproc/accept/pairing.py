@@ -99,8 +99,8 @@ def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], c
     if far <= SAME:
         return recording
     worst = int(np.abs(own - best).max(axis=1).argmax())
-    if far > NEAR or not commanded:
-        say = "readings are wanted against the nominal targets, those of before; where they are against what the corrected program commands (gcomp simulate), say --commanded"
+    if far > NEAR or not (commanded or recording.head.get("against") == "commanded"):
+        say = "readings are wanted against the nominal targets, those of before; where they are against what the corrected program commands, say --commanded"
         raise AcceptError(
             f"its target lies {far:.4g} mm beside the next one of before",
             say if far <= NEAR else "measure at the same targets as before",

@@ -108,7 +108,7 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     diagonals: list[Diagonal] = []
     refused: list[GcompError] = []
     found: list[Outlier] = []
-    told: list[Finding] = []
+    told = _state(recordings)
     for recording in recordings:
         try:
             one = assign(recording)
@@ -159,6 +159,23 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     square, says = squaring.determine(result)
     result = replace(result, squareness=square, findings=told + says)
     return replace(result, findings=result.findings + _checked(result))
+
+
+def _state(recordings: Sequence[Recording]) -> list[Finding]:
+    """What is said of recordings made after compensation; one before among them makes a map of neither machine.
+    Raises CalibrationError."""
+    after = [r.file for r in recordings if r.head.get("compensated") is True]
+    before = [r for r in recordings if r.head.get("compensated") is not True]
+    if after and before:
+        raise CalibrationError(
+            f"{before[0].file} was measured before compensation, and {after[0]} after it (compensated = true)",
+            "a map is of one state: name those of before; gcomp accept compares them with those of after",
+            Place(before[0].file, 1),
+        )
+    if not after:
+        return []
+    text = f"{', '.join(after)}: measured after compensation, so this map is of what was left by the one that was used"
+    return [Finding("state", "doubt", "", text)]
 
 
 def _checked(calibration: Calibration) -> list[Finding]:

@@ -31,7 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commanded",
         action="store_true",
-        help="readings after are against what the corrected program commands, not its nominal targets (gcomp simulate)",
+        help="readings after are against what the corrected program commands, not its nominal targets (of gcomp simulate its files say so)",
     )
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness")
     parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")

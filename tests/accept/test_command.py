@@ -46,7 +46,7 @@ def loop(tmp_path, monkeypatch):
                 gcomp(*simulate, corrected, "--instrument", "laser", "--seed", 2, "-o", tmp_path / f"{name}2.csv") == 0
             )
         names = [tmp_path / f"{n}{k}.csv" for k in (1, 2) for n in ("pos", "dia")]
-        return gcomp("accept", *names, "--machine", map_, "--commanded", "--json", tmp_path / "r.json", *flags)
+        return gcomp("accept", *names, "--machine", map_, "--json", tmp_path / "r.json", *flags)
 
     return made, tmp_path
 
@@ -60,6 +60,8 @@ def test_the_loop_closes(loop, capsys):
     for one in data["results"]:
         assert one["taken_out_of_the_map"] == approx(1.0, abs=0.02)
         assert one["left_rms"] < 0.3
+    assert gcomp("calibrate", place / "pos1.csv", place / "pos2.csv", "--like", "studer-s36") == 2
+    assert "measured before compensation" in capsys.readouterr().err
     diagonal = data["results"][1]["parameters"]["E"]
     assert diagonal["before"]["value"] == approx(86.6, abs=1.0)  # machines/studer-s36/README.md
     assert diagonal["reduction"] > 0.97
