@@ -20,14 +20,17 @@ COLOURS = {"before +": "#c0392b", "before -": "#e59866", "after +": "#1f5fa8", "
 def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     """What is to be done, the worst first."""
     lines = [line for one in outcomes for line in _faults(one)]
-    judged = [r for one in outcomes for r in one.ratios]
-    good = sum(r.verdict == "good" for r in judged)
+    judged = [(one, r) for one in outcomes for r in one.ratios]
+    good = sum(r.verdict == "good" for _, r in judged)
+    small = [f"{one.subject} {r.of} ({_ratio(r)})" for one, r in judged if r.verdict == "undecided" and r.U is not None]
     if not lines and good:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")
-        if machine:
+        if machine and not small:
             lines.append(
-                f'signs = "verified" may stand in machine.toml of {machine}, where each of its components was measured here'
+                f'signs = "verified" may stand in machine.toml of {machine}, if every component that it holds was measured here'
             )
+    if small:
+        lines.append(f"too small against the scatter to tell: {'; '.join(small)}")
     return lines or ["nothing here is large enough to judge a sign by"]
 
 

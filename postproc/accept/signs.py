@@ -34,7 +34,7 @@ def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
             terms = np.vander(before.target[used] / max(before.length, 1e-9), 2 if line else 1)
             b, a = (_about(m[way][used], terms) for m in (before.mean, after.mean))
             out.append(_ratio(WAYS[way], b, a, ub[way][used], ua[way][used], dof, terms.shape[1]))
-    told = {r.verdict for r in out} - {"undecided"}
+    told = {r.verdict for r in out} - {"undecided", "between"}
     if before.two_way and after.two_way and len(told) < 2:
         used = before.both & after.both
         b, a = before.reversal[used], after.reversal[used]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from postproc.accept import judge, pairing, signs
+from postproc.accept import judge, pairing, report, signs
 from postproc.iso import Options
 from tests.calibrate.simulation import Slide, recording, two_axes
 
@@ -123,3 +123,35 @@ def test_one_run_is_judged_by_what_does_not_follow():
     axis = machine(rng)["Z"]
     for fault in ("", "both", "exchanged"):
         assert set(found(rng, axis, "EZZ", fault, runs=1).turned) == expected(fault)
+
+
+def test_under_much_scatter_a_turned_sign_may_stay_open_and_is_never_called_right():
+    """120 components of 0.8 to 8 um under 0.2 to 1 um of scatter and 2 to 5 runs: none is named that is not turned, and what is
+    not named is said to be too small, or open."""
+    rng = np.random.default_rng(99)
+    missed = 0
+    for _ in range(120):
+        axes = machine(rng)
+        name, fault = str(rng.choice(TRANSLATIONS)), str(rng.choice(["", "both", "+", "-", "exchanged"]))
+        size, axis = rng.choice([0.1, 0.3, 1.0]), axes[name[2]]
+        axis = replace(axis, **{w: {n: size * v for n, v in getattr(axis, w).items()} for w in ("forward", "reverse")})
+        result = found(
+            rng, axis, name, fault, noise=float(rng.choice([0.2, 0.5, 1.0])), runs=int(rng.choice([2, 3, 5]))
+        )
+        assert set(result.turned) <= expected(fault), (name, fault, result.ratios)
+        verdicts = {r.of: r.verdict for r in result.ratios}
+        for one in expected(fault) - set(result.turned):
+            missed += 1
+            assert verdicts[one] in ("undecided", "between"), (name, fault, result.ratios)
+    assert missed > 20, "the cases are not hard enough to show anything"
+
+
+def test_what_stays_open_is_listed_in_the_verdict():
+    rng = np.random.default_rng(12)
+    axis = machine(rng)["Z"]
+    faint = replace(axis, **{w: {n: 0.05 * v for n, v in getattr(axis, w).items()} for w in ("forward", "reverse")})
+    outcomes = [found(rng, axis, "EZZ", ""), found(rng, faint, "EXZ", "both", noise=1.0)]
+    lines = report.verdict(outcomes, "mine")
+    assert lines[0].startswith("all signs that can be told are right (3 of 6)")
+    assert lines[1].startswith("too small against the scatter to tell: EXZ, X 80 approached in +") and len(lines) == 2
+    assert 'signs = "verified"' in report.verdict(outcomes[:1], "mine")[1]
