@@ -18,7 +18,7 @@ def lacks(machine: Machine) -> list[str]:
     """
     if machine.is_zero and not machine.square:
         return []
-    return [*_square(machine), *_components(machine), *_beyond(machine), *_signs(machine)]
+    return [*_square(machine), *_lines(machine), *_components(machine), *_beyond(machine), *_signs(machine)]
 
 
 def sentence(machine: Machine) -> str:
@@ -34,7 +34,8 @@ def _slides(machine: Machine) -> list[str]:
 def _square(machine: Machine) -> list[str]:
     """Pairs of slides without a squareness, and what 100 urad would be at the far corner: the
     longer of both travels leans."""
-    stated = {frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]} for name in machine.square_stated}
+    names = [name for name in machine.square_stated if name[2] in XYZ]
+    stated = {frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]} for name in names}
     stated |= {frozenset(term.axis) for term in machine.effects if term.name == "squareness"}
     pairs, sizes = [], []
     for pair in itertools.combinations(_slides(machine), 2):
@@ -48,6 +49,13 @@ def _square(machine: Machine) -> list[str]:
         f"squareness of {', '.join(pairs)}, which nobody measured: 100 urad would be "
         f"{', '.join(sizes)} um at the far corner"
     ]
+
+
+def _lines(machine: Machine) -> list[str]:
+    """Rotary axes of which nothing says how their line lies (ISO 230-7: X0C, A0C and so on)."""
+    stated = {name[2] for name in machine.square_stated}
+    bare = [x for x in machine.chain.rotary if x not in stated and not machine.axes[x].location.any()]
+    return [f"how the line of {', '.join(bare)} lies, which nobody measured"] if bare else []
 
 
 def _components(machine: Machine) -> list[str]:
