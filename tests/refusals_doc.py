@@ -13,7 +13,7 @@ DOC = ROOT / "docs" / "REFUSALS.md"
 CALLS = {
     "fault": None, "blame": None, "because": None, "bare": None, "BlockFault": None, "MotionFault": None, "ProgramError": None,
     "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
-    "ExpressionError": None, "Refused": None, "Misread": None,
+    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None,
 }  # fmt: skip
 PAIRS = (
     "nc/faults",
@@ -37,7 +37,7 @@ CHAPTERS = (
     ("Offset files", ("offsets",)),
     ("Recordings", ("recordings",)),
     ("Tables of the control", ("control_tables",)),
-    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "diagnose", "simulate")),
+    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "accept", "diagnose", "simulate")),
     ("Streaming", ("streaming", "commands/stream")),
     ("The command line", ("commands", "cli", "ports", "nc/dialects", "verify")),
 )  # fmt: skip

@@ -10,6 +10,7 @@ from pytest import approx
 
 from postproc import control_tables
 from postproc.cli import main
+from postproc.machine import overshoot
 from postproc.machine.file import read_machine
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -138,3 +139,29 @@ def test_a_template_is_filled(tmp_path):
     assert export(tmp_path / "t", "heidenhain", "--template", str(tmp_path / "empty.com"), "--axis", "Z") == 0
     lines = (tmp_path / "t").read_text().splitlines()
     assert lines[0] == "BEGIN A.COM MM" and lines[2].split() == ["0", "0.00000", "-0.00025", "0.00070", "0.00200"]
+
+
+def test_a_map_that_overshoots_is_named_with_its_numbers(tmp_path, capsys):
+    """X of the grinder as its source states it: EXX forward 8.4 um and reverse -0.4 um at the first node, and so on."""
+    assert export(tmp_path, "linuxcnc", "--axis", "X") == 0
+    out = capsys.readouterr().out
+    assert (
+        "EXX goes beyond its command" in out and "-9.8 to +1.9 um, -9.6 in the median" in out and "EZZ goes" not in out
+    )
+    assert main(["machines", "show", "studer-s36"]) == 0
+    assert "in doubt: EXX goes beyond its command" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["mv-1060", "example-mill", "example-lathe", "example-five-axis", "perfect"])
+def test_a_map_that_lags_is_not(name):
+    assert overshoot.found(read_machine(ROOT / "machines" / name)) == []
+
+
+def test_effects_and_the_table_are_judged_together(tmp_path):
+    """The mill's X lags by 5.2 um and more (its first node -2.50 and +2.50 um); a backlash of -20 um on top turns that."""
+    shutil.copytree(ROOT / "machines" / "example-mill", tmp_path / "mill")
+    with open(tmp_path / "mill" / "machine.toml", "a") as file:
+        file.write('\n[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = -20.0\n')
+    (said,) = overshoot.found(read_machine(tmp_path / "mill"))
+    assert said.startswith("EXX goes beyond its command")
+    assert overshoot.found(read_machine(tmp_path / "mill"), "Y") == []

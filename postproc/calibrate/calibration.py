@@ -19,7 +19,8 @@ from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
 from postproc.errors import GcompError, Place
 from postproc.machine.chain import XYZ
-from postproc.machine.model import Axis, Machine
+from postproc.machine.lacks import lacks
+from postproc.machine.model import Axis, Limits, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.recordings import Recording
 
@@ -85,10 +86,20 @@ class Calibration:
                 both = np.zeros((2, 6, len(self.nodes(x))))
                 for component in self.of(x):
                     both[:, COMPONENTS.index(component.name[:2])] = self.values(component)
-                table = AxisTable(x, self.nodes(x), both[0], both[1])
+                stated = tuple(COMPONENTS.index(c.name[:2]) for c in self.of(x))
+                table = AxisTable(x, self.nodes(x), both[0], both[1], stated)
             at = np.array([self.measured_at.get(x, {}).get(i, 0.0) for i in XYZ])
-            axes[x] = Axis(x, self.travel(x), 1e-4, at, table, self.optics.get(x, ""))
-        return Machine("", "", "", self.options.chain, axes, tool=np.array(self.options.point))
+            small = tuple(c.name for c, _ in self.left_out if c.letter == x)
+            axes[x] = Axis(x, self.travel(x), 1e-4, at, table, self.optics.get(x, ""), left_out=small)
+        return Machine(
+            "", "", "", self.options.chain, axes, tool=np.array(self.options.point),
+            limits=Limits(outside=self.options.outside), signs="unverified",
+        )  # fmt: skip
+
+    @property
+    def lacks(self) -> list[str]:
+        """What the machine to be written does not hold, in words."""
+        return lacks(replace(self.machine, square_stated=tuple(self.squareness)))
 
 
 def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
@@ -97,7 +108,7 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     diagonals: list[Diagonal] = []
     refused: list[GcompError] = []
     found: list[Outlier] = []
-    told: list[Finding] = []
+    told = _state(recordings)
     for recording in recordings:
         try:
             one = assign(recording)
@@ -148,6 +159,23 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     square, says = squaring.determine(result)
     result = replace(result, squareness=square, findings=told + says)
     return replace(result, findings=result.findings + _checked(result))
+
+
+def _state(recordings: Sequence[Recording]) -> list[Finding]:
+    """What is said of recordings made after compensation; one before among them makes a map of neither machine.
+    Raises CalibrationError."""
+    after = [r.file for r in recordings if r.head.get("compensated") is True]
+    before = [r for r in recordings if r.head.get("compensated") is not True]
+    if after and before:
+        raise CalibrationError(
+            f"{before[0].file} was measured before compensation, and {after[0]} after it (compensated = true)",
+            "a map is of one state: name those of before; gcomp accept compares them with those of after",
+            Place(before[0].file, 1),
+        )
+    if not after:
+        return []
+    text = f"{', '.join(after)}: measured after compensation, so this map is of what was left by the one that was used"
+    return [Finding("state", "doubt", "", text)]
 
 
 def _checked(calibration: Calibration) -> list[Finding]:

@@ -15,7 +15,9 @@ from postproc.calibrate import CalibrationError, Options
 from postproc.calibrate.assign import Series
 from postproc.calibrate.statistics import Cells, cells_of, chi_squared, step_of, t_factor
 from postproc.errors import Place
+from postproc.units import UM
 
+PLAIN = 3.0  # times the scatter of a reading: a deviation so large shows in every file of it
 SAME_PLACE = 0.1  # mm: no angle that a slide has makes this visible
 
 
@@ -128,12 +130,13 @@ def join(series: list[Series], keep_lines: bool) -> Series:
     parts = [first]
     for other in series[1:]:
         place = Place(other.file, 1)
-        shared, difference = _shared(cells, other)
+        shared, ours, difference = _shared(cells, other)
         if not len(shared):
             raise CalibrationError(
                 f"{first.component} shares no target and direction with {first.file}: nothing connects their zeros",
                 "measure both directions in one set-up", place,
             )  # fmt: skip
+        _one_state(first, other, shared, ours, difference, cells)
         shift = np.full(len(other.reading), difference.mean())
         if first.straight and not keep_lines and len(np.unique(shared)) > 2:
             shift = np.polyval(np.polyfit(shared, difference, 1), other.position)
@@ -149,20 +152,43 @@ def join(series: list[Series], keep_lines: bool) -> Series:
     )  # fmt: skip
 
 
-def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray]:
-    """Position of every cell that both have, and the other's mean less the first's."""
+def _one_state(
+    first: Series, other: Series, shared: np.ndarray, ours: np.ndarray, difference: np.ndarray, cells: Cells
+) -> None:
+    """Raises CalibrationError where the other file shows less than half of what the first shows, or over one and a half
+    times that: 0 is after compensation, 2 with its sign turned (accept/signs.py has the same limits)."""
+    terms = np.vander(shared, 2 if first.straight else 1)
+    free = len(shared) - terms.shape[1]
+    if free < 3 or first.angle:
+        return
+    shape, less = (y - terms @ np.linalg.lstsq(terms, y, rcond=None)[0] for y in (ours, difference))
+    noise = float(np.sqrt(np.nanmean(cells.scatter.s**2))) if cells.scatter.known else 0.0
+    if np.sqrt(shape @ shape / free) < max(PLAIN * noise, UM):
+        return
+    ratio = 1 + float(less @ shape / (shape @ shape))
+    if not 0.5 < ratio < 1.5:
+        raise CalibrationError(
+            f"{first.component} is {ratio:.2f} times here what it is in {first.file}: the one was measured before compensation "
+            f"and the other after it, or read with the other sign",
+            "a map is of one state: leave one out; gcomp accept compares them", Place(other.file, 1),
+        )  # fmt: skip
+
+
+def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position of every cell that both have, the first's mean there, and the other's less it."""
     theirs = cells_of(other.position, other.approach, other.reading)
     ways = [0, 1] if cells.two_way and theirs.two_way else [0 if theirs.one_way >= 0 else 1]
     if not cells.two_way and not theirs.two_way and cells.one_way != theirs.one_way:
-        return np.zeros(0), np.zeros(0)
-    position, difference = [], []
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    position, ours, difference = [], [], []
     for way in ways:
         for k, q in enumerate(theirs.nodes):
             near = np.flatnonzero(np.abs(cells.nodes - q) < 0.01)
             if len(near) and np.isfinite(theirs.mean[way, k] - cells.mean[way, near[0]]):
                 position.append(q)
+                ours.append(cells.mean[way, near[0]])
                 difference.append(theirs.mean[way, k] - cells.mean[way, near[0]])
-    return np.array(position), np.array(difference)
+    return np.array(position), np.array(ours), np.array(difference)
 
 
 def build(series: list[Series], options: Options) -> Component:

@@ -23,7 +23,6 @@ KEPT = (
     "max_acceleration",
     "max_jerk",
     "centre",
-    "heat",
 )  # of a model's axis
 
 
@@ -37,6 +36,8 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
     data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
     comments = {"": _top(calibration)}
     data["source"] = head.get("source") or _source(calibration)
+    data["signs"] = calibration.machine.signs
+    comments["signs"] = "until gcomp accept has seen a measurement after compensation"
     sections: dict[str, dict[str, Any]] = {}
     texts: dict[str, str] = {}
     written = calibration.axes()
@@ -47,6 +48,11 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
             section = {"travel": [float(t) for t in calibration.travel(letter)], **section}
             comments[f"axes.{letter}.travel"] = f"{place_name(letter)}, from the first target to the last: not stated"
         sections[letter] = section
+        if "centre" in section:
+            comments[f"axes.{letter}.centre"] = "of the machine that this one is like: not measured"
+        if letter in calibration.machine.axes and (small := calibration.machine.axes[letter].left_out):
+            section["left_out"] = list(small)
+            comments[f"axes.{letter}.left_out"] = "measured, and within the uncertainty"
         if letter not in written:
             continue
         section["table"] = f"{letter}.csv"
@@ -101,6 +107,7 @@ def _top(calibration: Calibration) -> str:
         lines += ["In doubt when it was written:"] + [f"- {' '.join(text.split())}" for text in doubts]
     for component, why in calibration.left_out:
         lines.append(f"Left out: {component.name}, {LEFT_OUT[why]}")
+    lines += [f"Not in this map: {text}" for text in calibration.lacks]
     return "\n".join(lines)
 
 

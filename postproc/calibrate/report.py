@@ -34,6 +34,8 @@ def table(calibration: Calibration) -> str:
     lines += _outliers(calibration)
     for error in calibration.refused:
         lines += ["", f"not used: {error}"]
+    if calibration.lacks:
+        lines += ["", "not in this map:", *(f"  {text}" for text in calibration.lacks)]
     for level, title in (("doubt", "in doubt:"), ("note", "to know:")):
         found = [f for f in calibration.findings if f.level == level]
         if found:
@@ -151,6 +153,7 @@ def data(calibration: Calibration) -> dict[str, Any]:
             for f in calibration.findings
         ],
         "measured_at_mm": calibration.measured_at,
+        "not_in_this_map": calibration.lacks,
     }  # fmt: skip
 
 

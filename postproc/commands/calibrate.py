@@ -31,16 +31,13 @@ from postproc.units import URAD
 HELP = "make a machine folder of recordings, with its uncertainty and what looks wrong in them"
 EXAMPLE = "gcomp calibrate z.csv x.csv --like studer-s36 --squareness B0X=-382.4,2 -o machines/mine"
 LARGEST = 1 << 28
-NOT_TAKEN = (
-    "format",
-    "name",
-    "source",
-    "axes",
-    "squareness",
-    "effect",
-    "control_table",
-    "chain",
-)  # of --like: measured, or not its own
+TAKEN = ("control", "diameter", "reversal", "limits")  # of --like, beside the chain and the axes
+ITS_OWN = {
+    "squareness": "measured on it",
+    "location": "measured on it",
+    "tool": "say where yours ends, [tool] in machine.toml, or in the program",
+    "offsets": "say where your zeros lie: --offset, --offsets, or [offsets] in machine.toml",
+}
 SOURCES = ("straightness", "diagonals")
 
 
@@ -53,7 +50,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
     machine = parser.add_argument_group("the machine")
     machine.add_argument(
-        "--like", metavar="MACHINE", help="take from it all that is not measured: control, chain, travels"
+        "--like", metavar="MACHINE", help="take from it what machines of a kind share: control, chain, travels, limits"
     )
     machine.add_argument("--title", help="what the machine is, in words")
     machine.add_argument("--control", help="dialect of its control")
@@ -142,8 +139,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _not_taken(like: dict[str, Any]) -> list[str]:
-    """What of the machine that is copied belongs to its own tables."""
-    told = []
+    """What of the machine that is copied is its own."""
+    told = [f"{key}: {why}" for key, why in ITS_OWN.items() if key in like]
+    warm = [x for x, section in like.get("axes", {}).items() if "heat" in section]
+    if warm:
+        told.append(f"heat of {', '.join(warm)}: growth and temperatures are its own")
     if like.get("effect"):
         names = ", ".join(f"{e.get('name')} of {e.get('axis')}" for e in like["effect"])
         told.append(
@@ -246,7 +246,7 @@ def _like(name: str | None) -> dict[str, Any]:
 
 def _machine(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], Options]:
     """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the option that is missing."""
-    head = {k: v for k, v in like.items() if k not in NOT_TAKEN}
+    head = {k: like[k] for k in TAKEN if k in like}
     said = {"control": options.control or head.get("control"), "chain": options.chain or like.get("chain")}
     for key, advice in (("chain", "w-b-Z-X-t, who carries whom"), ("control", f"one of {', '.join(dialects.names())}")):
         if not said[key]:
@@ -279,9 +279,7 @@ def _machine(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[st
     if options.diameter is not None:
         head["diameter"] = [x for x in options.diameter.upper() if x.isalpha()]
     name = Path(options.output).resolve().name if options.output else "unnamed"
-    if "offsets" not in head and not like:
-        head["offsets"] = {"G54": dict.fromkeys(chain.axes, 0.0)}
-    head |= {"name": name, "title": options.title or head.get("title", name), "control": control}
+    head |= {"name": name, "title": options.title or name, "control": control}
     datum, keep_zero = _datum(options.datum)
     decided = Options(
         chain=chain, datum=datum, keep_zero=keep_zero, line=options.line, keep_lines=options.keep_lines,

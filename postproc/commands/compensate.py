@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from postproc import ports
 from postproc.commands import expansion, reading
 from postproc.errors import GcompError, Notice, ProgramError, UsageError
+from postproc.machine import lacks
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
@@ -81,6 +82,8 @@ def run(options: argparse.Namespace) -> int:
             raise reading.with_hint(error, filter_.dialect, head) from None
     if verifier:
         print(f"gcomp: verified: {verifier.report()}", file=sys.stderr)
+        if lacking := lacks.sentence(machine):
+            print(f"gcomp: {lacking}", file=sys.stderr)
     if not options.quiet:
         _say(filter_.notices)
         if not options.dry_run:

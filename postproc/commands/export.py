@@ -13,7 +13,7 @@ import numpy as np
 from postproc import control_tables, ports
 from postproc.control_tables import ErrorTable, Export, ExportOptions
 from postproc.errors import UsageError
-from postproc.machine import places
+from postproc.machine import overshoot, places
 from postproc.machine.chain import XYZ
 from postproc.machine.marginals import marginals, pose_of
 from postproc.machine.model import Machine
@@ -133,7 +133,9 @@ def run(options: argparse.Namespace) -> int:
     whole = getattr(module, "write_machine", None) if not (options.axis or options.component) else None
     export = whole(machine, told) if whole else module.write(tables, told)
     paths = write_files(export.files, Path(options.output), options.force, options.output.endswith(("/", "\\")))
-    print(report(options.control, module, machine, export, [] if whole else tables, [] if whole else notices, paths))
+    doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
+    notices = doubts if whole else doubts + notices
+    print(report(options.control, module, machine, export, [] if whole else tables, notices, paths))
     return 0
 
 

@@ -7,9 +7,10 @@ import argparse
 import numpy as np
 
 from postproc.errors import GcompError, UsageError
-from postproc.machine import places
+from postproc.machine import overshoot, places
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.file import read_machine
+from postproc.machine.lacks import lacks
 from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
@@ -71,9 +72,7 @@ def show(machine: Machine) -> str:
             lines.append("  no error table")
             continue
         table = axis.table
-        lines.append(
-            f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes{_beyond(machine, letter)}"
-        )
+        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes")
         for row in range(6):
             forward, reverse = table.forward[row], table.reverse[row]
             if not (np.any(forward) or np.any(reverse)):
@@ -87,6 +86,8 @@ def show(machine: Machine) -> str:
             )
         if table.is_zero:
             lines.append("  all zero")
+        if axis.left_out:
+            lines.append(f"  measured, and within the uncertainty: {', '.join(axis.left_out)}")
     for letter, lean in machine.square.items():
         for i, value in enumerate(lean):
             if value:
@@ -115,20 +116,9 @@ def show(machine: Machine) -> str:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
     lines.append(_known(machine))
+    lines += [f"in doubt: {text}" for text in overshoot.found(machine)]
+    lines += [f"not in this map: {text}" for text in lacks(machine)]
     return "\n".join(lines)
-
-
-def _beyond(machine: Machine, letter: str) -> str:
-    """What becomes of places where a slide can go and its table does not reach."""
-    axis, limits = machine.axes[letter], machine.limits
-    if axis.table is None or letter in ROTARY:
-        return ""
-    first, last = axis.table.nodes[0], axis.table.nodes[-1]
-    beyond = max(first - axis.travel[0], axis.travel[1] - last)
-    if beyond <= limits.max_correction:
-        return ""
-    held = "its end values hold there" if limits.outside == "clamp" else "places there are refused"
-    return f"; the travel goes {beyond:g} mm beyond it: {held}"
 
 
 def _largest_u(axis: Axis) -> list[str]:

@@ -114,6 +114,8 @@ def run(options: argparse.Namespace) -> int:
     notices += _held(machine, signal.state.position)
     noise = instruments.Noise(options.noise, options.tails, options.resolution, options.zero, options.seed, options.sensor_noise)  # fmt: skip
     head: dict[str, Any] = {"machine": machine.name, "program": Path(name).name, "corner_mm": options.corner}
+    if corrected:
+        head |= {"compensated": True, "against": "commanded"}
     if extra:
         head["with"] = list(options.terms)
     recording = instruments.recorded(signal, noise, head, _without(options.without, signal.state.channels))

@@ -57,7 +57,7 @@ def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table
     Raises MachineError with file and line as `read_table` does, for a U below zero, and where the
     nodes leave a part of the table without a U.
     """
-    columns, lines, found = _one_axis(path, letter)
+    _, lines, found = _one_axis(path, letter)
     both = np.stack([found.forward, found.reverse])
     below = np.flatnonzero((both < 0).any(axis=(0, 1)))
     if len(below):
@@ -72,7 +72,7 @@ def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table
         found = over_turns(found, *travel, path)
     if table is not None:
         _covers(path, found, table, lines)
-    return AxisUncertainty(found, tuple(sorted({component for component, _ in columns})))
+    return AxisUncertainty(found, found.stated)
 
 
 def _covers(path: Path, found: AxisTable, table: AxisTable, lines: list[int]) -> None:
@@ -101,7 +101,8 @@ def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list
     if len(rows) < 2:
         raise MachineError(f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1))
     data = np.array(rows).T
-    return columns, lines, AxisTable(letter, data[0], *_directions(columns, data))
+    stated = tuple(sorted({component for component, _ in columns}))
+    return columns, lines, AxisTable(letter, data[0], *_directions(columns, data), stated)
 
 
 def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTable:
@@ -162,7 +163,7 @@ def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTab
     def repeated(values: np.ndarray) -> np.ndarray:
         return np.concatenate([np.tile(values[:, :-1], len(turns)), values[:, -1:]], axis=1)
 
-    return AxisTable(table.letter, nodes, repeated(table.forward), repeated(table.reverse))
+    return AxisTable(table.letter, nodes, repeated(table.forward), repeated(table.reverse), table.stated)
 
 
 def position_name(letter: str) -> str:

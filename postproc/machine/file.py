@@ -20,14 +20,14 @@ from postproc.machine.axis_file import over_turns, read_grid, read_table, read_u
 from postproc.machine.chain import OPTICS, ROTARY, XYZ
 from postproc.machine.effect_file import read_effects
 from postproc.machine.model import Axis, ControlTable, Expansion, Limits, Machine
-from postproc.machine.tables import GridTable
+from postproc.machine.tables import COMPONENTS, GridTable
 from postproc.machine.toml_file import TomlFile
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
 KEYS = {
-    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table"},
-    "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat"},
+    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table", "signs"},
+    "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat", "left_out"},
     "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
     "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
     "tool": set(XYZ),
@@ -36,6 +36,7 @@ KEYS = {
 UNCERTAINTY = "_uncertainty.csv"  # behind the axis' letter
 PPM = 1e-6  # um/m is mm/mm by a million
 REVERSALS = ("mean", "step", "ramp", "off")
+SIGNS = ("unverified", "verified")
 
 
 def read_machine(folder: Path) -> Machine:
@@ -86,13 +87,17 @@ def read_machine(folder: Path) -> Machine:
         raise toml.fault("", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}")
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
+    signs = toml.string("", data, "signs", "")
+    if signs not in ("", *SIGNS):
+        raise toml.fault("", "signs", f"signs = {signs!r}", "has a measurement after compensation shown them? unverified or verified")  # fmt: skip
     return Machine(
         name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
         control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
         square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=read_effects(toml, axes),
         source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal,
-        square_u=_squareness_u(toml, axes),
+        square_u=_squareness_u(toml, axes), signs=signs,
+        square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
     )  # fmt: skip
 
 
@@ -161,8 +166,17 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
     return Axis(
         letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
         grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
-        uncertainty=uncertainty,
+        uncertainty=uncertainty, left_out=_left_out(toml, name, letter, section),
     )  # fmt: skip
+
+
+def _left_out(toml: TomlFile, name: str, letter: str, section: dict) -> tuple[str, ...]:
+    """`left_out = ["EAX"]`: measured, and within the uncertainty of the measurement."""
+    said = section.get("left_out", [])
+    names = [f"{component}{letter}" for component in COMPONENTS]
+    if not isinstance(said, list) or not all(one in names for one in said):
+        raise toml.fault(name, "left_out", f"left_out = {said!r}", f"components that were measured and not written: {', '.join(names)}")  # fmt: skip
+    return tuple(said)
 
 
 def _table_path(toml: TomlFile, name: str, value: Any, key: str) -> Path:

@@ -41,7 +41,8 @@ class Axis:
     that the axis carries; centre (3,): mm, a point on
     a rotary axis' line while all slides stand at zero; location (6,): mm and rad, how that line
     lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
-    table, None where the folder states none."""
+    table, None where the folder states none; left_out: components that were measured and are
+    within their uncertainty, so that no table holds them."""
 
     letter: str
     travel: tuple[float, float]
@@ -54,6 +55,7 @@ class Axis:
     grids: tuple[GridTable, ...] = ()
     expansion: Expansion | None = None
     uncertainty: AxisUncertainty | None = None
+    left_out: tuple[str, ...] = ()
 
     @property
     def bare(self) -> Axis:
@@ -106,7 +108,9 @@ class Limits:
 @dataclass(frozen=True)
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
-    U (95 %, k = 2), rad; tool (3,) mm; offsets: name to axis to mm."""
+    U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,) mm;
+    offsets: name to axis to mm; signs: "verified" where a measurement after compensation has shown
+    them, "unverified" where it is said that none has, "" where nothing is said."""
 
     name: str
     title: str
@@ -124,6 +128,8 @@ class Machine:
     digest: str = ""
     reversal: str = "step"
     square_u: dict[str, float] = field(default_factory=dict)
+    square_stated: tuple[str, ...] = ()
+    signs: str = ""
 
     @cached_property
     def letters(self) -> tuple[str, ...]:

@@ -17,12 +17,14 @@ COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis 
 @dataclass(frozen=True)
 class AxisTable:
     """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm and rad, for targets
-    approached in + and in -; equal where a component was measured one way."""
+    approached in + and in -; equal where a component was measured one way. stated: the components
+    that the table has a column of, as rows of COMPONENTS; the others are zero for want of one."""
 
     letter: str
     nodes: np.ndarray
     forward: np.ndarray
     reverse: np.ndarray
+    stated: tuple[int, ...] = ()
 
     @cached_property
     def mean(self) -> np.ndarray:

@@ -15,7 +15,7 @@ import numpy as np
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 DECIMALS = 4
-FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source")
+FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source", "signs")
 NESTED = ("axes", "squareness")  # what they hold by a name is a section of its own
 SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effect")
 

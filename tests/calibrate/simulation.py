@@ -55,7 +55,7 @@ def slide(rng, letter, targets, names, arm=(), measured_at=None, reversal=2.0) -
     for name in names:
         size = 8.0 if name[1] in XYZ else 15.0
         forward[name] = wave(rng, targets, size)
-        reverse[name] = forward[name] - reversal * (1 + 0.3 * wave(rng, targets, 1.0))
+        reverse[name] = forward[name] + reversal * (1 + 0.3 * wave(rng, targets, 1.0))
     return Slide(letter, targets, forward, reverse, arm, measured_at or {})
 
 

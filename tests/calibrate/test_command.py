@@ -10,7 +10,10 @@ import pytest
 from pytest import approx
 
 from postproc import cli
+from postproc.errors import MachineError
+from postproc.machine import places
 from postproc.machine.file import read_machine
+from postproc.machine.lacks import lacks, sentence
 from postproc.machine.uncertainty import AlongPath, MapUncertainty
 from postproc.recordings import contract
 from tests.calibrate.simulation import everything, recording, truth, two_axes
@@ -125,16 +128,90 @@ def test_an_uncertainty_that_is_not_known_is_not_written(tmp_path, capsys):
     assert AlongPath(read_machine(tmp_path / "mine")).report() == "the map's own uncertainty is not stated"
 
 
-def test_everything_else_comes_from_a_machine_that_is_alike(made, capsys):
+def test_what_machines_of_a_kind_share_comes_from_one_that_is_alike(made, capsys):
+    """Control, chain, travels and limits; what is the other's own is not taken, and that is said."""
     _, names, place = made
     status, out, _ = run(capsys, *names, "--like", "studer-s36", "-o", place / "mine")
     assert status == 0
+    assert {p.name for p in (place / "mine").iterdir()}.isdisjoint({"README.md"})
+    text = (place / "mine" / "machine.toml").read_text()
+    assert "[offsets]" not in text and "[tool]" not in text and "Studer" not in text
+    for section in ("offsets", "tool", "squareness"):
+        assert f"not taken from studer-s36: {section}: " in out
     machine = read_machine(place / "mine")
     assert machine.axes["Z"].travel == (-5.0, 520.0)
     assert machine.diameter == ("X",)
-    assert machine.offsets == {"G54": {"X": 0.0, "Z": 0.0}}
+    assert machine.control == "fanuc-lathe" and machine.chain.axes == ("Z", "X")
+    assert machine.limits.max_correction == 0.5
+    assert (machine.title, machine.offsets, machine.tool.any()) == ("mine", {}, False)
     assert not machine.square, "its squareness is not ours"
     assert "calibrated by gcomp from" in machine.source
+
+
+def test_no_zero_is_invented(made, capsys):
+    """A program in G54 would cut at the machine's zero, and nobody said that the part lies there."""
+    _, names, place = made
+    assert run(capsys, *names, *ASKED, "-o", place / "mine")[0] == 0
+    assert read_machine(place / "mine").offsets == {}
+    (place / "part.nc").write_text("G90 G21 G54\nG1 X200. Z400. F100\nM30\n")
+    assert cli.main([str(place / "part.nc"), "--machine", str(place / "mine")]) == 2
+    assert "G54 is not stated" in capsys.readouterr().err
+
+
+def test_what_the_map_lacks_is_said_in_the_output_in_the_file_and_when_it_is_shown(made, capsys):
+    """100 urad over the longer travel, 510 mm of Z: 51 um. EBX is not among the recordings."""
+    _, names, place = made
+    says = [
+        "squareness of XZ, which nobody measured: 100 urad would be 51.0 um at the far corner",
+        "EBX: never measured",
+        "Z beyond 0 to 510 mm, where it was measured; the travel goes 40 mm beyond it: places there are refused",
+        "a proof of its signs (unverified)",
+    ]
+    wider = ("--travel", "Z=-10,550")
+    _, out, _ = run(capsys, *names, *ASKED, *wider, "-o", place / "mine", "--json", place / "r.json")
+    told = out.split("not in this map:")[1]
+    text = (place / "mine" / "machine.toml").read_text()
+    capsys.readouterr()
+    assert cli.main(["machines", "show", str(place / "mine")]) == 0
+    shown = capsys.readouterr().out
+    says[0] = says[0].replace("51.0", "56.0")  # of the travel that is stated
+    for one in says:
+        assert one in told
+        assert f"# Not in this map: {one}" in text
+        assert f"not in this map: {one}" in shown
+    assert len(json.loads((place / "r.json").read_text())["not_in_this_map"]) == 4
+    square = ("--squareness", "B0X=0")  # zero, and stated
+    _, out, _ = run(capsys, *names, *ASKED, *square, "-o", place / "square")
+    assert "squareness of XZ" not in out
+    assert not any("squareness" in one for one in lacks(read_machine(place / "square")))
+
+
+def test_what_was_measured_and_left_out_is_not_called_unmeasured(made, capsys):
+    machine, names, place = made
+    rng = np.random.default_rng(4)
+    axis = machine["X"]
+    quiet = recording(rng, axis, "EBX", {"Z": 200.0}, noise=0.5, u=0.2)
+    quiet.columns["reading_urad"][:] = rng.normal(0, 0.5, len(quiet))
+    (place / "EBX.csv").write_text(contract.write(quiet))
+    assert run(capsys, *names, place / "EBX.csv", *ASKED, "-o", place / "mine")[0] == 0
+    written = read_machine(place / "mine")
+    assert written.axes["X"].left_out == ("EBX",)
+    assert not any("EBX" in one for one in lacks(written))
+    assert not any("never measured" in one for one in lacks(written))
+
+
+def test_a_perfect_machine_lacks_nothing_and_a_verified_one_its_proof_no_more(made, capsys):
+    _, names, place = made
+    assert sentence(places.load("perfect")) == ""
+    assert sentence(places.load("example-mill")) == ""
+    run(capsys, *names, *ASKED, "-o", place / "mine")
+    toml = place / "mine" / "machine.toml"
+    assert "unverified" in sentence(read_machine(place / "mine"))
+    toml.write_text(toml.read_text().replace('signs = "unverified"', 'signs = "verified"'))
+    assert "unverified" not in sentence(read_machine(place / "mine"))
+    toml.write_text(toml.read_text().replace('signs = "verified"', 'signs = "good"'))
+    with pytest.raises(MachineError, match="signs = 'good'"):
+        read_machine(place / "mine")
 
 
 def test_the_play_is_not_counted_twice(made, capsys):
@@ -246,8 +323,19 @@ def test_a_program_is_corrected_with_the_calibrated_machine(made, capsys):
     run(capsys, *names, *ASKED, "--diameter", "X", "-o", place / "mine")
     (place / "part.nc").write_text("G90 G21 G54\nG0 X20. Z10.\nG1 X200. Z400. F100\nZ50.\nM30\n")
     status = cli.main(
-        [str(place / "part.nc"), "--machine", str(place / "mine"), "--verify", "-o", str(place / "out.nc")]
+        [
+            str(place / "part.nc"),
+            "--machine",
+            str(place / "mine"),
+            "--verify",
+            "--offset",
+            "G54=X0,Z0",
+            "-o",
+            str(place / "out.nc"),
+        ]
     )
     out, err = capsys.readouterr()
     assert status == 0, err
+    line = next(x for x in err.splitlines() if x.startswith("gcomp: not in the map: "))
+    assert "squareness of XZ" in line and "EBX: never measured" in line and "unverified" in line
     assert (place / "out.nc").read_text() != (place / "part.nc").read_text()

@@ -254,3 +254,37 @@ def test_components_measured_at_two_places_are_brought_together_with_the_angles(
     assert any("carried there with EAX" in f.message for f in result.findings)
     lacking = calibrate([p for p in parts if p.file != "EAX.csv"], Options(MILL))
     assert any("not measured: EAX" in f.message and "2.5 um" in f.message for f in lacking.findings)
+
+
+@pytest.mark.parametrize("name", ["EZZ", "EXZ"])
+@pytest.mark.parametrize("ratio, refused", [(0.0, True), (2.0, True), (-1.0, True), (1.0, False), (0.9, False)])
+def test_before_and_after_make_no_map_together(name, ratio, refused):
+    """The same axis with so much of its deviation, each with its own zero and line of the set-up."""
+    rng = np.random.default_rng(11)
+    axis = two_axes(rng)["Z"]
+    axis = Slide("Z", axis.targets, {name: axis.forward[name]}, {name: axis.reverse[name]}, ("X",), axis.measured_at)
+    other = Slide(
+        "Z",
+        axis.targets,
+        {name: ratio * axis.forward[name]},
+        {name: ratio * axis.reverse[name]},
+        ("X",),
+        axis.measured_at,
+    )
+    parts = [recording(rng, a, name, {"X": 30.0}, file=f) for a, f in ((axis, "first.csv"), (other, "second.csv"))]
+    if refused:
+        with pytest.raises(CalibrationError, match="times here what it is in first.csv") as error:
+            calibrate(parts, Options(GRINDER))
+        assert float(error.value.message.split()[2]) == approx(ratio, abs=0.05)
+    else:
+        assert name in calibrate(parts, Options(GRINDER)).components
+
+
+def test_a_head_that_says_compensated_is_believed():
+    rng = np.random.default_rng(12)
+    axis = two_axes(rng)["Z"]
+    parts = [recording(rng, axis, n, {"X": 30.0}, compensated=n == "EXZ") for n in ("EZZ", "EXZ")]
+    with pytest.raises(CalibrationError, match="EZZ.csv was measured before compensation, and EXZ.csv after it"):
+        calibrate(parts, Options(GRINDER))
+    found = calibrate(parts[1:], Options(GRINDER)).findings
+    assert any(f.check == "state" and "what was left" in f.message for f in found)

@@ -1,0 +1,116 @@
+"""Which recording after belongs to which before: the same motion with the same targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.accept import AcceptError
+from postproc.errors import Place
+from postproc.iso.assign import Motion, motions
+from postproc.iso.targets import subject
+from postproc.recordings import Recording
+
+SAME = 1e-3  # mm: targets that differ by less are the same, written with fewer digits
+ALIKE = 0.9999  # cosine of the angle between the directions of two readings
+NEAR = 0.6  # mm: a corrected target lies no farther from its nominal one (max_correction 0.5 mm)
+
+
+def split(recordings: Sequence[Recording], after: Sequence[Recording]) -> tuple[list[Recording], list[Recording]]:
+    """Before and after. Without a list of its own, what comes second of a motion is after.
+
+    Raises AcceptError where that can not be told, or a file's head says otherwise (`compensated`).
+    """
+    first: list[Recording] = list(recordings)
+    second: list[Recording] = list(after)
+    if not second:
+        half = len(first) // 2
+        if len(first) % 2:
+            raise AcceptError(
+                f"{len(first)} recordings: which were made before and which after?",
+                "all of before, then as many of after in the same order; or --after FILE...",
+            )
+        first, second = first[:half], first[half:]
+    for group, said in ((first, False), (second, True)):
+        for one in group:
+            if one.head.get("compensated", said) is not said:
+                raise AcceptError(
+                    f"{one.file} was named as measured {'after' if said else 'before'} compensation, "
+                    f"and its head says compensated = {str(not said).lower()}",
+                    "name what was measured before first", Place(one.file, 1),
+                )  # fmt: skip
+    return first, second
+
+
+def pairs(before: Sequence[Recording], after: Sequence[Recording], commanded: bool) -> list[tuple[Motion, Motion]]:
+    """Motions before and after, in the order of before. Raises AcceptError for one without a partner."""
+    old = [m for r in before for m in motions(r)]
+    points = [(r, _points(r)) for r in before]
+    new = [m for r in after for m in motions(_nominal(r, points, commanded))]
+    found = []
+    for motion in old:
+        same = [m for m in new if _key(m) == _key(motion)]
+        if len(same) != 1:
+            raise AcceptError(
+                f"{subject(motion)} of {motion.recording.file} was measured {len(same)} times after: "
+                f"{', '.join(m.recording.file for m in same) or 'among ' + ', '.join(subject(m) for m in new)}",
+                "one recording of a component before, and one after",
+            )
+        found.append((motion, same[0]))
+    for motion in new:
+        if not any(after_one is motion for _, after_one in found):
+            raise AcceptError(f"{subject(motion)} of {motion.recording.file} was not measured before")
+    return found
+
+
+def _key(motion: Motion) -> tuple:
+    return motion.test, motion.subject, motion.axes, tuple((x, round(v, 1)) for x, v in sorted(motion.at.items()))
+
+
+def _alike(one: Recording, other: Recording) -> bool:
+    """Whether both were read along the same direction; a corrected diagonal leans by its correction."""
+    return sum(v * other.sensitive.get(x, 0.0) for x, v in one.sensitive.items()) > ALIKE
+
+
+def _points(recording: Recording) -> np.ndarray:
+    """(K, A) mm: places of a recording, each once."""
+    return np.unique(np.stack([recording.position(x) for x in recording.axes], axis=1), axis=0)
+
+
+def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], commanded: bool) -> Recording:
+    """The recording on the targets of before: as it is, or from the corrected ones that its program commanded.
+
+    Raises AcceptError where its targets are others.
+    """
+    own = np.stack([recording.position(x) for x in recording.axes], axis=1)
+    best, source = None, recording
+    for other, points in before:
+        if other.axes != recording.axes or other.quantity != recording.quantity or not _alike(recording, other):
+            continue
+        apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
+        near = points[apart.argmin(axis=1)]
+        if best is None or np.abs(own - near).max() < np.abs(own - best).max():
+            best, source = near, other
+    if best is None:
+        return recording  # another quantity: pairs() names it
+    far = float(np.abs(own - best).max())
+    if far <= SAME:
+        return recording
+    worst = int(np.abs(own - best).max(axis=1).argmax())
+    if far > NEAR or not (commanded or recording.head.get("against") == "commanded"):
+        say = "readings are wanted against the nominal targets, those of before; where they are against what the corrected program commands, say --commanded"
+        raise AcceptError(
+            f"its target lies {far:.4g} mm beside the next one of before",
+            say if far <= NEAR else "measure at the same targets as before",
+            Place(recording.file, int(recording.lines[worst])),
+        )
+    shift = own - best
+    along = sum(recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes))
+    name = "reading_urad" if recording.quantity == "angle" else "reading_um"
+    columns = dict(recording.columns)
+    columns[name] = columns[name] + (0.0 if recording.quantity == "angle" else along / recording.unit)
+    head = recording.head | {"sensitive": dict(source.sensitive)}
+    columns |= {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": best[:, i] for i, x in enumerate(recording.axes)}
+    return replace(recording, head=head, columns=columns)

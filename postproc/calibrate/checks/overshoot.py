@@ -1,0 +1,32 @@
+"""A slide that goes beyond its command where it reverses: a turned sign, or a control that takes up too much."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.calibrate import Finding
+from postproc.calibrate.assign import unit_of
+from postproc.machine import overshoot
+
+
+def check(calibration) -> list[Finding]:
+    found = []
+    for name, component in calibration.measured.items():
+        if name != f"E{component.letter}{component.letter}" or not component.two_way:
+            continue
+        lost = -component.reversal
+        text = overshoot.sentence(name, lost, _known_to(component))
+        if text:
+            unit, one = unit_of(name)
+            numbers = {f"lost_motion_{unit}": float(np.nanmedian(lost)) / one}
+            found.append(Finding("overshoot", "doubt", name, f"{component.file}: {text}", numbers))
+    return found
+
+
+def _known_to(component) -> float:
+    """mm or rad: U of the median over the targets from the scatter of the runs; a median of many has a
+    standard error 1.25 times that of their mean."""
+    if not component.cells.scatter.known:
+        return 0.0
+    u = component.cells.scatter.s / np.sqrt(np.maximum(component.cells.n, 1))
+    return float(2 * 1.25 * np.sqrt(np.nanmean(u**2) * 2 / u.shape[1]))

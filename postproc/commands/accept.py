@@ -1,0 +1,63 @@
+"""`gcomp accept BEFORE... AFTER...`: the measurement after compensation against the one before."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import sys
+from pathlib import Path
+
+from postproc import ports
+from postproc.accept import judge, pairing, report
+from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.errors import UsageError
+from postproc.iso import Options
+from postproc.iso.lines import LINES
+from postproc.machine import places
+
+HELP = "compare measurements before and after compensation: what it took out, and whether every sign is right"
+EXAMPLE = "gcomp accept x_before.rtl z_before.rtl x_after.rtl z_after.rtl --machine mine --page accept.html"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "files", nargs="+", metavar="REC", help="recordings before, then as many after in the same order"
+    )
+    parser.add_argument("--after", nargs="+", default=[], metavar="REC", help="those after, where they are named apart")
+    parser.add_argument(
+        "--machine", metavar="M", help="the machine whose map was used: says whether it or the control errs"
+    )
+    parser.add_argument(
+        "--commanded",
+        action="store_true",
+        help="readings after are against what the corrected program commands, not its nominal targets (of gcomp simulate its files say so)",
+    )
+    parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness")
+    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    parser.add_argument("--page", metavar="FILE.html", help="a page with the curves before and after")
+    reading_arguments(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    if options.page and options.page == options.json:
+        raise UsageError(f"the page and the JSON are both to be written to {options.json}", "name two files")
+    machine = places.load(options.machine) if options.machine else None
+    how = reading_options(options)
+    named, apart = (read_files(names, options.format, how) for names in (options.files, options.after))
+    before, after = pairing.split(named, apart)
+    found = [
+        judge.outcome(one, other, machine, Options(options.line))
+        for one, other in pairing.pairs(before, after, options.commanded)
+    ]
+    name = machine.name if machine else ""
+    print(report.text(found, name), file=sys.stderr if options.json == "-" else sys.stdout)
+    if options.page:
+        ports.replace_file(Path(options.page), io.BytesIO(report.page(found, name).encode()), backup=False)
+    if options.json:
+        data = (json.dumps(report.as_json(found, name), indent=1, allow_nan=False) + "\n").encode()
+        if options.json == "-":
+            ports.write_standard(data)
+        else:
+            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+    return 0

@@ -1,0 +1,57 @@
+"""Lost motion has a sign: a slide with play lags behind its command, so that of its own positioning reverse - forward is
+above zero.
+
+Approached in + it stops short (deviation below), approached in - it stops short of the other side (above). Below zero the
+slide goes beyond its command: the control takes up more play than there is, or a sign of the numbers is turned.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Machine
+from postproc.units import UM, URAD
+
+LEAST = {"um": 0.5, "urad": 5.0}  # of the median: less is what few runs scatter by; 5 urad is one second of arc
+WAYS_OUT = (
+    "play makes a slide lag, and is above zero. Is the file negated (corrections, or read towards - of the axis)? "
+    "Are its directions exchanged (--first)? Else the control takes up more backlash than there is: lower it there"
+)
+
+
+def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
+    """What is to be said of a component's lost motion, empty where it lags as it should.
+
+    component: EXX; lost (K,) mm or rad: reverse - forward at each target, NaN where one direction was not read; known_to:
+    mm or rad, U (95 %) of its median.
+    """
+    unit, one = ("um", UM) if component[1] in XYZ else ("urad", URAD)
+    lost = lost[np.isfinite(lost)] / one
+    if not len(lost):
+        return ""
+    limit, middle = max(LEAST[unit], known_to / one), float(np.median(lost))
+    if middle > -limit:
+        return ""
+    return (
+        f"{component} goes beyond its command where the axis reverses: reverse - forward is {lost.min():+.1f} to "
+        f"{lost.max():+.1f} {unit}, {middle:+.1f} in the median, below zero at {int((lost < 0).sum())} of {len(lost)} "
+        f"targets; {WAYS_OUT}"
+    )
+
+
+def of_axis(machine: Machine, letter: str) -> np.ndarray:
+    """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables and effects together."""
+    row = XYZ.index(letter) if letter in XYZ else 3 + "ABC".index(letter)
+    tables = [table for x, table in machine.every_table if x == letter and np.any(table.half[row])]
+    if not tables:
+        return np.zeros(0)
+    nodes = np.unique(np.concatenate([table.nodes for table in tables]))
+    return np.sum([-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables], axis=0)
+
+
+def found(machine: Machine, letters: str = "") -> list[str]:
+    """Sentences about the axes of a machine, or about some of them."""
+    every = [x for x in machine.letters if not letters or x in letters]
+    said = [sentence(f"E{x}{x}", of_axis(machine, x)) for x in every]
+    return [text for text in said if text]
