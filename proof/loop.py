@@ -26,6 +26,7 @@ from proof.trial_run import gcomp
 PLACED = {  # effects that a place, and the way to it, decide: what a program can be corrected for beforehand
     "scale", "pitch_shape", "backlash", "backlash_position", "windup", "cyclic", "squareness", "bow", "abbe", "sag",
 }  # fmt: skip
+HYSTERESIS = 0.0011  # mm
 STEP = 1.0  # mm between samples
 POINTS, DIAGONAL = 31, 13
 SETTLING = 3  # motions before every axis has turned
@@ -123,10 +124,8 @@ def path_error(drawn: cases.Drawn, text: str, nominal: np.ndarray) -> float:
     and no instrument sees a deviation that is the same everywhere."""
     machine = drawn.scene.machine
     points, motion, last = commanded(text, machine)
-    went = np.vstack([np.zeros(3), np.sign(np.diff(nominal, axis=0))])
-    held = np.maximum.accumulate(np.where(went != 0, np.arange(len(went))[:, None], 0), axis=0)
-    direction = np.where(np.take_along_axis(went, held, axis=0) == 0, 1.0, np.take_along_axis(went, held, axis=0))
-    actual = points + 1e-3 * deviation(drawn, points, direction[motion - 1])
+    direction = np.stack([sides(column) for column in points.T], axis=1)
+    actual = points + 1e-3 * deviation(drawn, points, direction)
     end = nominal[motion - 1]
     start = nominal[np.maximum(motion - 2, 0)]
     along = end - start
@@ -138,6 +137,19 @@ def path_error(drawn: cases.Drawn, text: str, nominal: np.ndarray) -> float:
     across = off - (off * along).sum(axis=1)[:, None] / length**2 * along
     errors = np.where(closes, np.linalg.norm(off, axis=1), np.linalg.norm(across, axis=1))
     return float(errors[counts].max() * 1e3)
+
+
+def sides(command: np.ndarray) -> np.ndarray:
+    """(N,) direction in which a slide was last commanded to move, +1 before it has; one that goes back by no more than the
+    hysteresis (and an increment, by which words are rounded) keeps it."""
+    side, far, found = 1.0, float(command[0]), []
+    for place in command.tolist():
+        if (place - far) * side < -HYSTERESIS:
+            side, far = -side, place
+        elif (place - far) * side > 0:
+            far = place
+        found.append(side)
+    return np.array(found)
 
 
 def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> np.ndarray:

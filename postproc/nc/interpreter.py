@@ -79,6 +79,8 @@ class Interpreter:
         modal["arc centre"] = 901 if setup.arc_centre == "absolute" else 911
         modal["carried"] = 900
         modal["motion"] = self.dialect.motion
+        if "return" in modal:
+            modal["return"] = self.dialect.returns
         modal["work offset"] = 540 if "G54" in setup.offsets else NONE
         start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
         return ModalState(

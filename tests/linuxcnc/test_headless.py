@@ -161,7 +161,9 @@ def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(lin
     stops, _ = linuxcnc.run(written)
     axis, tool = judged(mill, expected, [joints for _, joints in stops])
     print(f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
-    assert len(stops) > 35 and axis < limit * UM and tool < limit * UM * math.sqrt(3 if limit > 1 else 1)
+    # A slide may be held within the hysteresis (1 um) of its wanted place.
+    assert len(stops) > 35 and axis < (limit + 1.0) * UM
+    assert tool < (limit * math.sqrt(3 if limit > 1 else 1) + math.sqrt(3)) * UM
 
 
 def test_A21_without_correction_the_same_points_are_missed(linuxcnc, mill):

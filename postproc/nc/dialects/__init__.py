@@ -103,6 +103,7 @@ class Dialect:
     m_text: tuple[int, ...] = ()
     bare_letters: bool = False
     first_turn: int = 1
+    returns: int = -1  # ten times G98 or G99 that holds in cycles before either is named; -1: G98, and not said
     arc_centre: str = "incremental"
     length_letter: str = "H"
     carried_codes: tuple[int, ...] = ()
