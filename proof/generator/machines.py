@@ -189,7 +189,7 @@ def _axis(rng, x, low, high, least, fast, at, size, letters, turning, masked) ->
     reach = size * (1.0 if masked else min(1.0, (high - low) / 250.0) * rng.uniform(0.6, 1.0))
     own = _smooth(rng, u, reach)
     gap = rng.uniform(0.6, 4.0) * (1 + 0.3 * np.sin(np.pi * u * rng.uniform(0.5, 2) + rng.uniform(0, 6)))
-    tables[f"E{x}{x}"] = (np.round(own + gap / 2, 3), np.round(own - gap / 2, 3))
+    tables[f"E{x}{x}"] = (np.round(own - gap / 2, 3), np.round(own + gap / 2, 3))  # a slide lags
     for other in letters:
         if other == x:
             continue
