@@ -56,7 +56,8 @@ def straight_pieces(b: Batch):
     may &= b.free[motion[straight]] & b.known_before[straight] & (cutter.margin(b, motion[straight]) < np.inf)
     chosen = straight[may]
     if not b.c.reach.any():
-        chosen = chosen[nodes.may_bend(b.machine, b.begin_nominal[:, chosen], b.end_nominal[:, chosen], b.c.slack)]
+        begin, end = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
+        chosen = chosen[nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")]
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
         return pack(b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0, b.nominal_end)

@@ -40,13 +40,19 @@ def candidates(
     return np.concatenate(owners), np.concatenate(times), np.concatenate(axes)
 
 
-def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
-    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, or product terms."""
+def may_bend(
+    machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool
+) -> np.ndarray:
+    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the end of a table where it is
+    held beyond (`clamped`), or product terms."""
     result = machine.bounds.bend(target - start) > slack
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         before, after = table.place(np.stack((start[row], target[row])))[0]
         result |= before != after
+        if clamped:  # held beyond the ends, it bends there
+            for end in (table.nodes[0], table.nodes[-1]):
+                result |= (start[row] < end) != (target[row] < end)
     for grid in machine.grids:
         for letter, nodes in ((grid.letter, grid.nodes), (grid.other, grid.others)):
             row = machine.letters.index(letter)

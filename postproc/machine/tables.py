@@ -58,6 +58,8 @@ class AxisTable:
             slope = self.slopes[:, :, np.minimum(first + k, last)]
             np.minimum(least, slope, out=least)
             np.maximum(most, slope, out=most)
+        held = (low < self.nodes[0]) | (high > self.nodes[-1])  # flat beyond the ends
+        least[..., held], most[..., held] = np.minimum(least[..., held], 0.0), np.maximum(most[..., held], 0.0)
         return (most - least).max(axis=1), np.maximum(np.abs(least), np.abs(most)).max(axis=1)
 
     @cached_property
