@@ -40,7 +40,8 @@ class Sender:
         order: tuple[int, ...] | None = (), path: Path | None = None,
     ):  # fmt: skip
         self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
-        self.path = path or Path()
+        self.path = path or Path(protocol.controller, order or (), watched=False)
+        self.account = self.path.account
         self.outcome: Outcome | None = None
         self.tally = Tally()
         self.state = RUNNING
@@ -184,7 +185,7 @@ class Sender:
                 self.tally.sent += 1
                 self.tally.bytes += len(data)
                 self.log.append(("sent", line, now))
-                self.path.sent(line)
+                self.account.sent(line)
             self._drained, self._rests = None, 0
 
     def _poll(self, now: float) -> None:
@@ -253,7 +254,7 @@ class Sender:
         self._hold.foreign = self._hold.foreign and self._hold.stands
         if line is None or number <= 0:
             return
-        self.path.answered(number)
+        self.account.answered(number, self.protocol.emptied(line.text))
         self._last = line
         self.tally.answered += 1
         self.tally.seconds += line.seconds
@@ -275,6 +276,7 @@ class Sender:
         self.tally.answered += 1
         self._end = ()
         self.path.lose()
+        self.account.refused(line.number)
         self.log.append(("rejected", line, now))
         if self.on_error == "continue" or self.check:
             return

@@ -188,6 +188,18 @@ def test_A18_sigterm_holds_and_stops(place):
     assert [value for _, value in host.times] == [ord("!"), 0x18]
 
 
+@pytest.mark.parametrize(("options", "seen"), [((), True), (("--no-watch",), False)])
+def test_the_watch_over_the_path_has_a_switch_of_its_own(place, options, seen):
+    """A coordinate altered on the wire to a controller without echo, and set right by the next line."""
+    (place / "job.nc").write_text("G90 G21 G94 G17\nG54\nG0 X0 Y0\n" + "G1 X2 F600\nG1 X7 Y7\nG1 X3 Y3\n" * 5 + "M30\n")
+    with PtyHost(model(), speed=2.0) as host:
+        write = host.model.write
+        host.model.write = lambda data, now: write(data.replace(b"X7 Y7", b"X7 Y9"), now)
+        machine = ("--machine", "perfect", "--dialect", "grbl")
+        status, _, err = stream(place, host, "job.nc", *options, machine=machine)
+    assert (status, "beside the path" in err) == ((15, True) if seen else (0, False)), err
+
+
 def test_A10_a_port_that_goes_away(place):
     (place / "job.nc").write_text(program(400, 600))
     with PtyHost(model(), speed=5.0, hang_up_after=40) as host:

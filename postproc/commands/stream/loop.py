@@ -97,6 +97,7 @@ class Run:
                 self._feed()
                 self._obey(signals, now)
                 sender.tick(now)
+                self._log(now)  # before it is written: after a crash nothing is on the wire that the journal does not say
                 try:
                     self._write()
                     hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
@@ -107,7 +108,6 @@ class Run:
                     data = b""
                 now = time.monotonic()
                 sender.receive(data, now)
-                self._log(now)
                 self.show(now)
             # The stop that an outcome orders may still have to leave.
             with contextlib.suppress(Lost):
@@ -198,7 +198,7 @@ class Run:
         out = []
         for kind, what, t in entries:
             if self.journal is not None:
-                out.append(journals.record(kind, what, t - self.begun))
+                out.append(journals.record(kind, what, t - self.begun, self.sender.account.executed))
             if self.trace is not None:
                 if kind == "sent" and isinstance(what, WireLine):
                     self.trace.sent(what)
