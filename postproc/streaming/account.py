@@ -18,7 +18,6 @@ from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Controller
 
 REST = "idle"
-SPARE = 1  # motion: the one that is just being taken
 SHORT = 0.05  # mm: of a motion that surely makes a block, where the controller does not say how fine its steps are
 MOST = 4096  # entries that may be kept apart
 # M6 and macros may move in ways of their own.
@@ -67,8 +66,8 @@ class Account:
 
     @property
     def holds(self) -> int:
-        """Motions that may be answered and not over."""
-        return self._blocks + self._segments + SPARE
+        """Motions that may be answered and not over: of the planner one more than it holds, which is just being taken."""
+        return self._blocks + self._segments
 
     def sent(self, line: WireLine) -> None:
         """A line that left."""
@@ -186,6 +185,18 @@ class Account:
             else:
                 kept.append(part)
         self.parts = kept
+
+    def running(self, status: Status) -> list[Part]:
+        """The parts on which it can be at this report, or will be: fewer than `parts` where the report says how much of the planner is
+        free. Nothing else follows from that: a report may be damaged."""
+        if not status.free:
+            return list(self.parts)
+        held, behind = self._blocks - status.free[0] + self._segments, self._over
+        for i, part in enumerate(self.parts):
+            behind -= part.block and part.answered
+            if not part.answered or behind < held:
+                return list(self.parts)[i:]
+        return []
 
     def lines(self) -> list[WireLine]:
         """Those that the machine may be executing, or will."""

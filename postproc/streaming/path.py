@@ -54,6 +54,7 @@ class Path:
         self._lost = not watched
         self.doubts = 0
         self.distance = 0.0
+        self._beside: tuple[float, ...] | None = None  # the place that was seen beside it last
         self.nearest: WireLine | None = None
 
     @property
@@ -69,18 +70,25 @@ class Path:
         return self.account.lines()
 
     def judge(self, status: Status) -> str:
-        """LOOK: it seems to stand beside the path; hold it, and ask again. OFF: it does (`distance`, mm, and `nearest` say how far
+        """LOOK: it seems to stand beside the path; hold it, and ask again. OFF: it does, twice at one place (`distance`, mm, and `nearest` say how far
         from which line). CLEAR: it was held for that, stands, and is on the path. "": nothing new."""
         self.account.reported(status)
         found = None if self._lost else self._off(status)
         if found is not None:
             self.distance, self.nearest = found
             self.doubts += 1
-            return LOOK if self.doubts == 1 else OFF
+            before, self._beside = self._beside, status.place
+            return LOOK if self.doubts == 1 else OFF if self._same(before, status.place) else ""
         if self.doubts and (status.state == REST or (status.state in JUDGED and status.detail == "0")):
-            self.doubts = 0
+            self.doubts, self._beside = 0, None
             return CLEAR
         return ""
+
+    def _same(self, one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
+        """Whether two reports say the same place: of two that were damaged each says another."""
+        if one is None or other is None or len(one) != len(other):
+            return False
+        return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= self.limit
 
     def _off(self, status: Status) -> tuple[float, WireLine] | None:
         if status.state == REST:
@@ -88,7 +96,7 @@ class Path:
         if status.state not in JUDGED:
             self.account.forget()
             return None
-        parts = self.account.parts
+        parts = self.account.running(status)
         if not parts or status.place is None or any(not part.places for part in parts):
             return None
         n = len(parts[0].places[0])

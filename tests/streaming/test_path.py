@@ -168,14 +168,14 @@ def standing() -> Path:
 
 
 def test_what_is_over_is_no_path_any_more_and_what_may_not_be_is():
-    """A planner of 3, a segment, and 1 to spare: of motions 1 to 9, all answered, 5 to 9 may be in execution."""
+    """A planner of 3 and a segment: of motions 1 to 9, all answered, 6 to 9 may be in execution."""
     path = standing()
-    moves(path, *((float(i), 0.0 if i < 5 else 50.0) for i in range(1, 10)))
+    moves(path, *((float(i), 0.0 if i < 6 else 50.0) for i in range(1, 10)))
     for i in range(1, 10):
         path.account.answered(i)
-    assert [line.number for line in path.lines()] == [5, 6, 7, 8, 9]
-    assert path.judge(at(4.5, 25.0)) == "" and path.judge(at(2.0, 0.0)) == LOOK
-    assert path.distance == pytest.approx(2.0, abs=0.05) and path.nearest.number == 5
+    assert [line.number for line in path.lines()] == [6, 7, 8, 9]
+    assert path.judge(at(5.5, 25.0)) == "" and path.judge(at(3.0, 0.0)) == LOOK
+    assert path.distance == pytest.approx(2.0, abs=0.05) and path.nearest.number == 6
 
 
 def test_motions_without_length_push_nothing_out():

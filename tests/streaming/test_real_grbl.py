@@ -137,7 +137,9 @@ def test_a_restart_leaves_nothing_uncut(tmp_path, how, answered):
     assert in_order(steps, at, 1.5) == len(at)
     assert steps[:, 2].min() >= (DEPTH - 20) * STEPS - 0.5
     again = in_order(first, at, 1.5) - (len(at) - in_order(steps[len(first) :][::-1], at[::-1], 1.5))
-    print(f"\n{how.__name__} at {answered}: {len(first)} steps, then {len(steps) - len(first)}; {again / 6:.1f} motions cut twice")
+    print(
+        f"\n{how.__name__} at {answered}: {len(first)} steps, then {len(steps) - len(first)}; {again / 6:.1f} motions cut twice"
+    )
     assert 0 <= again / 6 < journal.MARGIN + 2
 
 

@@ -61,7 +61,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--control-compensates", action="store_true", help="send even though the control compensates by itself"
     )
     job.add_argument(
-        "--no-watch", action="store_true", help="do not look whether the reports lie on the path of the lines in execution"
+        "--no-watch",
+        action="store_true",
+        help="do not look whether the reports lie on the path of the lines in execution",
     )
     job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
     job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
@@ -262,9 +264,17 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
             journal = JournalFile(
                 place,
                 journals.head(
-                    job.name, sha, machine.name, machine.digest, sender.account.holds, job.begin, options.expand,
-                    jobs.zero_done(options), job.live.work, place_now,
-                ),  # fmt: skip
+                    job.name,
+                    sha,
+                    machine.name,
+                    machine.digest,
+                    sender.account.holds,
+                    job.begin,
+                    options.expand,
+                    jobs.zero_done(options),
+                    job.live.work,
+                    place_now,
+                ),
             )
         clock = Clock(load.expected, time.monotonic()) if load else None
         show = Show(sender, clock, load.lines if load else 0, machine.letters, options.quiet)

@@ -216,9 +216,7 @@ def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: 
     if job.options.zero_is_right:
         return line
     letters, controller = job.fresh().machine.letters, job.protocol.controller
-    zero.refuse(
-        zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)), controller
-    )
+    zero.refuse(zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)), controller)
     if past is None or zero_done(job.options) or job.options.resume_from.isdigit():
         return line
     return zero.certain(past, job.live, letters, controller)

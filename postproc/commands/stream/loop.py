@@ -97,7 +97,9 @@ class Run:
                 self._feed()
                 self._obey(signals, now)
                 sender.tick(now)
-                self._log(now)  # before it is written: after a crash nothing is on the wire that the journal does not say
+                self._log(
+                    now
+                )  # before it is written: after a crash nothing is on the wire that the journal does not say
                 try:
                     self._write()
                     hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
