@@ -21,6 +21,7 @@ from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Controller
 
 JUDGED = {"run", "hold"}
+RUN_ON = 2.0  # mm
 LOOK, OFF, CLEAR = "look", "off", "clear"
 
 
@@ -85,10 +86,10 @@ class Path:
         return ""
 
     def _same(self, one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
-        """Whether two reports say the same place: of two that were damaged each says another."""
+        """Whether two reports say one place, but for what it ran on while it slowed down: two that were damaged hardly do."""
         if one is None or other is None or len(one) != len(other):
             return False
-        return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= self.limit
+        return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= RUN_ON
 
     def _off(self, status: Status) -> tuple[float, WireLine] | None:
         if status.state == REST:
