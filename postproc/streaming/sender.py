@@ -143,11 +143,15 @@ class Sender:
         self._poll(now)
         self._watch(now)
 
+    def urgent_out(self) -> bytes:
+        """Realtime bytes (a hold, a stop, a question), to be written before anything is told or kept."""
+        data, self._urgent = self._urgent, b""
+        return data
+
     def bytes_out(self) -> bytes:
         """What to write now, at most what the protocol lets go; the rest comes next time."""
         if self._urgent:
-            data, self._urgent = self._urgent, b""
-            return data
+            return self.urgent_out()
         n = min(self.protocol.release(), len(self._out))
         data, self._out = self._out[:n], self._out[n:]
         return data

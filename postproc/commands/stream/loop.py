@@ -110,6 +110,7 @@ class Run:
                     data = b""
                 now = time.monotonic()
                 sender.receive(data, now)
+                self._urge()
                 self.show(now)
             # The stop that an outcome orders may still have to leave.
             with contextlib.suppress(Lost):
@@ -140,6 +141,14 @@ class Run:
                 self.port.drain()
                 return
 
+    def _urge(self) -> None:
+        """What can not wait leaves before anything is told: a terminal may stall."""
+        with contextlib.suppress(Lost):  # which the next read finds, too
+            data = self.sender.urgent_out()
+            n = self.port.write(data) if data else 0
+            if n < len(data):
+                self.sender.unwritten(data[n:])
+
     def _obey(self, signals: Signals, now: float) -> None:
         """First Ctrl-C holds, the second stops; SIGTERM does both; Enter or SIGUSR1 goes on."""
         while self._pressed < signals.presses:
@@ -148,6 +157,7 @@ class Run:
                 self.sender.stop(now)
             else:
                 self.sender.hold(now)
+                self._urge()
                 what = "feed hold" if self.sender.protocol.urgent("hold") else self.sender.protocol.does["hold"]
                 self._tell(f"{what}; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
         if signals.terms and self._term is None:
