@@ -89,7 +89,7 @@ def stalled(waiting: Sequence[WireLine], how: str) -> Outcome:
     return Outcome(
         ends.STALLED, f"{len(waiting)} lines were sent and not answered, and {how}. Oldest: {lines}",
         "an answer or a part of a line was lost; nothing is sent again, because a line executed twice is worse. Look at the machine, "
-        "then restart from the last line answered",
+        "then restart: --resume-from its journal knows what is over",
     )  # fmt: skip
 
 

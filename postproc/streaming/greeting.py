@@ -36,6 +36,7 @@ class Greeting:
         self.fault: GreetingError | None = None
         self.done = False
         self.banner = ""
+        self.restarted = False  # it greeted as one that has just started
         self._out = b""
         self._begun: float | None = None
         self._heard = 0.0
@@ -73,6 +74,7 @@ class Greeting:
                 self._refused(event, now)
             elif isinstance(event, Restarted):  # it greets late: what was asked is lost, or its answer may still come
                 self.protocol.forget()
+                self.restarted = True
                 self._asked, self._asks_status, self._settles = None, False, True
             elif isinstance(event, Alarm):
                 self._fail(
@@ -119,7 +121,10 @@ class Greeting:
             self._poked = now
 
     def _choose(self, name: str, now: float) -> None:
-        self.protocol = protocols.load(name).PROTOCOL(counting=self.counting)
+        kind = protocols.load(name).PROTOCOL
+        heard = kind().receive(self.banner.encode("latin-1") + b"\n")
+        self.restarted = self.restarted or any(isinstance(event, Restarted) for event in heard)
+        self.protocol = kind(counting=self.counting)
         self._begin(now)
 
     def _begin(self, now: float) -> None:

@@ -1,20 +1,24 @@
-"""What was sent and what was answered, one JSON object a line, only ever appended: readable after any crash.
+"""What was sent, what was answered, and what is over, one JSON object a line, only ever appended: readable after any crash.
 
-    {"format": "gcomp-journal/1", "program": ..., "sha256": ..., "machine": ..., "map": ..., "planner": 16, "begin": 1}
-    {"t": 0.013, "sent": 1, "source": 3, "piece": 0, "text": "G0X10", "correction_um": [1.2, 0.0]}
+    {"format": "gcomp-journal/1", "program": ..., "sha256": ..., "machine": ..., "map": ..., "holds": 21, "begin": 1,
+     "zero": "", "offsets": {"G54": {"X": 0.0}}, "place_mm": [0.0, 0.0]}
+    {"t": 0.013, "sent": 1, "source": 3, "piece": 0, "text": "G0X10", "correction_um": [1.2, 0.0], "end_mm": [10.0, 0.0]}
     {"t": 0.014, "sent": 2, "source": 1, "piece": 0, "text": "G1X4", "correction_um": [0.4, 0.0], "file": "pocket.ngc"}
     {"t": 0.020, "answered": 1}
-    {"t": 0.220, "state": "run", "place_mm": [1.0, 2.0]}
+    {"t": 0.220, "state": "run", "place_mm": [1.0, 2.0], "executed": 1}
     {"t": 9.1, "outcome": "done", "message": "...", "position": "known"}
 
-file: of a line that stands in a subprogram's file. A last line that was cut by a crash is no error. What was answered was accepted, not executed: up to `planner` motions of it
-may not have begun.
+file: of a line that stands in a subprogram's file. A last line that was cut by a crash is no error. What was answered was accepted, not
+executed: what is surely over says `executed`. end_mm, via_mm: where a line goes, machine coordinates, and places on an arc before it;
+null: not known. zero: "homed" or "unlocked" where gcomp did that before the job.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -24,6 +28,11 @@ from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import RESET, Outcome
 
 FORMAT = "gcomp-journal/1"
+MARGIN = 3  # motions before the first that may not be over, with which a job begins again
+RECENT = 1 << 15  # lines sent of which is known where they go
+OLD_HOLDS = 130  # lines, in a journal that does not say what was over
+VIA = 3  # every so manieth place of an arc is kept: chords of 5 um then miss it by 45 um
+Spot = tuple[float | None, ...]
 POSITION_LOST = ("alarm", "disconnected", "aborted", RESET)
 
 
@@ -32,36 +41,55 @@ def _record(**fields: Any) -> bytes:
 
 
 def head(
-    program: str, sha256: str, machine: str, digest: str, planner: int, begin: int = 1, expanded: bool = False
-) -> bytes:
-    """The first line. sha256: of the program's bytes; begin: source line with which the job began; expanded: its lines were
-    written out, so that a source line may have been executed more than once."""
+    program: str, sha256: str, machine: str, digest: str, holds: int, begin: int = 1, expanded: bool = False,
+    zero: str = "", offsets: dict[str, dict[str, float]] | None = None, place: Sequence[float | None] = (),
+) -> bytes:  # fmt: skip
+    """The first line. sha256: of the program's bytes; holds: motions that the controller may have answered and not executed;
+    begin: source line with which the job began; expanded: its lines were written out, so that a source line may have been
+    executed more than once; zero, offsets, place: the controller's, when the job began."""
     return _record(
         format=FORMAT,
         program=program,
         sha256=sha256,
         machine=machine,
         map=digest,
-        planner=planner,
+        holds=holds,
         begin=begin,
         expanded=expanded,
+        zero=zero,
+        offsets=offsets or {},
+        place_mm=list(place),
     )
 
 
-def record(kind: str, what: object, t: float) -> bytes:
-    """A line for an entry of the sender's log; b"" for what is not kept. t: s since the job began."""
+def record(kind: str, what: object, t: float, executed: int = 0) -> bytes:
+    """A line for an entry of the sender's log; b"" for what is not kept. t: s since the job began; executed: the last wire line that
+    is over."""
     time = round(t, 3)
     if isinstance(what, WireLine):
         if kind == "sent":
             um = [round(c * 1000, 2) for c in what.correction]
             return _record(
                 t=time, sent=what.number, source=what.source, piece=what.piece, text=what.text.decode("ascii", "replace"),
-                correction_um=um, **({"file": what.file} if what.file else {}),
+                correction_um=um, **({"file": what.file} if what.file else {}), **_way(what),
             )  # fmt: skip
         return _record(t=time, **{kind: what.number})
     if isinstance(what, Status):
-        return _record(t=time, state=what.state, place_mm=list(what.place or ()))
+        detail = {"detail": what.detail} if what.detail else {}
+        return _record(t=time, state=what.state, **detail, place_mm=list(what.place or ()), executed=executed)
     return _record(t=time, told=str(what))
+
+
+def _way(line: WireLine) -> dict[str, Any]:
+    """Where it goes, where that is known."""
+    if not (line.end and line.straight):
+        return {}
+    via = [_rounded(place) for place in line.points[::VIA]]
+    return {"end_mm": _rounded(line.end), **({"via_mm": via} if via else {})}
+
+
+def _rounded(place: Sequence[float]) -> list[float | None]:
+    return [None if math.isnan(v) else round(v, 4) for v in place]
 
 
 def end(outcome: Outcome, t: float) -> bytes:
@@ -72,13 +100,20 @@ def end(outcome: Outcome, t: float) -> bytes:
 
 @dataclass
 class Past:
-    """What a journal says. certain: source line with which to begin again so that nothing is left out: that of the first line
-    that may not have been executed. answered, sent: numbers of the last wire lines."""
+    """What a journal says. certain: source line with which to begin again so that nothing is left out: MARGIN motions before the
+    first line that may not have been executed. executed, answered, sent: numbers of the last wire lines. state, detail:
+    of the last report; place: where it stood when the job began; recent: the last lines sent, of which recent[first] is the first that may not be over."""
 
     head: dict[str, Any]
     certain: int = 1
+    executed: int = 0
     answered: int = 0
     sent: int = 0
+    state: str = ""
+    detail: str = ""
+    place: Spot = ()
+    recent: list[dict[str, Any]] = field(default_factory=list)
+    first: int = 0
     outcome: str = ""
     source: dict[int, int] = field(default_factory=dict)
 
@@ -88,7 +123,7 @@ def read(data: bytes, name: str) -> Past:
     lines = data.split(b"\n")
     lines.pop()  # what stands behind the last line end was cut
     past: Past | None = None
-    recent: deque[tuple[int, int]] = deque(maxlen=4096)
+    recent: deque[dict[str, Any]] = deque(maxlen=RECENT)
     for number, line in enumerate(lines, 1):
         try:
             entry = json.loads(line)
@@ -103,18 +138,61 @@ def read(data: bytes, name: str) -> Past:
         if past is None:
             if entry.get("format") != FORMAT:
                 raise UsageError(f"{name} is no journal of gcomp stream", "name the file that --journal wrote")
-            past = Past(entry)
+            past = Past(entry, place=tuple(entry.get("place_mm", ())))
         elif "sent" in entry:
             past.sent = int(entry["sent"])
-            recent.append((past.sent, int(entry["source"])))
+            recent.append(entry)
         elif "answered" in entry:
             past.answered = int(entry["answered"])
+        elif "state" in entry:
+            past.state, past.detail = str(entry["state"]), str(entry.get("detail", ""))
+            past.executed = max(past.executed, int(entry.get("executed", 0)))
         elif "outcome" in entry:
             past.outcome = str(entry["outcome"])
     if past is None:
         raise UsageError(f"{name} is empty", "name the file that --journal wrote")
-    past.source = dict(recent)
-    first = max(1, past.answered + 1 - int(past.head.get("planner", 16)))
-    sources = [source for n, source in recent if n >= first and source]
-    past.certain = min(sources, default=int(past.head.get("begin", 1)))
+    past.source = {int(entry["sent"]): int(entry["source"]) for entry in recent}
+    _begin_again(past, list(recent))
     return past
+
+
+def _begin_again(past: Past, recent: list[dict[str, Any]]) -> None:
+    """Where to begin, and the way on which the machine may have stopped."""
+    if "holds" not in past.head:  # written before it was counted what is over
+        past.executed = max(past.executed, past.answered - OLD_HOLDS)
+    past.recent = recent
+    past.first = next((i for i, entry in enumerate(recent) if int(entry["sent"]) > past.executed), len(recent))
+    past.certain = begins(past, past.first)
+
+
+def begins(past: Past, first: int) -> int:
+    """The source line with which to begin again where the line recent[first] may not be over."""
+    left, back = MARGIN, first
+    while back > 0 and left:
+        back -= 1
+        left -= _moves(past.recent, back)
+    sources = [int(entry["source"]) for entry in past.recent[back:] if entry["source"]]
+    return min(sources, default=int(past.head.get("begin", 1)))
+
+
+def way(past: Past) -> list[tuple[int, list[Spot]]] | None:
+    """Where the machine may have stopped: for every line from the last that is surely over its index in `recent`, and its places
+    from where the one before ends. None: it is not known."""
+    first = max(past.first - 1, 0)
+    start = past.place if past.executed == 0 else tuple(past.recent[first].get("end_mm", ())) if past.recent else ()
+    if not any(v is not None for v in start):
+        return None
+    found, at = [(first, [start])], start
+    for i in range(first, len(past.recent)):
+        entry = past.recent[i]
+        if "end_mm" not in entry:
+            return None
+        places = [tuple(place) for place in (*entry.get("via_mm", ()), entry["end_mm"])]
+        found.append((i, [at, *places]))
+        at = places[-1]
+    return found
+
+
+def _moves(recent: list[dict[str, Any]], i: int) -> bool:
+    """Whether an entry has another end than the one before, or is an arc."""
+    return "via_mm" in recent[i] or (i > 0 and recent[i].get("end_mm") != recent[i - 1].get("end_mm"))

@@ -8,6 +8,7 @@ refused.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 
@@ -127,7 +128,7 @@ def digits(value: float) -> str:
 class Preamble:
     """The blocks of one restart, in the program's language."""
 
-    def __init__(self, filter_: Filter, before: Before, safe: dict[str, float]):
+    def __init__(self, filter_: Filter, before: Before, safe: dict[str, float], stands: dict[str, float]):
         self.filter, self.before = filter_, before
         self.modal, self.dialect, self.setup = filter_.modal, filter_.dialect, filter_.setup
         self.kind, self.lift = kind_of(filter_), lifts(filter_)
@@ -141,7 +142,8 @@ class Preamble:
         self.place = {
             x: (modal.position[i] - origin[i]) / TICKS_PER_MM * self.half[x] for i, x in enumerate(self.setup.axes)
         }
-        self.top = self._top(safe)
+        # Never back in: where it stands farther out than that already, it goes across from there.
+        self.top = max(self._top(safe), stands.get(self.lift, -math.inf))
 
     def _top(self, safe: dict[str, float]) -> float:
         """mm, machine coordinates: where the tool is taken first along the axis that lifts it."""
@@ -297,7 +299,9 @@ class Preamble:
         return ["M82" if absolute else "M83", f"G92 E{self.place['E']:.5f}"]
 
 
-def preamble(filter_: Filter, before: Before, safe: dict[str, float] | None = None) -> list[bytes]:
+def preamble(
+    filter_: Filter, before: Before, safe: dict[str, float] | None = None, stands: dict[str, float] | None = None
+) -> list[bytes]:
     """The blocks that bring it about, in the program's language. safe: of the axis that takes the tool out (Z, on a lathe X in
-    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. Raises UsageError."""
-    return [line.encode() for line in Preamble(filter_, before, safe or {}).lines()]
+    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine coordinates. Raises UsageError."""
+    return [line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}).lines()]

@@ -40,7 +40,8 @@ class Sender:
         order: tuple[int, ...] | None = (), path: Path | None = None,
     ):  # fmt: skip
         self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
-        self.path = path or Path()
+        self.path = path or Path(protocol.controller, order or (), watched=False)
+        self.account = self.path.account
         self.outcome: Outcome | None = None
         self.tally = Tally()
         self.state = RUNNING
@@ -142,11 +143,15 @@ class Sender:
         self._poll(now)
         self._watch(now)
 
+    def urgent_out(self) -> bytes:
+        """Realtime bytes (a hold, a stop, a question), to be written before anything is told or kept."""
+        data, self._urgent = self._urgent, b""
+        return data
+
     def bytes_out(self) -> bytes:
         """What to write now, at most what the protocol lets go; the rest comes next time."""
         if self._urgent:
-            data, self._urgent = self._urgent, b""
-            return data
+            return self.urgent_out()
         n = min(self.protocol.release(), len(self._out))
         data, self._out = self._out[:n], self._out[n:]
         return data
@@ -184,7 +189,7 @@ class Sender:
                 self.tally.sent += 1
                 self.tally.bytes += len(data)
                 self.log.append(("sent", line, now))
-                self.path.sent(line)
+                self.account.sent(line)
             self._drained, self._rests = None, 0
 
     def _poll(self, now: float) -> None:
@@ -253,7 +258,7 @@ class Sender:
         self._hold.foreign = self._hold.foreign and self._hold.stands
         if line is None or number <= 0:
             return
-        self.path.answered(number)
+        self.account.answered(number, self.protocol.emptied(line.text))
         self._last = line
         self.tally.answered += 1
         self.tally.seconds += line.seconds
@@ -275,6 +280,7 @@ class Sender:
         self.tally.answered += 1
         self._end = ()
         self.path.lose()
+        self.account.refused(line.number)
         self.log.append(("rejected", line, now))
         if self.on_error == "continue" or self.check:
             return

@@ -102,7 +102,7 @@ def new_sender(
     protocol = Grbl(counting=counting)
     controller = protocol.controller
     controller.window = window or model.rx_size
-    controller.planner, controller.planner_told = model.blocks + 1, True
+    controller.planner, controller.segments = model.blocks + 1, 5
     controller.settings, controller.inches = dict(model.settings), model.settings["13"] == "1"
     return Sender(protocol, path=Path(controller) if watched else None, **how)
 

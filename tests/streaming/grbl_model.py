@@ -9,6 +9,7 @@ bytes that arrive are lost (interrupts are off).
 
 from __future__ import annotations
 
+import math
 import re
 from collections import deque
 
@@ -19,6 +20,7 @@ KNOWN_G = {"0", "1", "2", "3", "4", "10", "17", "18", "19", "20", "21", "28", "2
            "54", "55", "56", "57", "58", "59", "61", "80", "90", "91", "91.1", "92", "92.1", "93", "94"}  # fmt: skip
 WORK = ("G54", "G55", "G56", "G57", "G58", "G59")
 IDLE, RUN, HOLD, ALARM, CHECK, HOME = "Idle", "Run", "Hold", "Alarm", "Check", "Home"
+SEGMENTS, SEGMENT_S = 5, 0.01
 EEPROM_S, PARSE_S, READ_S, HOMING_S = 0.020, 0.0006, 0.00001, 3.0
 
 
@@ -47,6 +49,7 @@ class GrblModel:
         self._tx: deque[tuple[float, bytes]] = deque()
         self.state = ALARM if homing else IDLE
         self.place = [0.0, 0.0, 0.0]
+        self.lost = [0.0, 0.0, 0.0]  # mm by which its zero lies off since the power was lost
         self._reset()
         self._say(self.banner)
         if homing:
@@ -133,6 +136,12 @@ class GrblModel:
                 self._say("ALARM:3\r\n")
             self.restart(ALARM if moving else (self.state if self.state == ALARM else IDLE))
 
+    def power(self) -> None:
+        """The power goes and comes: it believes that it stands at zero, wherever it is."""
+        self.lost = [a + b for a, b in zip(self.lost, self.place, strict=True)]
+        self.place = [0.0, 0.0, 0.0]
+        self.restart(ALARM if self.settings["22"] == "1" else IDLE)
+
     def restart(self, state: str = IDLE) -> None:
         """What a reset leaves: the place, and what EEPROM holds."""
         self.state = state
@@ -148,7 +157,7 @@ class GrblModel:
         if self._pending:
             wants = self._pending[1]
             if wants == "room":
-                free = len(self._planner) < self.blocks
+                free = self.planned < self.blocks
             elif wants == "rest":
                 free = not self._planner
             elif wants == "time":
@@ -296,7 +305,7 @@ class GrblModel:
         if moves and motion in "123" and not rate:
             self._finish(text, "error:22")
             return
-        if moves and len(self._planner) >= self.blocks:
+        if moves and self.planned >= self.blocks:
             self._pending = (text, "room")
             return
         self.rate = rate
@@ -350,6 +359,21 @@ class GrblModel:
                 if code in members:
                     self.modal[group] = code
 
+    @property
+    def planned(self) -> int:
+        """Blocks in the planner: those that the stepper has taken whole into its segments have left it (stepper.c: a segment lasts
+        10 ms, or to the end of its block)."""
+        segments = taken = 0
+        for left, *_ in self._planner:
+            segments += math.ceil(left / SEGMENT_S - 1e-9) or 1
+            if segments > SEGMENTS:
+                break
+            taken += 1
+        return len(self._planner) - taken
+
+    def _steps(self, place: list[float]) -> list[int]:
+        return [round(v * float(self.settings.get(str(100 + i), "800"))) for i, v in enumerate(place)]
+
     def _plan(self, codes: list[str], number: dict[str, float], motion: str) -> None:
         unit = 25.4 if self.modal["units"] == "20" else 1.0
         start, end = list(self.target), target(self, codes, number, unit)
@@ -358,7 +382,7 @@ class GrblModel:
         self.ends.append(end)
         for place in way(start, end, number, motion, self.modal["plane"], unit):
             seconds = sum((a - b) ** 2 for a, b in zip(start, place)) ** 0.5 / speed * 60.0
-            if seconds:
+            if self._steps(place) != self._steps(start):  # else it makes no block (planner.c)
                 self._planned = self._planned if self._planner else self.now
                 self._planner.append([seconds, seconds, start, place])
                 self.state = RUN if self.state == IDLE else self.state
@@ -367,7 +391,7 @@ class GrblModel:
     def _move(self, now: float) -> None:
         """The steppers, up to `now`."""
         if self.state == HOME and now >= self._until:
-            self.state, self.place, self.target = IDLE, [0.0] * 3, [0.0] * 3
+            self.state, self.place, self.target, self.lost = IDLE, [0.0] * 3, [0.0] * 3, [0.0] * 3
         spent = now - self._planned
         slows = self.state == HOLD and self.now < self._hold_done  # a hold takes its time, along the path
         if self.state == RUN or (slows and self._planner):

@@ -72,7 +72,7 @@ def report(model, state: str) -> str:
         if machine
         else f"WPos:{said([p - w for p, w in zip(model.place, work, strict=True)])}"
     )
-    parts = [state, where, f"Bf:{model.blocks - len(model._planner)},{model.rx_size - len(model._rx)}"]
+    parts = [state, where, f"Bf:{model.blocks - model.planned},{model.rx_size - len(model._rx)}"]
     parts.append(f"FS:{model.rate / per if state == 'Run' else 0:.0f},0")
     if work != model.told_shift or model.reports % 10 == 0:
         model.told_shift = work

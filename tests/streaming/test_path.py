@@ -149,12 +149,12 @@ def test_behind_a_refused_line_nothing_is_concluded():
 
 # -- the path by itself ------------------------------------------------------------------------------------------------------
 
-TWO = Controller(planner=3, planner_told=True)
+TWO = Controller(planner=3, segments=1)
 
 
 def moves(path: Path, *places: tuple[float, ...], **how) -> None:
     for i, place in enumerate(places, 1):
-        path.sent(WireLine(i, i, 0, b"G1 X1", place, **how))
+        path.account.sent(WireLine(i, i, 0, b"G1 X1", place, **how))
 
 
 def at(*place: float, state: str = "run", detail: str = "") -> Status:
@@ -168,21 +168,21 @@ def standing() -> Path:
 
 
 def test_what_is_over_is_no_path_any_more_and_what_may_not_be_is():
-    """A planner of 3, and 2 to spare: of motions 1 to 9, all answered, 5 to 9 may be in execution."""
+    """A planner of 3 and a segment: of motions 1 to 9, all answered, 6 to 9 may be in execution."""
     path = standing()
-    moves(path, *((float(i), 0.0 if i < 5 else 50.0) for i in range(1, 10)))
+    moves(path, *((float(i), 0.0 if i < 6 else 50.0) for i in range(1, 10)))
     for i in range(1, 10):
-        path.answered(i)
-    assert [line.number for line in path.lines()] == [5, 6, 7, 8, 9]
-    assert path.judge(at(4.5, 25.0)) == "" and path.judge(at(2.0, 0.0)) == LOOK
-    assert path.distance == pytest.approx(2.0, abs=0.05) and path.nearest.number == 5
+        path.account.answered(i)
+    assert [line.number for line in path.lines()] == [6, 7, 8, 9]
+    assert path.judge(at(5.5, 25.0)) == "" and path.judge(at(3.0, 0.0)) == LOOK
+    assert path.distance == pytest.approx(2.0, abs=0.05) and path.nearest.number == 6
 
 
 def test_motions_without_length_push_nothing_out():
     path = standing()
     moves(path, (100.0, 0.0), *((100.0 + i * 1e-4, 0.0) for i in range(1, 60)))
     for i in range(1, 61):
-        path.answered(i)
+        path.account.answered(i)
     assert path.judge(at(50.0, 0.0)) == ""
 
 
@@ -201,7 +201,7 @@ def test_where_the_path_is_not_known_nothing_is_said(what):
     path = standing()
     nan = float("nan")
     end = {"unknown end": (), "unknown axis": (10.0, nan)}.get(what, (10.0, 0.0))
-    path.sent(WireLine(1, 1, 0, b"T1 M6" if what == "M6" else b"G1 X1", end, straight=what != "cycle"))
+    path.account.sent(WireLine(1, 1, 0, b"T1 M6" if what == "M6" else b"G1 X1", end, straight=what != "cycle"))
     if what == "jogging":
         assert path.judge(at(3.0, 3.0, state="jog")) == ""
     place = (5.0,) if what == "not reported" else (5.0, 9.0)
@@ -215,5 +215,5 @@ def test_steps_of_the_motors_and_an_unknown_planner_are_allowed_for():
     path.judge(at(0.0, 0.0, state="idle"))
     moves(path, (10.0, 0.0), *((10.0, float(i)) for i in range(1, 100)))
     for i in range(1, 101):
-        path.answered(i)
+        path.account.answered(i)
     assert path.judge(at(5.0, 0.0)) == ""

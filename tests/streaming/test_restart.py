@@ -9,6 +9,7 @@ import pytest
 
 from postproc.errors import GcompError, UsageError
 from postproc.streaming import journal, restart
+from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.protocols.grbl import Grbl
@@ -131,20 +132,25 @@ def test_A11_interrupted_and_resumed_ends_where_the_whole_run_ends(line):
 # -- the journal ---------------------------------------------------------------------------------------------------------
 
 
-def written(n: int, answered: int, planner: int = 16) -> bytes:
-    text = journal.head("a.nc", "abc", "m", "d", planner)
+def written(n: int, answered: int, executed: int = 0) -> bytes:
+    text = journal.head("a.nc", "abc", "m", "d", 21, place=(0.0, 0.0))
     for i in range(1, n + 1):
-        line = WireLine(i, 10 + i // 3, i % 3, b"G1X%d" % i, correction=(0.001, 0.0))
+        line = WireLine(i, 10 + i // 3, i % 3, b"G1X%d" % (i // 2), (i // 2, 0.0), correction=(0.001, 0.0))
         text += journal.record("sent", line, i * 0.01)
         if i <= answered:
             text += journal.record("answered", line, i * 0.01 + 0.005)
+        if i == executed:
+            text += journal.record("status", Status("run", place=(3.0, 0.0)), i * 0.01, executed)
     return text
 
 
 def test_A10_a_journal_names_the_first_line_that_may_not_be_executed():
-    past = journal.read(written(100, 90), "j")
-    assert (past.sent, past.answered) == (100, 90)
-    assert past.certain == 10 + 75 // 3  # 90 + 1 - 16 blocks of planner = wire line 75
+    """Every second line moves: line 73 may not be over, three motions before it are lines 68, 70 and 72."""
+    past = journal.read(written(100, 90, 72), "j")
+    assert (past.sent, past.answered, past.executed) == (100, 90, 72)
+    assert past.certain == 10 + 68 // 3
+    way = journal.way(past)
+    assert way[0] == (71, [(36.0, 0.0)]) and way[-1] == (99, [(49.0, 0.0), (50.0, 0.0)])
     assert journal.read(written(100, 5), "j").certain == 10  # wire line 1
     assert journal.read(written(0, 0), "j").certain == 1
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -188,6 +189,18 @@ def test_A18_sigterm_holds_and_stops(place):
     assert [value for _, value in host.times] == [ord("!"), 0x18]
 
 
+@pytest.mark.parametrize(("options", "seen"), [((), True), (("--no-watch",), False)])
+def test_the_watch_over_the_path_has_a_switch_of_its_own(place, options, seen):
+    """A coordinate altered on the wire to a controller without echo, and set right by the next line."""
+    (place / "job.nc").write_text("G90 G21 G94 G17\nG54\nG0 X0 Y0\n" + "G1 X2 F600\nG1 X7 Y7\nG1 X3 Y3\n" * 5 + "M30\n")
+    with PtyHost(model(), speed=2.0) as host:
+        write = host.model.write
+        host.model.write = lambda data, now: write(data.replace(b"X7 Y7", b"X7 Y9"), now)
+        machine = ("--machine", "perfect", "--dialect", "grbl")
+        status, _, err = stream(place, host, "job.nc", *options, machine=machine)
+    assert (status, "beside the path" in err) == ((15, True) if seen else (0, False)), err
+
+
 def test_A10_a_port_that_goes_away(place):
     (place / "job.nc").write_text(program(400, 600))
     with PtyHost(model(), speed=5.0, hang_up_after=40) as host:
@@ -228,13 +241,41 @@ def test_A10_A11_killed_and_resumed_from_the_journal(place):
         assert status == 2 and "say --yes" in err and "G53 G0 Z-180" in err
         status, _, err = stream(place, host, "job.nc", "--resume-from", "job.nc.journal", "--yes")
         assert status == 0, err
-    assert f"beginning again with line {past.certain}" in err
+    line = int(re.search(r"beginning again with line (\d+)", err)[1])
+    assert line > past.certain  # it stands where the last line that it got ends, which the journal alone could not say
     rows = [row for row in host.model.received[arrived:] if not row.startswith("$")]
     whole = wire_rows(place)
     assert rows[2].startswith("G53G0Z")
     assert rows[-60:] == whole[-60:] or [r[:4] for r in rows[-60:]] == [r[:4] for r in whole[-60:]]
     status, _, err = stream(place, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "/dev/null")
     assert status == 2 and "the job was done" in err
+
+
+def test_a_restart_waits_for_a_zero_that_is_certain(place):
+    """A controller that lost its power believes that it stands at zero; --yes does not answer for that, homing or a person does."""
+    (place / "job.nc").write_text(program(200, 1200))
+    resume = ("job.nc", "--resume-from", "job.nc.journal", "--yes")
+    with PtyHost(model(settings={"22": "1"}), speed=10.0) as host:
+        host.model.state = "Idle"
+        with running(place, host, 80, "job.nc") as process:
+            process.kill()
+        host.model.power()
+        arrived = len(sent_rows(host))
+        for more, says in (((), "locked (alarm)"), (("--unlock",), "the zero may be lost")):
+            status, _, err = stream(place, host, *resume, *more)
+            assert status == 2 and says in err, err
+        assert len(sent_rows(host)) == arrived and host.model.lost != [0.0, 0.0, 0.0]
+        status, _, err = stream(place, host, *resume, "--home")
+        assert status == 0, err
+    assert host.model.lost == [0.0, 0.0, 0.0]
+
+
+def test_a_line_s_number_is_no_proof_of_the_zero(place):
+    with PtyHost(model(), speed=10.0) as host:
+        status, _, err = stream(place, host, "job.nc", "--resume-from", "30", "--yes")
+        assert status == 2 and "no journal of this program" in err and not sent_rows(host)
+        status, _, err = stream(place, host, "job.nc", "--resume-from", "30", "--yes", "--zero-is-right")
+        assert status == 0, err
 
 
 def test_A15_check_mode(place):

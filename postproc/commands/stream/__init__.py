@@ -60,6 +60,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job.add_argument(
         "--control-compensates", action="store_true", help="send even though the control compensates by itself"
     )
+    job.add_argument(
+        "--no-watch",
+        action="store_true",
+        help="do not look whether the reports lie on the path of the lines in execution",
+    )
     job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
     job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
     job.add_argument("--no-journal", action="store_true", help="keep no journal")
@@ -80,6 +85,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "farthest rapid before the line, if the program leaves its cuts that way)",
     )
     job.add_argument("--yes", action="store_true", help="send what --resume-from shows without asking")
+    job.add_argument(
+        "--zero-is-right",
+        action="store_true",
+        help="for --resume-from: since the job stopped you have made sure that the controller's zero is where the job had it",
+    )
     job.add_argument("--quiet", action="store_true", help="no progress, no notices")
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input")
 
@@ -91,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
     frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
-    line = jobs.resume_line(options, machine) if options.resume_from else 1
+    line, past = jobs.resumed(options, machine) if options.resume_from else (1, None)
     if options.port is None:
         raise UsageError("--port is missing: where is the controller?", _ports())
     job = None
@@ -104,6 +114,7 @@ def run(options: argparse.Namespace) -> int:
         live = lives.read(greeting.protocol.controller, greeting.status, machine.letters)
         job = jobs.prepare(options, machine, greeting.protocol, live)
         if options.resume_from:
+            line = jobs.zero_is_certain(job, line, past, greeting.restarted)
             jobs.restarted(job, line)
         load = None
         if jobs.is_file(options.file) or options.expand:
@@ -245,6 +256,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
             trace = Trace(machine.name, machine.letters, controller.name, start)
             record = stack.enter_context(open(options.record, "w", encoding="utf-8"))
             record.write(trace.head())
+        place_now = [job.live.place.get(x) for x in machine.letters]
         place = jobs.journal_path(options)
         journal = None
         if place is not None and not options.check:
@@ -252,7 +264,16 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
             journal = JournalFile(
                 place,
                 journals.head(
-                    job.name, sha, machine.name, machine.digest, controller.planner, job.begin, options.expand
+                    job.name,
+                    sha,
+                    machine.name,
+                    machine.digest,
+                    sender.account.holds,
+                    job.begin,
+                    options.expand,
+                    jobs.zero_done(options),
+                    job.live.work,
+                    place_now,
                 ),
             )
         clock = Clock(load.expected, time.monotonic()) if load else None

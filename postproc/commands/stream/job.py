@@ -16,7 +16,7 @@ from postproc.commands import reading
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
-from postproc.streaming import restart
+from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Protocol
@@ -83,7 +83,7 @@ class Job:
     def watched(self) -> bool:
         """Whether reports tell that the machine leaves the path."""
         o = self.options
-        return getattr(self.protocol, "exact", False) and not (o.check or o.control_compensates)
+        return getattr(self.protocol, "exact", False) and not (o.check or o.control_compensates or o.no_watch)
 
     def _rapid(self) -> float:
         """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
@@ -164,13 +164,14 @@ def digest(path: str) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def resume_line(options: argparse.Namespace, machine: Machine) -> int:
-    """The source line that --resume-from names, by number or by a journal. Raises UsageError."""
+def resumed(options: argparse.Namespace, machine: Machine) -> tuple[int, journals.Past | None]:
+    """The source line that --resume-from names, by number or by a journal, and what the journal says; None: there is none of this
+    program. Raises UsageError."""
     text = options.resume_from
     if text.isdigit():
         if int(text) < 1:
             raise UsageError("--resume-from counts lines from 1")
-        return int(text)
+        return int(text), _past_of(options)
     past = journals.read(ports.read_whole(Path(text), LARGEST_JOURNAL), text)
     if past.head.get("sha256") != digest(options.file):
         raise UsageError(
@@ -189,7 +190,36 @@ def resume_line(options: argparse.Namespace, machine: Machine) -> int:
         )
     if past.outcome == "done":
         raise UsageError(f"{text} says that the job was done", "there is nothing to resume")
-    return past.certain
+    return past.certain, past
+
+
+def _past_of(options: argparse.Namespace) -> journals.Past | None:
+    """The journal that lies where this job's would, if it is one of this program."""
+    place = journal_path(options)
+    if place is None or not place.exists():
+        return None
+    try:
+        past = journals.read(ports.read_whole(place, LARGEST_JOURNAL), str(place))
+    except UsageError:
+        return None
+    return past if past.head.get("sha256") == digest(options.file) else None
+
+
+def zero_done(options: argparse.Namespace) -> str:
+    """What was done in this session for the machine's zero."""
+    return zero.HOMED if options.home else zero.UNLOCKED if options.unlock else ""
+
+
+def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: bool) -> int:
+    """The line to begin with, which may be a later one where the controller still stands where the job stopped. Raises UsageError
+    where the zero may not be where the job had it, and nobody says that it was looked after."""
+    if job.options.zero_is_right:
+        return line
+    letters, controller = job.fresh().machine.letters, job.protocol.controller
+    zero.refuse(zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)), controller)
+    if past is None or zero_done(job.options) or job.options.resume_from.isdigit():
+        return line
+    return zero.certain(past, job.live, letters, controller)
 
 
 def restarted(job: Job, line: int) -> None:
@@ -201,7 +231,7 @@ def restarted(job: Job, line: int) -> None:
             before, rest = restart.read_before(filter_, stream, line)
         restart.refuse(filter_, rest, line)
         safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
-        job.preamble = tuple(restart.preamble(filter_, before, safe))
+        job.preamble = tuple(restart.preamble(filter_, before, safe, job.live.place))
     job.begin = line
     shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
     ahead = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"

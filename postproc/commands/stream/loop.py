@@ -97,6 +97,9 @@ class Run:
                 self._feed()
                 self._obey(signals, now)
                 sender.tick(now)
+                self._log(
+                    now
+                )  # before it is written: after a crash nothing is on the wire that the journal does not say
                 try:
                     self._write()
                     hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
@@ -107,7 +110,7 @@ class Run:
                     data = b""
                 now = time.monotonic()
                 sender.receive(data, now)
-                self._log(now)
+                self._urge()
                 self.show(now)
             # The stop that an outcome orders may still have to leave.
             with contextlib.suppress(Lost):
@@ -138,6 +141,14 @@ class Run:
                 self.port.drain()
                 return
 
+    def _urge(self) -> None:
+        """What can not wait leaves before anything is told: a terminal may stall."""
+        with contextlib.suppress(Lost):  # which the next read finds, too
+            data = self.sender.urgent_out()
+            n = self.port.write(data) if data else 0
+            if n < len(data):
+                self.sender.unwritten(data[n:])
+
     def _obey(self, signals: Signals, now: float) -> None:
         """First Ctrl-C holds, the second stops; SIGTERM does both; Enter or SIGUSR1 goes on."""
         while self._pressed < signals.presses:
@@ -146,6 +157,7 @@ class Run:
                 self.sender.stop(now)
             else:
                 self.sender.hold(now)
+                self._urge()
                 what = "feed hold" if self.sender.protocol.urgent("hold") else self.sender.protocol.does["hold"]
                 self._tell(f"{what}; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
         if signals.terms and self._term is None:
@@ -198,7 +210,7 @@ class Run:
         out = []
         for kind, what, t in entries:
             if self.journal is not None:
-                out.append(journals.record(kind, what, t - self.begun))
+                out.append(journals.record(kind, what, t - self.begun, self.sender.account.executed))
             if self.trace is not None:
                 if kind == "sent" and isinstance(what, WireLine):
                     self.trace.sent(what)

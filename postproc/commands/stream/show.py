@@ -43,7 +43,8 @@ class Show:
         """Position (mm, degrees, machine coordinates), buffer, feed, last line, what is left."""
         sender, tally, status = self.sender, self.sender.tally, self.sender.status
         result: dict[str, Any] = {
-            "state": status.state if status else "unknown", "sent": tally.sent, "answered": tally.answered, "total": self.total or None,
+            "state": status.state if status else "unknown", "sent": tally.sent, "answered": tally.answered,
+            "executed": sender.account.executed, "executed_source_line": sender.account.source, "total": self.total or None,
             "source_line": tally.source, "buffer_bytes": getattr(sender.protocol, "used", None), "held": sender.state == HELD,
         }  # fmt: skip
         if status and status.place:
@@ -55,7 +56,7 @@ class Show:
         if sender.waiting:
             result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
         if self.clock is not None:
-            self.clock.done = tally.seconds
+            self.clock.done = sender.account.seconds
             result["eta_s"] = round(self.clock.left(now), 1)
         return result
 
@@ -63,8 +64,8 @@ class Show:
     def _words(state: dict[str, Any]) -> str:
         parts = [str(state["state"])]
         if state["total"]:
-            parts.append(f"{100 * state['answered'] / state['total']:.1f} %")
-        parts.append(f"line {state['source_line']}")
+            parts.append(f"{100 * state['executed'] / state['total']:.1f} %")
+        parts.append(f"line {state['executed_source_line']} is over, {state['source_line']} answered")
         parts.append(" ".join(f"{x}{v:.3f}" for x, v in state.get("position_mm", {}).items()))
         if "feed_mm_min" in state:
             parts.append(f"F{state['feed_mm_min']:g}")

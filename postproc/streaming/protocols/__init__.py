@@ -35,7 +35,8 @@ class Controller:
     """What a controller said of itself before the job.
 
     name, version: its own words. window: bytes of its receive buffer that may be used; line_limit: characters of a line;
-    planner: motions that it may have accepted and not executed; planner_told: by its own word. settings: number or name to value, its own text.
+    planner: motions that it may have accepted and not executed (130 where it does not say so: FluidNC's may be configured up to 120);
+    segments: those that it may have taken out of its planner and not made. settings: number or name to value, its own text.
     offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force ("G54"). inches: whether it
     reports inches. homing: whether it can home, None: not said. compensates: what it corrects by itself, in words.
     """
@@ -44,8 +45,8 @@ class Controller:
     version: str = ""
     window: int = 127
     line_limit: int = 79
-    planner: int = 16
-    planner_told: bool = False
+    planner: int = 130
+    segments: int = 0
     settings: dict[str, str] = field(default_factory=dict)
     offsets: list[str] = field(default_factory=list)
     modal: list[str] = field(default_factory=list)
@@ -95,6 +96,9 @@ class Protocol(Interface):
 
     def patience(self, text: bytes) -> float:
         """s that this line may take without any word from the controller."""
+
+    def emptied(self, text: bytes) -> bool:
+        """Whether the answer to this line is given only when all before it has been executed."""
 
     def overdue(self) -> bytes:
         """What to write when the oldest line has waited too long for its answer: only what the receiver can not execute twice

@@ -173,6 +173,9 @@ class Numbered:
         """How often a line is sent again without being asked for."""
         return NUDGES
 
+    def emptied(self, text: bytes) -> bool:
+        return False
+
     def overdue(self) -> bytes:
         """The oldest line again, when nothing was heard of it for too long: if the receiver has it, it says so by asking for
         the next one. b"": that was done often enough."""

@@ -129,6 +129,9 @@ class Dnc:
     def patience(self, text: bytes) -> float:
         return float("inf")
 
+    def emptied(self, text: bytes) -> bool:
+        return False
+
     def overdue(self) -> bytes:
         return b""
 

@@ -24,6 +24,7 @@ class FluidNc(Grbl):
     title = TITLE
     banner = BANNER
     default_window, default_line = 128, 255
+    segments = 20  # stepping: segments, 20 at most
 
 
 PROTOCOL = FluidNc

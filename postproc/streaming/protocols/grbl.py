@@ -46,6 +46,8 @@ SETTING = re.compile(r"\$(\d+)=([^ (]*)")
 ALONE = re.compile(rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])|M0*(?:2|30)(?![0-9])", re.IGNORECASE)
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECASE)
 SLOW = 300.0  # s: homing
+# mc_dwell and the program's stop and end wait for the planner to run empty (motion_control.c, gcode.c), also behind other words.
+EMPTIED = re.compile(rb"G0*4(?![0-9.])|M0*(?:0|2|30)(?![0-9])", re.IGNORECASE)
 URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
 DOES = {
     "hold": "it was told to hold (!): resume (~) executes what it has, a reset (Ctrl-X) drops it",
@@ -73,12 +75,15 @@ class Grbl:
     closing: tuple[bytes, ...] = ()
     default_window, default_line = 127, 79
     banner = BANNER
+    segments = 5  # stepper.h: a ring of 6
     keep = 0  # bytes of the announced buffer that can not be used
     errors, alarms = ERRORS, ALARMS
 
     def __init__(self, counting: bool = True):
         self.counting = counting
-        self.controller = Controller(self.title, window=self.default_window, line_limit=self.default_line)
+        self.controller = Controller(
+            self.title, window=self.default_window, line_limit=self.default_line, segments=self.segments
+        )
         self._waiting: deque[tuple[int, int, bytes]] = deque()  # number, bytes on the wire, text
         self._used = 0
         self._alone = False
@@ -148,6 +153,9 @@ class Grbl:
             return SLOW
         dwell = DWELL.search(BLANKS.sub(b"", text))
         return 2.0 + (float(dwell[1]) if dwell else 0.0)  # while it dwells it reports Idle
+
+    def emptied(self, text: bytes) -> bool:
+        return bool(EMPTIED.search(BLANKS.sub(b"", text)))
 
     def overdue(self) -> bytes:
         return b""  # a line that is sent again may be executed twice
@@ -260,7 +268,6 @@ class Grbl:
                     c.version = version[1].rstrip(":")
                 if options and options[3]:
                     c.planner, c.window = int(options[2]) + 1, max(16, int(options[3]) - self.keep)
-                    c.planner_told = True
         elif question in (b"$$", b"$+"):
             for text in answers:
                 found = SETTING.match(text)

@@ -26,6 +26,7 @@ class GrblHal(Grbl):
     title = TITLE
     banner = BANNER
     default_window, default_line = 127, 255
+    segments = 10  # stepper.h: SEGMENT_BUFFER_SIZE
     questions = (b"$I", b"$+", b"$#", b"$G")
     keep = 1
 

@@ -145,6 +145,9 @@ class TinyG:
     def patience(self, text: bytes) -> float:
         return 300.0 if SLOW.search(text) else 10.0
 
+    def emptied(self, text: bytes) -> bool:
+        return False
+
     def overdue(self) -> bytes:
         """A question may be asked again; a block never."""
         if not self._waiting or not self._waiting[0][1].startswith(b"{") or self._asked_again >= 5:
