@@ -40,9 +40,7 @@ def candidates(
     return np.concatenate(owners), np.concatenate(times), np.concatenate(axes)
 
 
-def may_bend(
-    machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool
-) -> np.ndarray:
+def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the end of a table where it is
     held beyond (`clamped`), or product terms."""
     result = machine.bounds.bend(target - start) > slack
