@@ -172,8 +172,9 @@ class Verifier:
         known &= (counts != NOTHING) & moves[owner]
         path = counts == PATH
         length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
-        curved = np.full(len(run), -1)
+        curved, nominal_curved = np.full(len(run), -1), np.full(len(nominal), -1)
         curved[run.arcs.motion] = np.arange(len(run.arcs))
+        nominal_curved[nominal.arcs.motion] = np.arange(len(nominal.arcs))
         arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
         length[run.arcs.motion] = arc_length
         count = np.where(whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
@@ -200,7 +201,11 @@ class Verifier:
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
-                distance = distance if slides else np.where(path[row], distance, 0.0)
+                turns = np.flatnonzero(~path[row])
+                if len(turns):  # a take-up stands where the path turns: ahead or behind is off there too
+                    there = self._points(nominal, nominal_curved, owner[row[turns]], t[turns])
+                    off = (actual[:, turns] - there)[list(self.machine.corrected)]
+                    distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
