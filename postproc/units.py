@@ -1,6 +1,6 @@
 """The only unit conversions. Inside: mm, rad, s, float64; programmed positions are whole ticks.
 
-A tick is 0.1 nm. Positions that are sums of programmed words are kept as int64 ticks, because sums of integers do not
+A tick is 0.1 pm. Positions that are sums of programmed words are kept as int64 ticks, because sums of integers do not
 depend on where the input was cut, and a chain of incremental words can not drift. The range is +-900 km.
 """
 
