@@ -110,7 +110,7 @@ def show(machine: Machine) -> str:
         lines.append(f"offset {name}: " + " ".join(f"{x}{v:g}" for x, v in zero.items()))
     limits = machine.limits
     lines.append(
-        f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}"
+        f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}, hysteresis {limits.hysteresis / UM:g} um"
     )
     if not machine.is_zero:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
