@@ -303,7 +303,8 @@ class Verifier:
         centre = self.centre
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        return better and (self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed))
+        path = max(self.corrected.deviation, self.corrected.slide) <= self.allowed
+        return better and (self.mode in ("ramp", "off") or (holes and path))
 
     def _beside(self) -> str:
         said = self.centre.report(self.tolerance + self.grid / 2)

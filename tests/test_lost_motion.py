@@ -162,6 +162,13 @@ def test_a_block_that_goes_nowhere_turns_nothing(tmp_path):
     assert len(corrected(m, text + "X20 Y30\n" * 3)[0]) == len(corrected(m, text)[0]) + 3
 
 
+def test_a_move_in_machine_coordinates_to_the_same_place_is_one(tmp_path):
+    """G53 leaves Z uncorrected, 7 um beside: the feed behind it takes it back."""
+    m = machine(tmp_path / "m", backlash("Z", 4.0), X="X_mm,EZX_um\n0,-7\n100,-7\n")
+    blocks, _ = corrected(m, "G0 X10 Y0 Z0\nG53 G0 Z0\nG1 Y5 F500\n")
+    assert blocks[0]["Z"] == 0.007 and blocks[2]["Z"] == 0.009
+
+
 @pytest.mark.parametrize("mode", ["step", "ramp", "off", "mean"])
 def test_any_cut_gives_the_same(tmp_path, mode):
     m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 12.0) + backlash("Y", 40.0))

@@ -93,7 +93,7 @@ class Batch:
         self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
         self.left = ~(free & self.told) & (m.word[:, motion] < 0)
         # So does everything where the nominal path does not move at all.
-        self.left |= idle & self.sure & (travel == 0).all(axis=0)
+        self.left |= idle & free & self.sure & (travel == 0).all(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
             self.left[:, self.hole[~m.holes.place]] = True
