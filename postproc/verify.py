@@ -303,8 +303,7 @@ class Verifier:
         centre = self.centre
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        path = max(self.corrected.deviation, self.corrected.slide) <= self.allowed
-        return better and (self.mode in ("ramp", "off") or (holes and path))
+        return better and (self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed))
 
     def _beside(self) -> str:
         said = self.centre.report(self.tolerance + self.grid / 2)
