@@ -35,8 +35,7 @@ class Finding:
 class Diagnosis:
     """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
     mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
-    line, what, mm); alike (N,): by how much sigma was inflated
-    for neighbours that are alike; alone (N,) mm: what set-up zeros and the like leave where they alone are fitted; unknown: None or what is left; drives: what forces and currents ask for."""
+    line, what, mm); noise (N,) mm: standard deviation of a reading by white noise, wander and zeros of runs; unknown: None or what is left; drives: what forces and currents ask for."""
 
     machine: Machine
     recordings: list[Recording]
@@ -52,8 +51,7 @@ class Diagnosis:
     blind: list[tuple[str, str, str]]
     faults: list[tuple[int, int, str, float]]
     least: float
-    alike: np.ndarray
-    alone: np.ndarray
+    noise: np.ndarray
     unknown: Unknown | None = None
     notices: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
@@ -76,5 +74,5 @@ def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
 
 
 def floor(d: Diagnosis) -> np.ndarray:
-    """(N,) mm: the noise of single readings, without what was added for neighbours that are alike."""
-    return d.sigma / d.alike
+    """(N,) mm: the noise of single readings."""
+    return d.noise

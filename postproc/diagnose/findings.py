@@ -6,14 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.diagnose import intervals, restless, shared_jump, unrecorded
+from postproc.diagnose import intervals, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.select import MATERIAL, Model, Selector
+from postproc.diagnose.search import MATERIAL, Found, Search
 from postproc.machine.model import Machine
 
-ALIKE = 0.97  # of the best score: explains as well
+LIKELY = 6.0  # twice ln(20): a name with a twentieth of the probability stands in the set
+FORMS = 0.03  # of the worth: forms of textbooks are no better than that
+SETS = 6  # names of a set
+OF_EFFECT = 0.1  # of what an effect explains, single readings may be of another form
+TELLS = 0.1  # of what is believed beforehand: a reading that tells less tells nothing
 NEEDLESS = 0.5  # of its score: what remains of it beside another name for the same
 
 
@@ -32,46 +36,53 @@ def of_jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, hel
     )  # fmt: skip
 
 
-def of_block(rows: Rows, selector: Selector, model: Model, k: int, chosen: list[int], every: list[Block]) -> Finding:
-    block = model.blocks[k]
-    value = model.coefficients[model.part(k)]
-    rest = [c for j, c in enumerate(chosen) if j != k]
-    scores = selector.scores(rest, model.sigma)
-    named, ci = intervals.of(selector, model, k, chosen, scores)
-    own = float(scores[chosen[k]]) if np.isfinite(scores[chosen[k]]) else float(model.scores[k])
+def of_member(search: Search, state: Found, k: int) -> Finding:
+    """A member of the set that was found."""
+    block, value = search.blocks[k], search.value(state.fit, k)
+    rest = search.without(state, k)
+    scores = search.scores(rest)
+    named, ci = intervals.of(search, state, k, scores)
+    own = search.worth(state, k)
     best: dict[str, tuple[float, int]] = {}
     for other, score in enumerate(scores):
-        key = selector.blocks[other].key
+        key = search.blocks[other].key
         if key != block.key:
             best[key] = max(best.get(key, (-np.inf, -1)), (float(score), other))
-    alike = sorted(
-        (key for key, (s, _) in best.items() if s >= ALIKE * own - 10 and s > 0), key=lambda key: -best[key][0]
-    )
+    enough = float(scores[k]) - LIKELY - FORMS * max(float(scores[k]), 0.0)
+    alike = sorted((key for key, (s, _) in best.items() if s >= enough and s > 0), key=lambda key: -best[key][0])
     # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
-    alike = [key for key in alike if selector.worth([*rest, best[key][1]], chosen[k], model.sigma) < NEEDLESS * own]
-    fall = own + float(selector.penalty[chosen[k]])
-    contribution = every[chosen[k]].columns @ value
-    alike = alike[:6] + [n for n in unrecorded.names(rows, block, contribution) if n not in alike[:6]]
-    return Finding(block, named, ci, contribution, own, fall, alike)
+    alike = [key for key in alike[:SETS] if _needless(search, rest, best[key][1], k, own)]
+    contribution = block.columns @ value
+    alike = alike + [n for n in unrecorded.names(search.rows, block, contribution) if n not in alike]
+    return Finding(block, named, ci, contribution, own, own + float(search.cost[k]), alike)
 
 
-def of_creep(creep: restless.Creep, n: int) -> Finding:
-    """What nobody can foretell sample by sample explains nothing of a single reading, only how they spread."""
-    module, shape, value = restless.named(creep)
-    block = Block(module, creep.axis, tuple(sorted(shape.items())), np.zeros((n, 1)))
-    return Finding(block, value, {name: (v, v) for name, v in value.items()}, np.zeros(n), creep.fall, creep.fall, [])
+def _needless(search: Search, rest: Found, other: int, k: int, own: float) -> bool:
+    """Whether a member is worth little beside another name for the same."""
+    instead = search.of((*rest.fit.chosen, other), rest.fit.on, rest)
+    both = search.of((*rest.fit.chosen, other, k), rest.fit.on, rest)
+    return both.score - instead.score < NEEDLESS * own
 
 
-def limits(selector: Selector, chosen: list[int]) -> dict[str, float]:
-    """effect:axis to mm: from which size on it would have been seen: where its fall reaches the threshold and twice its root."""
-    p = selector.projector(chosen, selector.sigma)
+def form(search: Search, state: Found) -> np.ndarray:
+    """(N,) mm: by how much the found effects may be of another form than the library's."""
+    total = np.zeros(len(search.rows))
+    for k in state.fit.chosen:
+        total += (OF_EFFECT * search.blocks[k].columns @ search.value(state.fit, k)) ** 2
+    return np.sqrt(total)
+
+
+def limits(search: Search, state: Found) -> dict[str, float]:
+    """effect:axis to mm: from which size on it would have been seen: where its worth reaches the threshold and twice its root."""
+    _, _, spread = search.evidence.scan(state.fit)
     result: dict[str, float] = {}
-    wanted = selector.least + 2 * np.sqrt(selector.least)
-    _, _, power_of, _ = selector.stack.after(p, selector.sigma, selector.y)
-    for block, penalty, part in zip(selector.blocks, selector.penalty, selector.stack.parts, strict=True):
-        power, peak = power_of[part.start], float(np.abs(selector.stack.columns[part.start]).max(initial=0.0))
-        if power <= 0:
-            continue
-        size = np.sqrt((wanted + penalty) / power) * peak
-        result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
+    wanted = search.least + 2 * np.sqrt(search.least)
+    for k, block in enumerate(search.blocks):
+        first = search.evidence.first[k]
+        slab = float(search.evidence.slab[first])
+        power = 1 / float(spread[first]) ** 2 - 1 / slab**2
+        peak = float(np.abs(block.columns[:, 0]).max(initial=0.0))
+        if power * slab**2 > TELLS:
+            size = np.sqrt((wanted + search.cost[k] + np.log1p(power * slab**2)) / power) * peak
+            result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
     return result

@@ -1,13 +1,17 @@
-"""How large the noise of every signal is, from differences that can not contain what is looked for.
+"""The noise of every instrument: what scatters, what resembles its neighbours, and what wanders.
 
-Targets: the same place approached from the same side in several runs; what changes smoothly along a run is taken out by
-the difference of neighbours. Samples in motion: the same path run twice, less what changes slowly along it; where no path
-was repeated, second differences. Neighbours that resemble each other count for less: the inflation is that of a first-order
-autoregression.
+Readings of one instrument in one recording are a unit. Its noise is the sum of white noise with long tails, an autoregression
+between neighbouring samples of a motion (order chosen by the Bayesian information criterion), and wander: Ornstein-Uhlenbeck
+processes in time of several correlation times, drawn by their values at some moments. How large each of them is, is
+learned beside every set of effects (see evidence).
+
+Uhlenbeck and Ornstein, On the theory of the Brownian motion, Phys. Rev. 36, 1930, 823. Yule-Walker: Brockwell and Davis, Time Series:
+Theory and Methods, 1991, section 8.1.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -16,40 +20,93 @@ from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
-MAD = 1.4826
-LARGEST_RHO = 0.9
-COARSE = 1.0  # times the scatter of neighbours: beyond, a log's rounding is its noise
-LINE = 25.0  # times the power around
+MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
+ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
+LINE = 25.0  # times the power around: an oscillation, no noise
+TAIL = 4.0  # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom does so too)
 
 
-def of(rows: Rows, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) mm: standard deviation of each row's noise, inflated for neighbours that are alike, and (N,) by how much."""
-    sigma, alike = np.empty(len(rows)), np.ones(len(rows))
-    for signal in range(len(rows.signals)):
-        which = np.flatnonzero(rows.signal == signal)
-        if len(which):
-            kind = str(rows.sees[which[0]])
-            dense = rows.kinds[rows.file[which[0]]] in ("ballbar", "trace")
-            repeated = None if dense else _repeated(rows, residual, rows.file[which[0]])
-            if repeated is not None:
-                size, rho = repeated, 0.0
-            else:
-                size, rho = _dense(rows, residual, which) if dense else _sparse(rows, residual, which)
-            coarse = rows.rounding[which]
-            if dense and np.sqrt(np.mean(coarse**2)) > COARSE * size:
-                # The log's rounding is what it is wrong by; what comes on top is what its finest part scatters by.
-                fine = coarse <= np.quantile(coarse, 0.25)
-                size = min(size, float(np.sqrt(np.mean(coarse[fine] ** 2))))
-                sigma[which] = np.hypot(max(size, FLOOR[kind]), coarse)
-                continue
-            alike[which] = np.sqrt((1 + rho) / (1 - rho))
-            sigma[which] = max(size, FLOOR[kind]) * alike[which]
-    for file in range(len(rows.files)):  # one gauge measures all features of a part: few of each, many together
-        own = (rows.file == file) & (rows.sees == "part")
-        each = [float(sigma[own & (rows.signal == s)][0]) for s in np.unique(rows.signal[own])]
-        if each:
-            sigma[own] = float(np.median(each))
-    return sigma, alike
+@dataclass
+class Unit:
+    """Readings of one instrument. rows (n,): their numbers in the order of time; sees, dense: what kind; edges: where
+    passages (unbroken motions, runs of targets) begin, and n; time (n,) s; r (n,) mm: standard deviation of the white part; ar: coefficients of the
+    autoregression; innovation: its share of the variance."""
+
+    rows: np.ndarray
+    sees: str
+    dense: bool
+    edges: np.ndarray
+    time: np.ndarray
+    r: np.ndarray
+    ar: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    innovation: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def pick(self, keep: np.ndarray) -> Unit:
+        """The rows of which keep (N,) bool is true."""
+        use = keep[self.rows]
+        passage = np.searchsorted(self.edges, np.arange(len(self)), side="right")[use]
+        edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [int(use.sum())]])
+        return Unit(self.rows[use], self.sees, self.dense, edges, self.time[use], self.r[use], self.ar, self.innovation)
+
+    def whitened(self, columns: np.ndarray) -> np.ndarray:
+        """(n,) or (n, K): divided by the standard deviation and, within passages, less what the samples before foretell."""
+        scaled = columns / (self.r if columns.ndim == 1 else self.r[:, None])
+        if not len(self.ar):
+            return scaled
+        result = scaled.copy()
+        told = np.ones(len(self), bool)
+        for k, a in enumerate(self.ar, 1):
+            result[k:] -= a * scaled[:-k]
+        for edge in self.edges[:-1]:
+            told[edge : edge + len(self.ar)] = False
+        result[told] /= np.sqrt(self.innovation)
+        result[~told] = scaled[~told]
+        return result
+
+
+def units(rows: Rows) -> list[Unit]:
+    """Every signal of an instrument; all features of a file together."""
+    part = rows.sees == "part"
+    label = np.where(part, -1 - rows.file, rows.signal)
+    found = []
+    for number in np.unique(label):
+        own = np.flatnonzero(label == number)
+        dense = rows.kinds[rows.file[own[0]]] in ("ballbar", "trace")
+        order = own[np.lexsort((np.arange(len(own)), rows.state.time[own], rows.run[own] * (not part[own[0]])))]
+        passage = rows.state.passage[order] if dense else rows.run[order]
+        edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [len(order)]])
+        t = rows.state.time[order]
+        if np.ptp(t) == 0 or np.any(np.diff(t) < 0) and part[own[0]]:
+            t = np.arange(len(order), dtype=float)
+        unit = Unit(order, str(rows.sees[order[0]]), dense, edges, t, np.ones(len(order)))
+        unit.r = _white(rows, rows.residual, unit)
+        found.append(unit)
+    return found
+
+
+def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
+    """(n,) mm: a first guess of the white part, from differences of neighbours."""
+    which = unit.rows
+    floor = FLOOR[unit.sees]
+    if unit.dense:
+        y = residual[which]
+        second = np.concatenate([np.diff(y[a:b], 2) for a, b in pairwise(unit.edges)] or [np.zeros(1)])
+        size = max(spread(second) / np.sqrt(6.0), floor) if len(second) > 3 else max(float(np.std(y)), floor)
+    else:
+        size = max(_repeated(rows, residual, which) if unit.sees == "part" else _sparse(rows, residual, which), floor)
+    size = np.maximum(size, np.maximum(rows.grain[which], _step(rows.y[which])))
+    return np.hypot(size, rows.rounding[which]) if unit.dense else size
+
+
+def _step(y: np.ndarray) -> float:
+    """mm: what an instrument's rounding gives, where its readings are whole numbers of a step."""
+    values = np.unique(np.round(y, 9))
+    if len(values) < 3 or len(values) > 0.5 * len(y):
+        return 0.0
+    return float(np.min(np.diff(values))) / np.sqrt(12.0)
 
 
 def spread(values: np.ndarray) -> float:
@@ -57,23 +114,20 @@ def spread(values: np.ndarray) -> float:
     return float(MAD * np.median(np.abs(values - np.median(values)))) if len(values) else 0.0
 
 
-def _place(rows: Rows, which: np.ndarray) -> np.ndarray:
+def place_of(rows: Rows, which: np.ndarray) -> np.ndarray:
     """Rows at the same place from the same side have the same number."""
     columns = [np.round(p[which], 3) for p in rows.state.position.values()]
     columns += [np.sign(s[which]) for s in rows.state.approach.values()]
     if rows.other:
         columns += [np.round(np.nan_to_num(v[which]), 3) for v in rows.other.values()]
-    _, number = np.unique(np.stack(columns), axis=1, return_inverse=True)
-    return number.ravel()
+    return np.unique(np.stack(columns), axis=1, return_inverse=True)[1].ravel()
 
 
-def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float, float]:
-    """Targets and features: differences between runs at a place, and of those between neighbours of a run."""
-    place, run = _place(rows, which), rows.run[which]
-    y = residual[which]
+def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
+    """Targets: differences between runs at a place, and of those between neighbours of a run."""
+    place, run, y = place_of(rows, which), rows.run[which], residual[which]
     differences = []
-    runs = np.unique(run)
-    for a, b in pairwise(runs):
+    for a, b in pairwise(np.unique(run)):
         first = {int(p): float(v) for p, v in zip(place[run == a], y[run == a], strict=True)}
         pairs = [float(v) - first[int(p)] for p, v in zip(place[run == b], y[run == b], strict=True) if int(p) in first]
         if len(pairs) > 2:
@@ -82,42 +136,109 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float,
             differences.append(np.array(pairs) / np.sqrt(2.0))
     if differences:
         flat = np.concatenate(differences)
-        return spread(flat) if len(flat) > 3 else float(np.std(flat)), 0.0
-    order = np.lexsort((rows.state.time[which], run))
-    second = np.diff(y[order], 2) / np.sqrt(6.0)
-    return spread(second) if len(second) > 3 else float(np.std(y)), 0.0
+        return spread(flat) if len(flat) > 3 else float(np.std(flat))
+    second = np.diff(y, 2) / np.sqrt(6.0)
+    return spread(second) if len(second) > 3 else float(np.std(y))
 
 
-def _repeated(rows: Rows, residual: np.ndarray, file: int) -> float | None:
-    """Features that were measured several times on each part: what the readings of one scatter by, over all of a file; None
-    where fewer than four readings say so."""
-    if rows.kinds[file] != "features":
-        return None
-    own = np.flatnonzero(rows.file == file)
-    _, group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)
-    group = group.ravel()
+def _repeated(rows: Rows, residual: np.ndarray, own: np.ndarray) -> float:
+    """Features that were measured several times on each part: what the readings of one scatter by; else from differences
+    of neighbours."""
+    group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)[1].ravel()
     count = np.bincount(group)
     free = len(own) - len(count)
     if free < 4:
-        return None
+        return _sparse(rows, residual, own)
     mean = np.bincount(group, residual[own]) / count
     return float(np.sqrt(np.sum((residual[own] - mean[group]) ** 2) / free))
 
 
-def _dense(rows: Rows, residual: np.ndarray, which: np.ndarray) -> tuple[float, float]:
-    """Samples in motion: noise and how much neighbours are alike."""
-    y, run = residual[which], rows.run[which]
-    rough = []
-    for r in np.unique(run):
-        part = y[run == r]
-        if len(part) > 8:
-            rough.append(_without_lines(part - _smooth(part)))
-    if not rough:
-        return float(np.std(y)), 0.0
-    flat = np.concatenate(rough)
-    size = spread(flat)
-    rho = np.mean([_alike(part) for part in rough])
-    return size * np.sqrt(15.0 / 14.0), float(np.clip(rho, 0.0, LARGEST_RHO))
+# -- wander ------------------------------------------------------------------------------------------------------------
+
+
+def wander(unit: Unit) -> list[np.ndarray]:
+    """Columns (n, M), one array for each correlation time, longest first, of unit standard deviation at every moment: a value at
+    each of some moments, correlated as an Ornstein-Uhlenbeck process is, lines between them."""
+    n, t = len(unit), unit.time - unit.time.min()
+    if n < 6:
+        return []
+    whole, passages = float(np.ptp(t)), len(unit.edges) - 1
+    longest = max(float(np.ptp(t[a:b])) for a, b in pairwise(unit.edges))
+    if unit.dense:
+        scales = [(2.0 * whole, min(3 * passages, 24)), (longest / 3, min(10 * passages, 64))]
+    else:
+        step = max(float(np.median(np.diff(t))), whole / 1e4)
+        scales = [(2.0 * whole, 24), (whole / 8, 48), (3.0 * step, 64)]
+    found = []
+    for tau, nodes in scales:
+        moments = np.unique(np.quantile(t, np.linspace(0, 1, min(nodes, n))))
+        apart = np.abs(moments[:, None] - moments[None])
+        root = np.linalg.cholesky(np.exp(-apart / max(tau, 1e-9)) + 1e-9 * np.eye(len(moments)))
+        found.append(hats(t, moments) @ root)
+        if nodes >= n:
+            break
+    return found
+
+
+def hats(x: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """(n, M) weights of nodes (M,) in lines between them."""
+    result = np.zeros((len(x), len(nodes)))
+    if len(nodes) == 1:
+        result[:, 0] = 1.0
+        return result
+    k = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, len(nodes) - 2)
+    share = np.clip((x - nodes[k]) / (nodes[k + 1] - nodes[k]), 0.0, 1.0)
+    result[np.arange(len(x)), k] = 1.0 - share
+    result[np.arange(len(x)), k + 1] = share
+    return result
+
+
+# -- autoregression ----------------------------------------------------------------------------------------------------
+
+
+def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarray) -> None:
+    """Set a unit's white noise, tails and autoregression from what everything else leaves of it, (n,) mm; rounding (n,) mm;
+    train (n,) bool: rows that may be looked at."""
+    relative = np.clip(unit.r / np.median(unit.r), 0.2, 20.0)
+    scaled = np.where(train, left, 0.0) / relative
+    base = max(spread(scaled[train]), FLOOR[unit.sees])
+    far = np.abs(scaled) / base
+    if unit.dense:  # of neighbours that lie off together each is real
+        near = np.maximum(np.abs(np.concatenate([scaled[1:], [0]])), np.abs(np.concatenate([[0], scaled[:-1]]))) / base
+        far = np.where(near > TAIL / 2, 0.0, far)
+        if len(left) > 64:
+            parts = [scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()]
+            unit.ar, unit.innovation, total = autoregression([_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts])
+            base = max(total, FLOOR[unit.sees])
+    unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
+
+
+def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
+    """Coefficients, the innovation's share of the variance, and the standard deviation, of stretches of one process."""
+    if not parts:
+        return np.zeros(0), 1.0, 0.0
+    n = sum(len(p) for p in parts)
+    most = max(ORDERS)
+    sums = np.zeros(most + 1)
+    for p in parts:
+        for k in range(most + 1):
+            sums[k] += float(p[k:] @ p[: len(p) - k])
+    covariance = sums / n
+    best = (np.zeros(0), 1.0)
+    least = np.inf
+    if covariance[0] <= 0:
+        return *best, 0.0
+    for order in ORDERS:
+        if order:
+            toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
+            a = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1 : order + 1])
+        else:
+            a = np.zeros(0)
+        share = max(1.0 - float(a @ covariance[1 : order + 1]) / covariance[0], 1e-4)
+        cost = n * np.log(share) + order * np.log(n)
+        if cost < least - 1e-9:
+            least, best = cost, (a, share)
+    return *best, float(np.sqrt(covariance[0]))
 
 
 def _without_lines(values: np.ndarray) -> np.ndarray:
@@ -131,25 +252,8 @@ def _without_lines(values: np.ndarray) -> np.ndarray:
     level = np.repeat(around, width)[: len(power)]
     line = power > LINE * np.maximum(level, 1e-30)
     wide = line | np.concatenate([line[1:], [False]]) | np.concatenate([[False], line[:-1]])
-    spectrum[wide] = 0.0
+    spectrum[wide] *= np.sqrt(np.minimum(level[wide] / np.maximum(power[wide], 1e-30), 1.0))
     return np.fft.irfft(spectrum, len(values))
-
-
-def _smooth(values: np.ndarray, width: int = 15) -> np.ndarray:
-    """Running line fit of a few neighbours: mean of a window, ends mirrored oddly."""
-    half = width // 2
-    half = min(half, len(values) - 1)
-    head, tail = 2 * values[0] - values[half:0:-1], 2 * values[-1] - values[-2 : -half - 2 : -1]
-    wide = np.concatenate([head, values, tail])
-    total = np.concatenate([[0.0], np.cumsum(wide)])
-    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
-
-
-def _alike(values: np.ndarray) -> float:
-    """Correlation of neighbours; a running mean of 15 that was taken out makes it lower by about a seventh."""
-    clipped = np.clip(values, -4 * spread(values), 4 * spread(values))
-    square = float((clipped**2).sum())
-    return float((clipped[1:] * clipped[:-1]).sum() / square) + 1 / 7 if square > 0 else 0.0
 
 
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -161,7 +265,7 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
         if not len(which) or rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
             continue
         which = which[np.lexsort((rows.state.time[which], rows.run[which]))]
-        place, run = _place(rows, which), rows.run[which]
+        place, run = place_of(rows, which), rows.run[which]
         if rows.kinds[rows.file[which[0]]] == "targets" and np.median(np.bincount(place)) < 3:
             passages = _passages(rows, which)
             if passages is not None:

@@ -1,0 +1,489 @@
+"""One likelihood for noise, nuisances and effects: how much more probable are the readings with a set of effects than without.
+
+Readings of every unit are y = F c + B b + e: columns F that all units share (the map's error and the effects), B that are its own
+(zeros, set-ups, wander), e its white noise after the autoregression is taken out. All coefficients are normal with mean zero, so
+the evidence is closed form for given standard deviations; these are learned beside every set by MacKay's fixed point
+(Bayesian interpolation, Neural Computation 4, 1992, 415), so that wander and drift, map and effect compete as equals.
+
+Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of the dictionary. mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
+
+from postproc.diagnose.library import Block
+from postproc.diagnose.noise import Unit
+from postproc.diagnose.nuisances import FREE, PROCESSES, Group
+
+SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to 50 um)
+SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
+MAP_SURE, MAP_MOST = 20.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
+STEPS = 8
+NOTHING = 1e-12  # mm: of what is not there
+QUIETEST = 0.05  # of the variance of white noise as it was found first
+LEAST, MOST = 1e-3, 100.0  # of a usual standard deviation
+
+
+On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
+
+
+@dataclass
+class Reduced:
+    """One unit with its own columns taken out. shown: blocks of the set that show in it; kinds: of its processes; sigma2 (1: as its
+    white noise was found), sd of each group; use (q,): own columns that count; root (q, q): Cholesky factor (lower) of 1/sd^2 +
+    B'B/sigma2; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence; bf, ff, fy: products.
+    hd, fd, dd: the same of the dictionary, when it was asked for."""
+
+    shown: tuple[int, ...]
+    kinds: frozenset[str]
+    sigma2: float
+    sd: np.ndarray
+    use: np.ndarray
+    root: np.ndarray
+    hf: np.ndarray
+    hy: np.ndarray
+    inside: np.ndarray
+    along: np.ndarray
+    value: float
+    bf: np.ndarray
+    ff: np.ndarray
+    fy: np.ndarray
+    hd: np.ndarray | None = None
+    fd: np.ndarray | None = None
+    dd: np.ndarray | None = None
+
+
+@dataclass
+class Fit:
+    """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean (f,), covariance (f, f) of
+    the shared coefficients; shared: learned standard deviations of the map's groups; parts: its units."""
+
+    chosen: tuple[int, ...]
+    on: On
+    value: float
+    mean: np.ndarray
+    covariance: np.ndarray
+    shared: np.ndarray
+    parts: list[Reduced]
+
+
+class Part:
+    """What one unit contributes: its columns, whitened, and their products."""
+
+    def __init__(self, whole: Unit, keep: np.ndarray, groups: list[Group], shared: np.ndarray, y: np.ndarray):
+        self.whole = whole
+        unit = self.unit = whole.pick(keep)
+        self.use = use = keep[whole.rows]
+        self.groups = groups
+        self.kinds = [g.kind for g in groups]
+        width = [g.columns.shape[1] for g in groups]
+        self.of = np.repeat(np.arange(len(groups)), width)
+        self.usual = np.array([g.sd for g in groups])
+        self.learned = np.array([g.learned for g in groups], bool)
+        b = np.concatenate([g.columns for g in groups], axis=1) if groups else np.zeros((len(unit), 0))
+        self.raw = b
+        self.b = unit.whitened(b[use])
+        self.z = unit.whitened(shared[unit.rows])
+        self.y = unit.whitened(y[unit.rows])
+        self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y
+        self.bz, self.zz, self.zy = self.b.T @ self.z, self.z.T @ self.z, self.z.T @ self.y
+        self.yy = float(self.y @ self.y)
+        self.d = np.zeros((len(unit), 0))
+        self.columns = np.zeros(0, int)  # numbers of the dictionary's columns that show here
+        self.bd, self.zd, self.dy = np.zeros((len(b.T), 0)), np.zeros((self.z.shape[1], 0)), np.zeros(0)
+        self.where: dict[int, slice] = {}  # block to its columns here
+        self.processes = {kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES}
+        self.usually = ~np.any(list(self.processes.values()), axis=0)
+
+    def add(self, numbers: list[int], blocks: list[np.ndarray], first: list[int]) -> None:
+        """Blocks of the dictionary, (n, K) each, that show in this unit; first: number of the first column of each."""
+        if not blocks:
+            return
+        new = self.unit.whitened(np.concatenate(blocks, axis=1))
+        at = self.d.shape[1]
+        cols = []
+        for number, block, start in zip(numbers, blocks, first, strict=True):
+            self.where[number] = slice(at, at + block.shape[1])
+            cols.append(np.arange(start, start + block.shape[1]))
+            at += block.shape[1]
+        self.d = np.concatenate([self.d, new], axis=1)
+        self.columns = np.concatenate([self.columns, *cols])
+        self.bd = np.concatenate([self.bd, self.b.T @ new], axis=1)
+        self.zd = np.concatenate([self.zd, self.z.T @ new], axis=1)
+        self.dy = np.concatenate([self.dy, new.T @ self.y])
+
+    def own_products(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(P,) products of pairs of own columns of the dictionary."""
+        return np.einsum("np,np->p", self.d[:, first], self.d[:, second])
+
+
+class Evidence:
+    """The readings y (N,) mm and everything that may explain them."""
+
+    def __init__(self, y: np.ndarray, units: list[Unit], own: list[list[Group]], shared: list[Group], train: np.ndarray):
+        self.y, self.train = y, train
+        self.shared = np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
+        self.shared_of = np.repeat(np.arange(len(shared)), [g.columns.shape[1] for g in shared])
+        self.shared_usual = np.array([g.sd for g in shared])
+        self.shared_learned = np.array([g.learned for g in shared], bool)
+        self.shared_free = self.shared_usual[self.shared_of] > FREE / 10
+        self.parts = [Part(u, train, g, self.shared, y) for u, g in zip(units, own, strict=True) if train[u.rows].any()]
+        self.blocks: list[Block] = []
+        self.first: list[int] = []
+        self.width = 0
+        self.slab = np.zeros(0)
+        self.pairs = (np.zeros(0, int), np.zeros(0, int), np.zeros(0, int))
+        self._pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+
+    # -- the dictionary ------------------------------------------------------------------------------------------------
+
+    def add(self, blocks: list[Block]) -> list[int]:
+        """Let blocks in; their numbers."""
+        begin = len(self.blocks)
+        for b in blocks:
+            self.first.append(self.width)
+            self.width += b.columns.shape[1]
+        self.blocks = [*self.blocks, *blocks]
+        numbers = list(range(begin, len(self.blocks)))
+        peak = [np.maximum(np.abs(b.columns).max(axis=0), 1e-12) for b in blocks]
+        self.slab = np.concatenate([self.slab, *(SLAB / p for p in peak)])
+        for part in self.parts:
+            rows = part.unit.rows
+            shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
+            part.add([k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown])
+        self._index()
+        return numbers
+
+    def _index(self) -> None:
+        """Pairs of columns of one block, and what each unit's own products of them are."""
+        i, j = [], []
+        for k, b in enumerate(self.blocks):
+            a, c = np.triu_indices(b.columns.shape[1])
+            i.append(a + self.first[k])
+            j.append(c + self.first[k])
+        first, second = (np.concatenate(v) if v else np.zeros(0, int) for v in (i, j))
+        self.pairs = (first, second, np.concatenate([np.full(len(v), k) for k, v in enumerate(i)]) if i else first)
+        known = len(self._pairs) == len(self.parts)
+        for number, part in enumerate(self.parts):
+            at = np.full(self.width, -1)
+            at[part.columns] = np.arange(len(part.columns))
+            here = np.flatnonzero(at[first] >= 0)
+            a, b = at[first[here]], at[second[here]]
+            if known:
+                old_here, *_, old = self._pairs[number]
+                done = len(old_here)  # blocks are only ever added behind
+                fresh = part.own_products(a[done:], b[done:])
+                self._pairs[number] = (here, a, b, np.concatenate([old, fresh]))
+            else:
+                self._pairs.append((here, a, b, part.own_products(a, b)))
+
+    def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
+        """Numbers of the columns of blocks."""
+        if not chosen:
+            return np.zeros(0, int)
+        return np.concatenate([np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1]) for k in chosen])
+
+    # -- one unit at given sizes ---------------------------------------------------------------------------------------
+
+    def _reduced(self, k: int, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]) -> Reduced:
+        """The k-th unit with its own columns taken out; shown: blocks that show in it; kinds: of its processes."""
+        part = self.parts[k]
+        z = len(part.zy)
+        at = np.concatenate([np.arange(part.where[c].start, part.where[c].stop) for c in shown]) if shown else np.zeros(0, int)
+        f = z + len(at)
+        bf, fy, ff = np.empty((len(part.by), f)), np.empty(f), np.empty((f, f))
+        bf[:, :z], fy[:z], ff[:z, :z] = part.bz, part.zy, part.zz
+        if len(at):
+            own = part.d[:, at]
+            bf[:, z:], fy[z:] = part.bd[:, at], part.dy[at]
+            ff[:z, z:] = part.zd[:, at]
+            ff[z:, :z], ff[z:, z:] = ff[:z, z:].T, own.T @ own
+        counts = part.usually
+        for kind in kinds:
+            counts = counts | part.processes[kind]
+        use = np.flatnonzero(counts)
+        m = part.bb[np.ix_(use, use)] / sigma2
+        m[np.diag_indices(len(use))] += 1.0 / sd[part.of[use]] ** 2
+        root = _root(m)
+        half = _solved(root, np.column_stack([bf[use], part.by[use]]) / sigma2)
+        hf, hy = half[:, :-1], half[:, -1]
+        value = -len(part.y) * np.log(sigma2) - part.yy / sigma2 + float(hy @ hy)
+        value -= 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd[part.of[use]]).sum())
+        groups = np.unique(part.of[use])
+        groups = groups[part.learned[groups]]
+        value -= float(np.sum(_surprise(sd[groups], part.usual[groups]))) + float(_surprise(np.sqrt(sigma2), 1.0))
+        return Reduced(
+            shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
+        )  # fmt: skip
+
+    def _renewed(self, k: int, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float) -> tuple[float, np.ndarray]:
+        """The k-th unit's variance and standard deviations, by MacKay's fixed point. mean, covariance: of its shared coefficients."""
+        part, use, sd = self.parts[k], old.use, old.sd.copy()
+        inverse = _inverted(old.root)
+        own = inverse.T @ (old.hy - old.hf @ mean)
+        along = inverse.T @ old.hf
+        spread = (inverse**2).sum(axis=0) + ((along @ covariance) * along).sum(axis=1)
+        of, left = part.of[use], 0.0
+        for g in np.unique(of):
+            which = of == g
+            dof = max(int(which.sum()) - float(spread[which].sum()) / old.sd[g] ** 2, 0.0)
+            left += dof
+            if part.learned[g]:
+                usual = part.usual[g]
+                now = np.sqrt((float((own[which] ** 2).sum()) + SURE * usual**2) / (dof + SURE))
+                sd[g] = float(np.clip(now, LEAST * usual, MOST * usual))
+        left += float(np.sum(covariance * old.inside))
+        e = part.yy - 2 * (own @ part.by[use] + mean @ old.fy) + own @ (part.bb[np.ix_(use, use)] @ own)
+        e += 2 * own @ (old.bf[use] @ mean) + mean @ old.ff @ mean
+        return float(np.clip((e + SURE) / max(len(part.y) - left + SURE, 1.0), least, 1e4)), sd
+
+    # -- a set of blocks -----------------------------------------------------------------------------------------------
+
+    def learn(self, chosen: tuple[int, ...], like: Fit | None, on: On = frozenset(), steps: int = STEPS, least: np.ndarray | None = None) -> Fit:
+        """The evidence of a set of blocks, with what is learned beside it. like: a fit that differs by little, of which units
+        that see no difference are kept; on: units with a process of their own; least: variance of each
+        unit that is there in any case (1: of its white noise), for want of the exact form of what is explained."""
+        least = np.full(len(self.parts), QUIETEST) if least is None else least
+        shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
+        kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
+        shared = self.shared_usual if like is None else like.shared
+        parts: list[Reduced] = []
+        touched = []
+        for k, part in enumerate(self.parts):
+            old = like.parts[k] if like else None
+            if old and old.shown == shown[k] and old.kinds == kinds[k] and old.sigma2 >= least[k]:
+                parts.append(old)
+                continue
+            sigma2, sd = (old.sigma2, old.sd) if old else (1.0, part.usual)
+            parts.append(self._reduced(k, shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
+            touched.append(k)
+        fit = self._joined(chosen, on, shared, parts)
+        for _ in range(steps):
+            shared = self._renewed_shared(fit)
+            parts = list(fit.parts)
+            for k in touched:
+                at = self._at(k, chosen, shown[k])
+                sigma2, sd = self._renewed(k, parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k]))
+                parts[k] = self._reduced(k, shown[k], sigma2, sd, kinds[k])
+            fit = self._joined(chosen, on, shared, parts)
+        return fit
+
+    def _at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
+        """Where the shared columns of a unit stand among all shared ones."""
+        z = self.shared.shape[1]
+        found, at = [np.arange(z)], z
+        for c in chosen:
+            width = self.blocks[c].columns.shape[1]
+            if c in shown:
+                found.append(np.arange(at, at + width))
+            at += width
+        return np.concatenate(found)
+
+    def _joined(self, chosen: tuple[int, ...], on: On, shared: np.ndarray, parts: list[Reduced]) -> Fit:
+        """All units together."""
+        sd = np.concatenate([shared[self.shared_of], self.slab[self.columns_of(chosen)]])
+        a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
+        value = 0.0
+        for k, part in enumerate(parts):
+            at = self._at(k, chosen, part.shown)
+            a[np.ix_(at, at)] += part.inside
+            b[at] += part.along
+            value += part.value
+        root = _root(a)
+        inverse = _inverted(root)
+        covariance = inverse.T @ inverse
+        mean = covariance @ b
+        value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
+        learned = self.shared_learned
+        value -= float(np.sum(_surprise(shared[learned], self.shared_usual[learned])))
+        return Fit(chosen, on, value, mean, covariance, shared, parts)
+
+    def _renewed_shared(self, fit: Fit) -> np.ndarray:
+        new = fit.shared.copy()
+        for g in np.flatnonzero(self.shared_learned):
+            which, usual = np.flatnonzero(self.shared_of == g), self.shared_usual[g]
+            dof = max(len(which) - float(np.diag(fit.covariance)[which].sum()) / fit.shared[g] ** 2, 0.0)
+            power = float((fit.mean[which] ** 2).sum())
+            now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
+            new[g] = float(np.clip(now, 0.3 * usual, MAP_MOST * usual))
+        return new
+
+    # -- the whole dictionary beside a set -----------------------------------------------------------------------------
+
+    def scan(self, fit: Fit, draws: np.ndarray | None = None):
+        """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the Bayes factor, (K,)
+        coefficients and their standard deviations. With draws (N, R) of readings instead: (B, R), None, None."""
+        many = 1 if draws is None else draws.shape[1]
+        sd = np.concatenate([fit.shared[self.shared_of], self.slab[self.columns_of(fit.chosen)]])
+        f = len(sd)
+        fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
+        dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
+        for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
+            s2 = old.sigma2
+            at = self._at(k, fit.chosen, old.shown)
+            if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
+                old.hd = _solved(old.root, part.bd[old.use] / s2)
+                inside = old.hd.T @ old.hf
+                crossed = np.concatenate([part.zd, *(part.d[:, part.where[c]].T @ part.d for c in old.shown)])
+                here, i, j, own = self._pairs[k]
+                old.fd = crossed / s2 - inside.T
+                old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])
+            hy, y_f, y_d = old.hy[:, None], old.fy[:, None], part.dy[:, None]
+            if draws is not None:
+                white = part.unit.whitened(draws[part.unit.rows])
+                hy = _solved(old.root, (part.b.T @ white)[old.use] / s2)
+                y_f = np.concatenate([part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)])
+                y_d = part.d.T @ white
+            fy[at] += y_f / s2 - old.hf.T @ hy
+            dy[part.columns] += y_d / s2 - old.hd.T @ hy
+            fd[np.ix_(at, part.columns)] += old.fd
+            dd[self._pairs[k][0]] += old.dd
+        if f:
+            root = _root(self._precision(fit, sd))
+            half_d, half_y = _solved(root, fd), _solved(root, fy)
+            dy -= half_d.T @ half_y
+            dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
+        return self._factors(dy, dd, draws is None)
+
+    def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
+        a = np.diag(1.0 / sd**2)
+        for k, part in enumerate(fit.parts):
+            at = self._at(k, fit.chosen, part.shown)
+            a[np.ix_(at, at)] += part.inside
+        return a
+
+    def _factors(self, dy: np.ndarray, dd: np.ndarray, values: bool):
+        result = np.zeros((len(self.blocks), dy.shape[1]))
+        coefficients = np.zeros(self.width)
+        spread = np.zeros(self.width)
+        widths = np.array([b.columns.shape[1] for b in self.blocks])
+        first = np.array(self.first)
+        start = np.concatenate([[0], np.cumsum(widths * (widths + 1) // 2)])
+        for w in np.unique(widths):
+            which = np.flatnonzero(widths == w)
+            i, j = np.triu_indices(w)
+            m = np.zeros((len(which), w, w))
+            entries = dd[start[which][:, None] + np.arange(len(i))]
+            m[:, i, j], m[:, j, i] = entries, entries
+            at = first[which][:, None] + np.arange(w)
+            slab = self.slab[at]
+            scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
+            b = dy[at] * slab[:, :, None]
+            solved = np.linalg.solve(scaled, b)
+            _, logdet = np.linalg.slogdet(scaled)
+            result[which] = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None]
+            if values:
+                coefficients[at] = solved[:, :, 0] * slab
+                spread[at] = np.sqrt(np.abs(np.einsum("bww->bw", np.linalg.inv(scaled)))) * slab
+        return (result[:, 0], coefficients, spread) if values else (result, None, None)
+
+    def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
+        """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of the fit taken out, but for
+        one of its members."""
+        sd = np.concatenate([fit.shared[self.shared_of], self.slab[self.columns_of(fit.chosen)]])
+        if but >= 0:
+            sd[len(self.shared_of) + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))] = NOTHING
+        f, many = len(sd), columns.shape[1]
+        fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
+        for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
+            raw = columns[part.unit.rows]
+            at, s2 = self._at(k, fit.chosen, old.shown), old.sigma2
+            fy[at] += old.along
+            if not raw.any():
+                continue
+            x = part.unit.whitened(raw)
+            crossed = np.concatenate([part.z.T @ x, *(part.d[:, part.where[c]].T @ x for c in old.shown)])
+            hx = _solved(old.root, (part.b.T @ x)[old.use] / s2)
+            fx[at] += crossed / s2 - old.hf.T @ hx
+            xx += x.T @ x / s2 - hx.T @ hx
+            xy += x.T @ part.y / s2 - hx.T @ old.hy
+        if f:
+            half = _solved(_root(self._precision(fit, sd)), np.column_stack([fy, fx]))
+            xx -= half[:, 1:].T @ half[:, 1:]
+            xy -= half[:, 1:].T @ half[:, 0]
+        return xx, xy
+
+    # -- what a fit says of the readings -------------------------------------------------------------------------------
+
+    def explained(self, fit: Fit) -> dict[str, np.ndarray]:
+        """(N,) mm of the readings: "effects", "map", and each kind of own group; "noise": the standard deviation of a
+        reading by white noise, wander and zeros of runs."""
+        n = len(self.y)
+        z = self.shared.shape[1]
+        result = {"map": self.shared @ fit.mean[:z], "noise": np.zeros(n)}
+        result["effects"] = np.zeros(n)
+        at = z
+        for k in fit.chosen:
+            w = self.blocks[k].columns.shape[1]
+            result["effects"] += self.blocks[k].columns @ fit.mean[at : at + w]
+            at += w
+        for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
+            own, use = part.whole.rows, old.use
+            mean = _inverted(old.root).T @ (old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)])
+            variance = old.sigma2 * part.whole.r**2
+            for g in np.unique(part.of[use]):
+                which = part.of[use] == g
+                kind = part.kinds[g]
+                result.setdefault(kind, np.zeros(n))[own] += part.raw[:, use[which]] @ mean[which]
+                if kind in ("wander", "run"):
+                    variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(axis=1)
+            result["noise"][own] = np.sqrt(variance)
+        return result
+
+    def white(self, fit: Fit) -> np.ndarray:
+        """(N,) mm: standard deviation of each reading's white noise."""
+        result = np.zeros(len(self.y))
+        for part, old in zip(self.parts, fit.parts, strict=True):
+            result[part.whole.rows] = part.whole.r * np.sqrt(old.sigma2)
+        return result
+
+    def drawn(self, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
+        """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs' zeros, the map's error."""
+        z = self.shared.shape[1]
+        y = (self.shared * np.where(self.shared_free, 0.0, fit.shared[self.shared_of])) @ rng.normal(size=(z, count))
+        for part, old in zip(self.parts, fit.parts, strict=True):
+            n = len(part.unit)
+            e = rng.standard_t(5, size=(n, count)) * np.sqrt(3 / 5 * old.sigma2)
+            y[part.unit.rows] += colored(part.unit, e) * part.unit.r[:, None]
+            use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
+            y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(size=(len(use), count))
+        return y
+
+
+def _surprise(sd: np.ndarray | float, usual: np.ndarray | float):
+    """Minus twice the logarithm of the prior density of a learned standard deviation, but for a constant (inverse gamma)."""
+    ratio = (np.asarray(usual) / np.asarray(sd)) ** 2
+    return SURE * (ratio - np.log(ratio) - 1.0)
+
+
+def colored(unit: Unit, e: np.ndarray) -> np.ndarray:
+    """(n, R): innovations to an autoregression."""
+    result = e * np.sqrt(unit.innovation) if len(unit.ar) else e
+    for k in range(1, len(e)) if len(unit.ar) else ():
+        for lag, a in enumerate(unit.ar[:k], 1):
+            result[k] += a * result[k - lag]
+    return result
+
+
+def _root(m: np.ndarray) -> np.ndarray:
+    """The lower Cholesky factor."""
+    if not len(m):
+        return m
+    root, info = dpotrf(m, lower=1, clean=1)
+    if info:
+        root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)
+    if info:
+        raise np.linalg.LinAlgError(f"the {info}. leading minor is not positive")
+    return root
+
+
+def _solved(root: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return dtrtrs(root, b, lower=1)[0] if len(root) and b.size else b
+
+
+def _inverted(root: np.ndarray) -> np.ndarray:
+    return dtrtri(root, lower=1)[0] if len(root) else root

@@ -1,0 +1,69 @@
+"""When names are no answer: something comes back that none explains, or the recordings can not be trusted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose.answer import Diagnosis, Finding, floor
+from postproc.diagnose.nuisances import PROCESSES
+from postproc.diagnose.search import Found, Search
+from postproc.diagnose.unknown import Unknown, mapped
+
+LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 3e-4, "scale": 3e-4}  # smaller is not worth a word
+OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
+FAR_OFF, NO_BETTER = 2.5, 0.7  # of the noise, of what it was before: then runs held out do not bear the names out
+
+
+def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
+    """What no name explains, with its map. Names become tentative where the recordings can not be trusted, where their own interval
+    holds zero, where runs that took no part do not bear them out, and where more of what they explain comes back than they explain."""
+    for f in d.findings:
+        if d.doubts or _uncertain(f):
+            f.status = "tentative"
+    left = sorted(_left(d, search, state), reverse=True)
+    for _, rms, unit in left:
+        own = search.evidence.parts[unit].whole.rows
+        for f in d.findings:
+            if 0 < float(np.std(f.contribution[own])) < rms:
+                f.status = "tentative"
+    _borne_out(d)
+    if not left:
+        return None
+    _, rms, unit = left[0]
+    own = search.evidence.parts[unit].whole.rows
+    signal = int(d.rows.signal[own[0]])
+    total = float(np.mean(d.before[own] ** 2))
+    return mapped(d, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
+
+
+def _uncertain(f: Finding) -> bool:
+    """Whether none of the sizes of an effect is told from zero."""
+    ends = [f.ci95[name] for name in f.value if name.endswith(("_um", "_urad", "ppm", "ppm_K", "_ms", "rpm", "_s_mm", "_mm_s2", "per_N")) and f.value[name]]
+    return bool(ends) and all(low <= 0.0 <= high for low, high in ends)
+
+
+def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float, int]]:
+    """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
+    said = search.evidence.explained(state.fit)
+    found = []
+    for unit in sorted({u for u, _ in state.fit.on}):
+        part = search.evidence.parts[unit]
+        own = part.unit.rows
+        values = sum((said[kind][own] for kind in PROCESSES if kind in said), np.zeros(len(own)))
+        rms, explained = float(np.std(values)), float(np.std(said["effects"][own]))
+        least = LEAST_MM.get(part.unit.sees, LEAST_MM["tool"])
+        if rms > max(least, OF_EXPLAINED * explained):
+            found.append((rms / least, rms, unit))
+    return found
+
+
+def _borne_out(d: Diagnosis) -> None:
+    """Names are tentative where runs that took no part are no better off with them."""
+    for signal in np.unique(d.rows.signal[d.held]):
+        own = d.held & (d.rows.signal == signal)
+        before, after = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.before, d.after))
+        ground = float(np.sqrt(np.mean(floor(d)[own] ** 2)))
+        if after > FAR_OFF * ground and after > NO_BETTER * before:
+            for f in d.findings:
+                if f.block.name not in ("vibration", "step_loss") and float(np.std(f.contribution[own])) > 0.3 * after:
+                    f.status = "tentative"

@@ -1,0 +1,191 @@
+"""What is in every recording and is no finding: zeros, set-ups, what the map may be wrong by, what an instrument wanders.
+
+Each group of columns has a standard deviation: stated here, free (nobody knows it), or learned beside every set of effects
+from a usual value.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.diagnose.noise import Unit, hats, wander
+from postproc.diagnose.rows import XYZ, Rows
+from postproc.effects import legendre
+
+FREE = 1e3  # mm: a zero that nobody knows
+MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+DEGREES = range(1, 7)
+CENTRE = 0.1  # mm
+BAR = 0.01  # mm: by how much a bar may grow while it turns
+PART = 5e-4  # mm
+STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
+ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
+FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
+RUN = 3e-4  # mm: by how much the zero of an instrument differs from run to run
+WANDER = 3e-4  # mm: by how much an instrument's zero usually wanders while it reads
+PROCESS = 2e-3  # mm: of what no name explains
+PER_MM = 1e-3  # rad of an angle that count as much as a mm
+SQUARE = 1.5e-6  # rad
+COARSE, FINE = 6, 24  # nodes of a process over the place, for each combination of directions
+MOST_NODES = 120
+TURNS, SHORTEST, LONGEST = 12, 1e-3, 1.0  # nodes of a process after a turn; s
+PROCESSES = ("place", "turn")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns (n, M) of one unit, or (N, M) of all rows. sd mm; learned: whether sd is a first guess; kind: zero, set-up, run, wander, map,
+    process."""
+
+    kind: str
+    columns: np.ndarray
+    sd: float
+    learned: bool = False
+
+
+def of_unit(rows: Rows, unit: Unit) -> list[Group]:
+    """The groups that are of one instrument alone."""
+    own, n = unit.rows, len(unit)
+    scale = PER_MM if unit.sees == "angle" else 1.0
+    found: list[Group] = []
+    file = int(rows.file[own[0]])
+    kind = rows.kinds[file]
+    if unit.sees == "part":
+        found += _of_features(rows, unit)
+    else:
+        found.append(Group("zero", np.ones((n, 1)), FREE))
+    if kind == "ballbar":
+        found.append(Group("set-up", rows.direction[own][:, rows.direction[own].any(axis=0)], CENTRE))
+        share = _share(unit.time)  # the bar warms in the hand and on the machine
+        found.append(Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR))
+    if kind == "targets" and unit.sees == "tool":
+        for p in rows.state.position.values():  # a straightness reading knows its line up to the optics' alignment
+            if np.ptp(p[own]) > 1e-3:
+                found.append(Group("set-up", (p[own] - p[own].mean())[:, None], ALIGNED))
+    numbers = np.unique(rows.run[own])
+    if unit.sees != "part" and len(numbers) > 1:
+        each = (rows.run[own][:, None] == numbers).astype(float)
+        found.append(Group("run", each, RUN * scale, True))
+        late = np.zeros_like(each)
+        for k in range(len(numbers)):
+            which = each[:, k] > 0
+            if which.sum() >= 4:
+                late[which, k] = _share(unit.time[which]) / 2
+        if late.any():
+            found.append(Group("run", late, RUN * scale, True))
+    if unit.sees != "part":
+        found += [Group("wander", columns, WANDER * scale, True) for columns in wander(unit)]
+    return found
+
+
+def _of_features(rows: Rows, unit: Unit) -> list[Group]:
+    own = unit.rows
+    found = []
+    signals = np.unique(rows.signal[own])
+    each = (rows.signal[own][:, None] == signals).astype(float)
+    # A feature has no set-up zero of its own, only what the map does not know at its place; a step has none that is known.
+    free = np.array(["step" in rows.signals[s] for s in signals])
+    if free.any():
+        found.append(Group("zero", each[:, free], FREE))
+    if not free.all():
+        found.append(Group("feature", each[:, ~free], FEATURE, True))
+    wall = rows.state.channels.get("wall", np.ones(len(rows)))[own]
+    if wall.any():
+        found.append(Group("set-up", wall[:, None], STYLUS))
+    numbers = np.unique(rows.run[own])  # every part lies a little differently in its fixture
+    for i in range(3):
+        lies = (rows.run[own][:, None] == numbers) * (rows.direction[own][:, i] * wall)[:, None]
+        if lies.any() and len(numbers) > 1:
+            found.append(Group("run", lies, PART, True))
+    return found
+
+
+def processes(rows: Rows, unit: Unit) -> list[Group]:
+    """What no name explains and comes back: smooth functions of the place, one for each combination of the directions of
+    approach ("place"), and of the time since a turn, one for each axis and direction ("turn")."""
+    own = unit.rows
+    if unit.sees == "part" or len(own) < 8:
+        return []
+    scale = PER_MM if unit.sees == "angle" else 1.0
+    moving = [x for x, p in rows.state.position.items() if np.ptp(p[own]) > 1e-3]
+    found = []
+    if moving:
+        main = max(moving, key=lambda x: float(np.ptp(rows.state.position[x][own])))
+        sides = np.stack([np.sign(rows.state.approach[x][own]) for x in moving])
+        side = np.unique(sides, axis=1, return_inverse=True)[1].ravel()
+        for number in (COARSE, FINE):
+            columns = _nodes(rows.state.position[main][own], side, number)
+            if columns.shape[1] <= min(MOST_NODES, len(own) // 2):
+                found.append(Group("place", columns, PROCESS * scale, True))
+    if unit.dense:
+        columns = []
+        for x in moving:
+            since = rows.state.since[x][own]
+            near = (since < LONGEST) & (rows.state.velocity[x][own] != 0)
+            if near.sum() > 8:
+                late = np.log(np.maximum(since, SHORTEST))
+                side = np.where(near, np.sign(rows.state.approach[x][own]), 0.0)
+                columns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
+        if columns:
+            found.append(Group("turn", np.concatenate(columns, axis=1), PROCESS, True))
+    return found
+
+
+def _nodes(value: np.ndarray, side: np.ndarray, number: int, only: tuple[float, ...] = ()) -> np.ndarray:
+    """(n, M): lines between so many values, for each side apart."""
+    columns = []
+    for s in only or np.unique(side):
+        which = side == s
+        if not which.any():
+            continue
+        places = np.unique(np.round(value[which], 2))
+        nodes = np.unique(np.quantile(places, np.linspace(0, 1, min(number, len(places)))))
+        block = np.zeros((len(value), len(nodes)))
+        block[which] = hats(value[which], nodes)
+        columns.append(block)
+    return np.concatenate(columns, axis=1)
+
+
+def of_map(rows: Rows, map_um: float = MAP_UM) -> list[Group]:
+    """What the machine's map may be wrong by: the same for all instruments. (N, M)."""
+    seen = np.isin(rows.sees, ("laser", "tool"))
+    part = rows.sees == "part"
+    smooth, square = [], []
+    for x in rows.state.position:
+        u = np.clip(rows.state.share(x), -1.2, 1.2)
+        for along in range(3):
+            enters = np.where(seen, rows.direction[:, along], 0.0)
+            for degree in DEGREES:
+                if along == XYZ.index(x) or degree > 1:
+                    shape = enters * legendre(u, degree)
+                    if along == XYZ.index(x):  # features see the same map, at the two places of their walls
+                        shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
+                    smooth.append(shape)
+            if along != XYZ.index(x):
+                square.append(enters * rows.state.position[x])
+    groups = [("map", smooth, map_um * 1e-3, True), ("square", square, SQUARE, False)]
+    found = []
+    for kind, columns, sd, learned in groups:
+        shown = [c for c in columns if np.abs(c).max(initial=0.0) > 1e-9]
+        if shown:
+            found.append(Group(kind, np.stack(shown, axis=1), sd, learned))
+    return found
+
+
+def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:
+    """(N,) difference of a smooth term of the map at the two walls of features; of a diameter on a lathe, at its radius."""
+    here = legendre(np.clip(rows.state.share(axis), -1.2, 1.2), degree)
+    if axis not in rows.other:
+        return here
+    low, high = rows.state.travel[axis]
+    other = rows.other[axis]
+    there = legendre(np.clip(2 * (np.nan_to_num(other) - low) / (high - low) - 1, -1.2, 1.2), degree)
+    return here - np.where(np.isnan(other), 0.0, there)
+
+
+def _share(t: np.ndarray) -> np.ndarray:
+    """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the order of rows."""
+    t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)
+    return 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)

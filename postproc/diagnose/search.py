@@ -1,0 +1,312 @@
+"""Which set of effects makes the readings most probable: a beam search over sets, each with its own noise.
+
+A set is worth twice the logarithm of its evidence, less what its members cost: a rare cause, one of many shapes that were tried.
+A member must be worth more beside the others than noise alone reaches in one of a hundred such experiments. What comes
+back at the same places and has no name is a member like the others: a smooth process of one instrument.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.diagnose import shapes
+from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
+from postproc.diagnose.library import Block, found
+from postproc.diagnose.rows import Rows
+
+MOST = 6  # members of a set
+WIDTH, CHILDREN, POLISHED = 2, 6, 3  # sets that are kept, members that are tried beside each, and of these with shapes of their own
+RENEWED = 3  # steps in which sizes are learned again beside a new member
+ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
+RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
+    "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
+    "scale": 1.4,
+}  # fmt: skip
+UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
+LEAST = 12.0  # twice ln(400): posterior odds that a member must have at least
+NULLS, CHANCE = 64, 0.01
+MATERIAL = 7e-4  # mm
+FORM = 0.04  # of what an effect explains at most, a textbook form is wrong by
+TOLD = 0.5  # of the white noise
+
+
+@dataclass(frozen=True)
+class Found:
+    """A set: its fit, what it is worth, and the least variance of each unit at which that was found."""
+
+    fit: Fit
+    score: float
+    least: np.ndarray
+
+    @property
+    def key(self) -> tuple:
+        return tuple(sorted(self.fit.chosen)), self.fit.on
+
+
+class Search:
+    def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
+        self.rows, self.evidence = rows, evidence
+        evidence.add(blocks)
+        self.cost = np.array([_cost(b) for b in blocks])
+        self.least = LEAST
+        self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
+        self._open = [_open(part) for part in evidence.parts]
+        self.seen: dict[tuple, Found] = {}
+        self._looked: set[tuple] = set()
+
+    @property
+    def blocks(self) -> list[Block]:
+        return self.evidence.blocks
+
+    def let_in(self, block: Block) -> int:
+        """The number of a block, which is added where it is new."""
+        for k, known in enumerate(self.blocks):
+            if (known.key, known.shape) == (block.key, block.shape):
+                return k
+        self.cost = np.append(self.cost, _cost(block))
+        return self.evidence.add([block])[0]
+
+    # -- sets ----------------------------------------------------------------------------------------------------------
+
+    def null(self) -> Found:
+        """No effect at all."""
+        if () not in self.seen:
+            fit = self.evidence.learn((), None, steps=2 * RENEWED)
+            self.seen[()] = Found(fit, 0.0, np.full(len(self.evidence.parts), QUIETEST))
+        return self.seen[()]
+
+    def of(self, chosen: tuple[int, ...], on: On, like: Found) -> Found:
+        """A set at the error of form of another one, that it is compared with; its score is that of the other and the difference."""
+        key = tuple(sorted(chosen)), on, like.fit.chosen, like.fit.on
+        if key not in self.seen:
+            base = self._at_own_form(like)
+            fit = self.evidence.learn(key[0], base.fit, on, RENEWED, base.least)
+            worth = self._value(fit) - self._value(base.fit)
+            self.seen[key] = Found(fit, base.score + worth, base.least)
+        return self.seen[key]
+
+    def _value(self, fit: Fit) -> float:
+        odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in fit.chosen)
+        return fit.value - float(self.cost[list(fit.chosen)].sum()) - ODDS * len(fit.on) - UNUSUAL * odd
+
+    def _at_own_form(self, state: Found) -> Found:
+        """The same set, its noise no less than the error of form of what it explains."""
+        if not state.fit.chosen:
+            return state
+        key = "own", state.fit.chosen, state.fit.on
+        if key not in self.seen:
+            least = self.form(state.fit)
+            fit = self.evidence.learn(state.fit.chosen, state.fit, state.fit.on, RENEWED, least)
+            self.seen[key] = Found(fit, state.score, least)
+        return self.seen[key]
+
+    def form(self, fit: Fit) -> np.ndarray:
+        """(U,) variance of each unit that the error of form of its largest effect gives (1: of its white noise)."""
+        most = np.zeros(len(self.evidence.parts))
+        for k in fit.chosen:
+            part = self.blocks[k].columns @ self.value(fit, k)
+            for u, p in enumerate(self.evidence.parts):
+                most[u] = max(most[u], _swing(part[p.unit.rows]) / float(np.median(p.unit.r)))
+        return np.maximum(QUIETEST, (FORM * most) ** 2)
+
+    def value(self, fit: Fit, k: int) -> np.ndarray:
+        """(K,) coefficients of a member."""
+        return fit.mean[self.part(fit, k)]
+
+    def part(self, fit: Fit, k: int) -> slice:
+        """Where a member's coefficients stand among the shared ones."""
+        at = self.evidence.shared.shape[1]
+        for other in fit.chosen:
+            width = self.blocks[other].columns.shape[1]
+            if other == k:
+                return slice(at, at + width)
+            at += width
+        raise KeyError(k)
+
+    def calibrate(self, rng: np.random.Generator) -> None:
+        """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments: of nulls drawn with the noise that
+        was learned, by a Gumbel distribution of their maxima."""
+        null = self.null()
+        draws = self.evidence.drawn(null.fit, rng, NULLS)
+        best = (self.evidence.scan(null.fit, draws)[0] - self.cost[:, None]).max(axis=0)
+        scale = float(np.std(best)) * np.sqrt(6.0) / np.pi
+        tail = float(np.mean(best)) - 0.5772 * scale - scale * np.log(-np.log(1 - CHANCE))
+        self.least = max(LEAST, tail)
+
+    def run(self) -> Found:
+        """The most probable set of which every member is worth its place."""
+        beam = [self.null()]
+        best = beam[0]
+        for _ in range(MOST):
+            grown = {}
+            for state in beam:
+                for child in self._children(state):
+                    if child.score > state.score + self.least:
+                        grown[child.key] = child
+            if not grown:
+                break
+            beam = sorted(grown.values(), key=lambda c: -c.score)[:WIDTH]
+            best = max([best, *beam], key=lambda c: c.score)
+        return self._settled(best)
+
+    def _settled(self, best: Found) -> Found:
+        """Members exchanged and dropped until every one is worth its place."""
+        for _ in range(2 * MOST):
+            best = self._at_own_form(best)
+            better = max([best, *self._exchanged(best)], key=lambda c: c.score)
+            if better.score > best.score + 1.0:
+                best = better
+                continue
+            weakest, least = None, self.least
+            for k in best.fit.chosen:
+                worth = self.worth(best, k)
+                if worth < least or not self._fits(best.fit, k):
+                    weakest, least = self.without(best, k), min(worth, least)
+            for process in best.fit.on:
+                rest = self.of(best.fit.chosen, best.fit.on - {process}, best)
+                if best.score - rest.score < least:
+                    weakest, least = rest, best.score - rest.score
+            if weakest is None:
+                return best
+            best = weakest
+        return best
+
+    def worth(self, state: Found, k: int) -> float:
+        """Of a member beside the others."""
+        state = self._at_own_form(state)
+        return state.score - self.without(state, k).score
+
+    def without(self, state: Found, k: int) -> Found:
+        return self.of(tuple(c for c in state.fit.chosen if c != k), state.fit.on, state)
+
+    def _exchanged(self, state: Found) -> list[Found]:
+        """Sets in which another name stands in the place of one of the members."""
+        result = []
+        for k in state.fit.chosen if len(state.fit.chosen) > 1 else ():
+            rest = self.without(state, k)
+            result += self._children(rest, names=2, processes=False, like=state)
+        return result
+
+    def _children(self, state: Found, names: int = CHILDREN, processes: bool = True, like: Found | None = None) -> list[Found]:
+        """Sets with one more member, the most promising ones; at the error of form of `like`, else of the set itself."""
+        state = state if like else self._at_own_form(state)
+        like = like or state
+        chosen, fit = state.fit.chosen, state.fit
+        self._look(state)
+        scores, coefficients, _ = self.evidence.scan(fit)
+        scores = scores - self.cost
+        best: dict[str, int] = {}
+        order = np.argsort(-scores)
+        for k in map(int, order):
+            if scores[k] < self.least or len(best) >= names:
+                break
+            block = self.blocks[k]
+            if block.key in best or not self._allowed(chosen, k):
+                continue
+            first = self.evidence.first[k]
+            if plausible(block, coefficients[first : first + block.columns.shape[1]]):
+                best[block.key] = k
+        result = []
+        for number, k in enumerate(best.values()):
+            if number < POLISHED:
+                k = shapes.polished(self, fit, k)
+            child = self.of((*chosen, k), fit.on, like)
+            if self._fits(child.fit, k):
+                result.append(child)
+        for u, part in enumerate(self.evidence.parts if processes else ()):
+            for kind, columns in part.processes.items():
+                if columns.any() and (u, kind) not in fit.on:
+                    result.append(self.of(chosen, fit.on | {(u, kind)}, like))
+        return result
+
+    def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
+        """An effect and axis once: what its shape leaves is a process."""
+        return self.blocks[k].key not in [self.blocks[c].key for c in chosen]
+
+    def _fits(self, fit: Fit, k: int) -> bool:
+        """Whether a member is of a plausible size, and large enough somewhere to matter."""
+        value = self.value(fit, k)
+        return plausible(self.blocks[k], value) and self.size(self.blocks[k].columns @ value) > 1.0
+
+    def size(self, contribution: np.ndarray) -> float:
+        """Largest share of what would matter, over the instruments, beside their zeros and set-ups."""
+        worst = 0.0
+        for part, free in zip(self.evidence.parts, self._open, strict=True):
+            own = contribution[part.unit.rows]
+            if not own.any():
+                continue
+            swing = _swing(own - free @ (free.T @ own))
+            scale = 1e-3 if part.unit.sees == "angle" else 1.0
+            worst = max(worst, swing / max(MATERIAL * scale, TOLD * float(np.median(part.unit.r))))
+        return worst
+
+    def _look(self, state: Found) -> None:
+        """Let in what is periodic in what a set leaves."""
+        if state.key in self._looked:
+            return
+        self._looked.add(state.key)
+        said = self.evidence.explained(state.fit)
+        left = self.evidence.y - sum(v for name, v in said.items() if name not in ("noise",))
+        sigma = self.evidence.white(state.fit)
+        known = {(b.key, b.shape) for b in self.blocks}
+        new = [b for b in found(self.rows, left / sigma**2, sigma) if (b.key, b.shape) not in known]
+        if new:
+            self.cost = np.append(self.cost, [_cost(b) for b in new])
+            self.evidence.add(new)
+
+    def scores(self, state: Found) -> np.ndarray:
+        """(B,) worth of every block beside a set, implausible ones -inf."""
+        scores, coefficients, _ = self.evidence.scan(state.fit)
+        scores = scores - self.cost
+        for k, b in enumerate(self.blocks):
+            first = self.evidence.first[k]
+            value = coefficients[first : first + b.columns.shape[1]]
+            scores[k] -= UNUSUAL * unusual(b, value)
+            if scores[k] > 0 and not plausible(b, value):
+                scores[k] = -np.inf
+        return scores
+
+
+def _swing(values: np.ndarray) -> float:
+    """The size that so many readings have at least as there must be to show a short spike."""
+    few = min(len(values), max(3, len(values) // 400))
+    return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])
+
+
+def _open(part) -> np.ndarray:
+    """(n, M) orthonormal columns of a unit's zeros and set-ups."""
+    which = np.isin(part.of, [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up")])
+    if not which.any():
+        return np.zeros((len(part.unit), 0))
+    q, r = np.linalg.qr(part.raw[part.use][:, which])
+    size = np.abs(np.diag(r))
+    return q[:, size > 1e-9 * size.max(initial=0.0)]
+
+
+def _cost(block: Block) -> float:
+    """What a block pays for its name and for the shapes that it was chosen from, twice the logarithm."""
+    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0)
+
+
+def unusual(block: Block, coefficients: np.ndarray) -> int:
+    """How many of the named parameters have another sign than they usually have."""
+    expected = getattr(block.module, "EXPECTED", None)
+    if not expected:
+        return 0
+    named = block.module.parameters(coefficients, dict(block.shape))
+    return sum(named[name] * sign < 0 for name, sign in expected.items())
+
+
+def plausible(block: Block, coefficients: np.ndarray) -> bool:
+    """Whether the named parameters are such as machines have, and such as the name says."""
+    limits, sensible = getattr(block.module, "PLAUSIBLE", {}), getattr(block.module, "sensible", None)
+    if not limits and sensible is None:
+        return True
+    named = block.module.parameters(coefficients, dict(block.shape))
+    if sensible is not None and not sensible(**named):
+        return False
+    return all(low <= named[name] <= high for name, (low, high) in limits.items())
+
+

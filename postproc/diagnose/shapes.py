@@ -1,0 +1,106 @@
+"""Shapes as well as the readings tell them: between the values of the grid, and of a wave that was found in a spectrum its period, a
+second wave of half the period, a swing that grows along the travel."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.diagnose import library
+from postproc.diagnose.library import FOUND, Block
+
+if TYPE_CHECKING:
+    from postproc.diagnose.evidence import Fit
+    from postproc.diagnose.search import Search
+
+WORTH = 6.0  # that what comes with a wave must add
+FIRST, HALVINGS, FAR = 1.4, 4, 1.5  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
+WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
+
+
+def polished(search: Search, fit: Fit, k: int) -> int:
+    """The number of the block, or of one at a likelier shape, or with what comes with such a wave."""
+    block = search.blocks[k]
+    if block.name not in FOUND:
+        return _best(search, fit, k, _between(search, fit, block), 0.0)
+    k = _best(search, fit, k, _nearby(search, fit, block), 0.0)
+    plain = search.blocks[k]
+    for shape in plain.module.fuller(dict(plain.shape)) if hasattr(plain.module, "fuller") else ():
+        fuller = at(search, plain, shape)
+        if fuller is not None:
+            k = _best(search, fit, k, fuller, WORTH)
+    return k
+
+
+def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> int:
+    if other is None or other is search.blocks[k]:
+        return k
+    return search.let_in(other) if worth(search, fit, other) > worth(search, fit, search.blocks[k]) + by else k
+
+
+def worth(search: Search, fit: Fit, block: Block) -> float:
+    """Twice the logarithm of the Bayes factor of a block beside a fit."""
+    from postproc.diagnose.evidence import SLAB
+
+    a, b = search.evidence.beside(fit, block.columns)
+    slab = SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
+    scaled = a * np.outer(slab, slab) + np.eye(len(slab))
+    return float(b * slab @ np.linalg.solve(scaled, b * slab) - np.linalg.slogdet(scaled)[1])
+
+
+def at(search: Search, block: Block, shape: dict[str, float]) -> Block | None:
+    """The block in another shape; None where these readings do not show all of it."""
+    columns = library.read(search.rows, block.module, block.axis, shape)
+    if not (np.abs(columns).max(axis=0) > 1e-9).all():
+        return None
+    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
+
+
+def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
+    """The block at the likeliest period or frequency near its own."""
+    name = "period_mm" if "period_mm" in dict(block.shape) else "frequency_hz"
+    shown = np.any(block.columns != 0, axis=1)
+    if name == "period_mm":
+        span = float(np.ptp(search.rows.state.position[block.axis][shown]))
+    else:
+        passages = search.rows.state.passage[shown]
+        span = max(float(np.ptp(search.rows.state.time[shown][passages == p])) for p in np.unique(passages))
+    within = WITHIN / max(span, 1e-9)
+    best, most = block, worth(search, fit, block)
+    for _ in range(ROUNDS):
+        value = dict(best.shape)[name]
+        middle = 1 / value if name == "period_mm" else value
+        for f in middle + within * np.linspace(-1.0, 1.0, TRIED):
+            shape = {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} if f > 0 else None
+            tried = at(search, block, shape) if shape else None
+            if tried is not None and tried.columns.shape == block.columns.shape and (now := worth(search, fit, tried)) > most:
+                best, most = tried, now
+        within /= (TRIED - 1) / 2
+    return best
+
+
+def continuous(block: Block) -> dict[str, tuple[float, float]]:
+    """What of its shape has a value between those of the grid, with the range."""
+    named = getattr(block.module, "CONTINUOUS", {})
+    shape = dict(block.shape)
+    return {name: ends for name, ends in named.items() if shape[name] > 0 and shape[name] < ends[1] * FAR}
+
+
+def _between(search: Search, fit: Fit, block: Block) -> Block | None:
+    """The block at the likeliest values of its shape near those of the grid."""
+    if not continuous(block):
+        return None
+    best, most = block, worth(search, fit, block)
+    for name, (low, high) in continuous(block).items():
+        factor = FIRST
+        for _ in range(HALVINGS):
+            middle = dict(best.shape)[name]
+            for value in (middle / factor, middle * factor):
+                shape = {**dict(best.shape), name: float(np.clip(value, low, high))}
+                tried = at(search, block, shape)
+                if tried is not None and (now := worth(search, fit, tried)) > most:
+                    best, most = tried, now
+            factor = float(np.sqrt(factor))
+    return best
