@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from postproc import effects
 from postproc.diagnose import rounding
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
@@ -46,7 +47,7 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         ),  # workpieces are, between two cuts
     }
     for name, values in recording.columns.items():
-        if name.startswith(("T_", "force_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
+        if name.startswith(("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
             columns[f"channel {name}"] = values
     if "line" in recording.columns and recording.columns["line"].dtype != object:
         columns["channel program_line"] = recording.columns["line"]
@@ -69,6 +70,8 @@ def _targets(recording: Recording, machine: Machine):
         p = recording.position(x)
         columns[f"{x} position"], columns[f"{x} approach"] = p, recording.approach(x)
         columns[f"{x} distance"] = _since_turn(p, recording.approach(x), columns["run"])
+        if np.ptp(p) > 1e-9:
+            columns[f"{x} path"] = _through_targets(p, recording.approach(x))
         path += vector[XYZ.index(x)] * p
     lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
     columns["beam"] = path - path.min() if lit else np.zeros(n)
@@ -99,6 +102,28 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> 
     return result
 
 
+def _through_targets(position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    """(N, M) mm: the ways that a drive remembers (effects.remembered), along the targets one after the other: a target is overrun before
+    the axis turns there, and a target behind the last one is passed before it is approached from the same side again."""
+    known = np.flatnonzero(approach)
+    if not len(known):
+        return np.zeros((len(position), 2))
+    begin, at = [], []
+    side = np.sign(approach[known[0]])
+    for k in range(int(known[0]) + 1, len(position)):
+        new, step = np.sign(approach[k]), position[k] - position[k - 1]
+        if new == -side:
+            farthest = position[k - 1] if new * step >= 0 else position[k]
+            begin.append(k)
+            at.append(farthest + side * OVERRUN)
+            side = new
+        elif new == side and side * step < -1e-9:
+            begin += [k, k]
+            at += [position[k - 1], position[k] - side * OVERRUN]
+    ways = effects.remembered(position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at))
+    return (ways * (approach != 0)).T
+
+
 def _motion(
     columns: dict, letter: str, position: np.ndarray, time: np.ndarray, run: np.ndarray, speed: np.ndarray | None = None
 ) -> None:
@@ -107,6 +132,7 @@ def _motion(
     n = len(position)
     names = ("velocity", "acceleration", "approach", "distance", "since")
     v, a, s, d, since = (np.zeros(n) for _ in names)
+    ways: list[tuple[np.ndarray, np.ndarray]] = []
     edges = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0)) + 1
     for part in np.split(np.arange(n), edges):
         if len(part) < 3:
@@ -124,8 +150,16 @@ def _motion(
         gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))])
         d[part] = np.where(last >= 0, gone - gone[np.maximum(last, 0)], FAR)
         since[part] = np.where(last >= 0, t - t[np.maximum(last, 0)], FAR)
+        moved = np.flatnonzero(s[part])
+        if len(moved):
+            turns = np.flatnonzero(turn)
+            memory = effects.remembered(p, float(s[part][moved[0]]), turns, p[turns])
+            ways.append((part, memory * (s[part] != 0)))
     for name, value in zip(names, (v, a, s, d, since), strict=True):
         columns[f"{letter} {name}"] = value
+    columns[f"{letter} path"] = path = np.zeros((n, max((len(m) for _, m in ways), default=2)))
+    for part, memory in ways:
+        path[part, : len(memory)] = memory.T
     columns[f"{letter} position"] = position
 
 
