@@ -14,11 +14,12 @@ PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
     "length_mm": "mm, distance over which it builds up",
 }
-PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
+# Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um 2 um.
+PLAUSIBLE = {"size_um": (0.0, 1000.0)}  # beyond, it is something else (unverified: usual belts)
 EXPECTED = {"size_um": 1}
 CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("approach", "distance"), ("tool",)
+NEEDS, SEES = ("approach", "distance"), ("tool", "part")
 TEXT = (
     "The drive winds up before the slide follows. "
     "A staircase of small reversals shows its length; the compensator takes it up over three of them (reversal = ramp)."
