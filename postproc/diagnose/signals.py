@@ -64,14 +64,15 @@ def _targets(recording: Recording, machine: Machine):
             [recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0)) for i, x in enumerate(XYZ)]
         )
     path = np.zeros(n)
+    overrun = _overrun(recording)
     for x in recording.axes:
         if x not in XYZ:
             continue
         p = recording.position(x)
         columns[f"{x} position"], columns[f"{x} approach"] = p, recording.approach(x)
-        columns[f"{x} distance"] = _since_turn(p, recording.approach(x), columns["run"])
+        columns[f"{x} distance"] = _since_turn(p, recording.approach(x), overrun)
         if np.ptp(p) > 1e-9:
-            columns[f"{x} path"] = _through_targets(p, recording.approach(x))
+            columns[f"{x} path"] = _through_targets(p, recording.approach(x), overrun)
         path += vector[XYZ.index(x)] * p
     lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
     columns["beam"] = path - path.min() if lit else np.zeros(n)
@@ -86,14 +87,33 @@ def _touches(instrument: str) -> bool:
     return any(word in instrument.lower() for word in TOUCHING)
 
 
-def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> np.ndarray:
-    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun a little before a turn."""
+def _overrun(recording: Recording) -> np.ndarray:
+    """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where at the recorded feed there was no
+    time for it. The rest at a target is the shortest time that no way explains."""
+    result = np.full(len(recording), OVERRUN)
+    time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
+    if time is None or feed is None or feed.dtype == object or len(result) < 3:
+        return result
+    step = np.sqrt(sum(np.diff(recording.position(x)) ** 2 for x in recording.axes if x in XYZ))
+    wait, speed = np.diff(time), feed[1:] / 60.0
+    known = (wait > 0) & (speed > 0)
+    if not known.any():
+        return result
+    rest = max(float(np.min(wait[known] - step[known] / speed[known])), 0.0)
+    room = (speed[known] * (wait[known] - rest) - step[known]) / 2
+    result[1:][known] = np.clip(room, 0.0, OVERRUN)
+    return result
+
+
+def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
+    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun (N,) a little before a turn."""
     result = np.full(len(position), FAR)
     gone = FAR
     for k in range(1, len(position)):
         step = abs(position[k] - position[k - 1])
         if approach[k] != approach[k - 1]:
-            gone = step + OVERRUN if step < 1e-9 or approach[k] * (position[k] - position[k - 1]) >= 0 else OVERRUN
+            ahead = approach[k] * (position[k] - position[k - 1])
+            gone = step + OVERRUN if step < 1e-9 else step + overrun[k] if ahead >= 0 else OVERRUN
         else:
             gone = gone + step
         result[k] = gone
@@ -102,7 +122,7 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> 
     return result
 
 
-def _through_targets(position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
     """(N, M) mm: the ways that a drive remembers (effects.remembered), along the targets one after the other: a target is overrun before
     the axis turns there, and a target behind the last one is passed before it is approached from the same side again."""
     known = np.flatnonzero(approach)
@@ -113,9 +133,9 @@ def _through_targets(position: np.ndarray, approach: np.ndarray) -> np.ndarray:
     for k in range(int(known[0]) + 1, len(position)):
         new, step = np.sign(approach[k]), position[k] - position[k - 1]
         if new == -side:
-            farthest = position[k - 1] if new * step >= 0 else position[k]
+            beyond = side * (overrun[k] if new * step > 1e-9 else OVERRUN)
             begin.append(k)
-            at.append(farthest + side * OVERRUN)
+            at.append((position[k - 1] if new * step >= 0 else position[k]) + beyond)
             side = new
         elif new == side and side * step < -1e-9:
             begin += [k, k]

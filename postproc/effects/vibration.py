@@ -16,7 +16,7 @@ PARAMETERS = {
     "phase_deg": "degrees, of a cosine at t = 0, or at the jump; of the first passage",
     "passages": "1, every passage has a phase of its own; 0, one for all",
     "band": "1, amplitude and phase wander within a passage; 0, they do not",
-    "damping": "0.01, 0.03 or 0.1: it rings down so, of critical, after jumps of the acceleration; 0, it goes on",
+    "damping": "1, share of the critical damping (0.01, 0.03 or 0.1) with which it rings down after jumps of the acceleration; 0, it goes on",
 }
 OPTIONAL = {"passages": 0.0, "phase_deg": 0.0, "band": 0.0, "damping": 0.0}
 # What swings by more than 1 mm is no machine that cuts (unverified).
