@@ -76,7 +76,7 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "approach" and not any(np.ptp(state.approach[x]) > 0 for x in letters):
             return False
-        if need == "force" and np.ptp(state.channels.get(f"force_{axis}_N", np.zeros(1))) == 0:
+        if need == "force" and not effects.loads(state, axis):
             return False
         if need == "part" and "gauge" in module.SEES and np.any(state.channels.get("gauged", 0.0)):
             continue

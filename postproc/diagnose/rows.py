@@ -86,7 +86,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
         of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
         of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
         of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which], state.lines,
-        of_each(state.inside),
+        of_each(state.inside), of_each(state.path),
     )  # fmt: skip
 
 
@@ -130,7 +130,7 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         time=column("time"), run=column("run"), channels={c: column(f"channel {c}", np.nan) for c in channels},
         angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"), inside=_inside(parts, letters),
     )  # fmt: skip
-    state = replace(state, channels={c: _filled(c, state) for c in channels})
+    state = replace(state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state))
     angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
@@ -163,6 +163,27 @@ def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
                 one[: len(own)] = own
             columns.append(one)
         result[name] = np.concatenate(columns, axis=1)
+    return result
+
+
+def _paths(parts: list[dict], state: State) -> dict[str, np.ndarray]:
+    """Axis to (M, N) mm: the ways that its drive remembers; of rows without a path one turn, after a long way."""
+    result = {}
+    for x in state.position:
+        most = max((p[f"{x} path"].shape[1] for p in parts if f"{x} path" in p), default=0)
+        if not most:
+            continue
+        ways = np.zeros((max(most, 2), len(state)))
+        ways[0], ways[1] = -FAR * state.approach[x], state.distance[x] * state.approach[x]
+        first = 0
+        for p in parts:
+            n = len(p["y"])
+            if f"{x} path" in p:
+                own = p[f"{x} path"].T
+                ways[:, first : first + n] = 0.0
+                ways[: len(own), first : first + n] = own
+            first += n
+        result[x] = ways
     return result
 
 
@@ -301,7 +322,14 @@ def second_place(rows: Rows, which: np.ndarray) -> State:
     """The state at the other wall of features: its own place, reached from the other side."""
     there = pick_state(rows.state, which)
     position = {x: np.nan_to_num(rows.other[x][which]) for x in there.position}
-    return replace(there, position=position, approach={x: -a for x, a in there.approach.items()})
+    inside = dict(there.inside)
+    for x in inside.keys() & position.keys():
+        inside[x] = np.full_like(inside[x], np.nan)
+        inside[x][:1] = position[x]
+    return replace(
+        there, position=position, inside=inside, approach={x: -a for x, a in there.approach.items()},
+        path={x: -ways for x, ways in there.path.items()},
+    )  # fmt: skip
 
 
 def _turned(rows: Rows) -> np.ndarray:

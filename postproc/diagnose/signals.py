@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from postproc import effects
 from postproc.diagnose import rounding
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
@@ -46,7 +47,7 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         ),  # workpieces are, between two cuts
     }
     for name, values in recording.columns.items():
-        if name.startswith(("T_", "force_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
+        if name.startswith(("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
             columns[f"channel {name}"] = values
     if "line" in recording.columns and recording.columns["line"].dtype != object:
         columns["channel program_line"] = recording.columns["line"]
@@ -63,12 +64,15 @@ def _targets(recording: Recording, machine: Machine):
             [recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0)) for i, x in enumerate(XYZ)]
         )
     path = np.zeros(n)
+    overrun = _overrun(recording)
     for x in recording.axes:
         if x not in XYZ:
             continue
         p = recording.position(x)
         columns[f"{x} position"], columns[f"{x} approach"] = p, recording.approach(x)
-        columns[f"{x} distance"] = _since_turn(p, recording.approach(x), columns["run"])
+        columns[f"{x} distance"] = _since_turn(p, recording.approach(x), overrun)
+        if np.ptp(p) > 1e-9:
+            columns[f"{x} path"] = _through_targets(p, recording.approach(x), overrun)
         path += vector[XYZ.index(x)] * p
     lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
     columns["beam"] = path - path.min() if lit else np.zeros(n)
@@ -83,20 +87,61 @@ def _touches(instrument: str) -> bool:
     return any(word in instrument.lower() for word in TOUCHING)
 
 
-def _since_turn(position: np.ndarray, approach: np.ndarray, run: np.ndarray) -> np.ndarray:
-    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun a little before a turn."""
+def _overrun(recording: Recording) -> np.ndarray:
+    """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where at the recorded feed there was no
+    time for it. The rest at a target is the shortest time that no way explains."""
+    result = np.full(len(recording), OVERRUN)
+    time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
+    if time is None or feed is None or feed.dtype == object or len(result) < 3:
+        return result
+    step = np.sqrt(sum(np.diff(recording.position(x)) ** 2 for x in recording.axes if x in XYZ))
+    wait, speed = np.diff(time), feed[1:] / 60.0
+    known = (wait > 0) & (speed > 0)
+    if not known.any():
+        return result
+    rest = max(float(np.min(wait[known] - step[known] / speed[known])), 0.0)
+    room = (speed[known] * (wait[known] - rest) - step[known]) / 2
+    result[1:][known] = np.clip(room, 0.0, OVERRUN)
+    return result
+
+
+def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
+    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun (N,) a little before a turn."""
     result = np.full(len(position), FAR)
     gone = FAR
     for k in range(1, len(position)):
         step = abs(position[k] - position[k - 1])
         if approach[k] != approach[k - 1]:
-            gone = step + OVERRUN if step < 1e-9 or approach[k] * (position[k] - position[k - 1]) >= 0 else OVERRUN
+            ahead = approach[k] * (position[k] - position[k - 1])
+            gone = step + OVERRUN if step < 1e-9 else step + overrun[k] if ahead >= 0 else OVERRUN
         else:
             gone = gone + step
         result[k] = gone
     if np.ptp(position) < 1e-9:
         return np.full(len(position), FAR)
     return result
+
+
+def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
+    """(N, M) mm: the ways that a drive remembers (effects.remembered), along the targets one after the other: a target is overrun before
+    the axis turns there, and a target behind the last one is passed before it is approached from the same side again."""
+    known = np.flatnonzero(approach)
+    if not len(known):
+        return np.zeros((len(position), 2))
+    begin, at = [], []
+    side = np.sign(approach[known[0]])
+    for k in range(int(known[0]) + 1, len(position)):
+        new, step = np.sign(approach[k]), position[k] - position[k - 1]
+        if new == -side:
+            beyond = side * (overrun[k] if new * step > 1e-9 else OVERRUN)
+            begin.append(k)
+            at.append((position[k - 1] if new * step >= 0 else position[k]) + beyond)
+            side = new
+        elif new == side and side * step < -1e-9:
+            begin += [k, k]
+            at += [position[k - 1], position[k] - side * OVERRUN]
+    ways = effects.remembered(position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at))
+    return (ways * (approach != 0)).T
 
 
 def _motion(
@@ -107,6 +152,7 @@ def _motion(
     n = len(position)
     names = ("velocity", "acceleration", "approach", "distance", "since")
     v, a, s, d, since = (np.zeros(n) for _ in names)
+    ways: list[tuple[np.ndarray, np.ndarray]] = []
     edges = np.flatnonzero((np.diff(run) != 0) | (np.diff(time) <= 0)) + 1
     for part in np.split(np.arange(n), edges):
         if len(part) < 3:
@@ -124,8 +170,16 @@ def _motion(
         gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))])
         d[part] = np.where(last >= 0, gone - gone[np.maximum(last, 0)], FAR)
         since[part] = np.where(last >= 0, t - t[np.maximum(last, 0)], FAR)
+        moved = np.flatnonzero(s[part])
+        if len(moved):
+            turns = np.flatnonzero(turn)
+            memory = effects.remembered(p, float(s[part][moved[0]]), turns, p[turns])
+            ways.append((part, memory * (s[part] != 0)))
     for name, value in zip(names, (v, a, s, d, since), strict=True):
         columns[f"{letter} {name}"] = value
+    columns[f"{letter} path"] = path = np.zeros((n, max((len(m) for _, m in ways), default=2)))
+    for part, memory in ways:
+        path[part, : len(memory)] = memory.T
     columns[f"{letter} position"] = position
 
 

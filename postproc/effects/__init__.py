@@ -46,6 +46,8 @@ import numpy as np
 UM = 1e-3  # mm
 XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
+ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
+DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")  # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 
 
@@ -55,12 +57,12 @@ class State:
 
     position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since that axis turned back
     last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run (N,): which passage. channels: name to (N,), as
-    recorded: T_screw_X_C, force_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
+    recorded: T_screw_X_C, force_X_N, load_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
     (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
     -1 for rows at rest; file (N,): number of the recording. width (N,) s: over
     which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or when, the samples of a row were taken, NaN
     beyond their number. lines: axis to the other axes across which readings along it were taken on lines
-    that lie apart.
+    that lie apart. path: axis to (M, N) mm, the ways between turns that its drive still remembers, see remembered().
     """
 
     position: dict[str, np.ndarray]
@@ -80,6 +82,7 @@ class State:
     width: np.ndarray = field(default_factory=lambda: np.zeros(0))
     lines: dict[str, str] = field(default_factory=dict)
     inside: dict[str, np.ndarray] = field(default_factory=dict)
+    path: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))
@@ -145,6 +148,60 @@ def late(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     back = np.empty(len(level))
     back[order] = result
     return back
+
+
+def remembered(place: np.ndarray, first: float, begin: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(M, N) mm: the ways between turns that a drive still remembers at each row, with the sign of their direction, the oldest (ENDLESS)
+    first, the one since the last turn last, 0 behind it. place (N,) mm in order of time; first, -1 or +1: the direction of the first
+    row, in which it came from far; begin (T,): the first row behind each turn; at (T,) mm: where it turned.
+
+    A way that is as long as the one before ends what was remembered of both (Madelung 1905; Mayergoyz, Mathematical Models of
+    Hysteresis, 1991: the wiping-out property, which every sum of plays has).
+    """
+    result = np.zeros((2, len(place)))
+    turns: list[float] = []  # places, each way shorter than the one before
+
+    def note(a: int, b: int) -> None:
+        nonlocal result
+        depth = len(turns) + 1
+        if depth > len(result):
+            result = np.concatenate([result, np.zeros((depth - len(result), len(place)))])
+        result[0, a:b] = first * ENDLESS
+        for m in range(1, depth - 1):
+            result[m, a:b] = turns[m] - turns[m - 1]
+        if turns:
+            result[depth - 1, a:b] = place[a:b] - turns[-1]
+
+    side = first
+    for k in range(len(begin) + 1):
+        a, b = (int(begin[k - 1]) if k else 0), (int(begin[k]) if k < len(begin) else len(place))
+        while a < b and len(turns) > 1:
+            passed = np.flatnonzero(side * (place[a:b] - turns[-2]) >= 0)
+            if not len(passed):
+                break
+            note(a, a + int(passed[0]))
+            a += int(passed[0])
+            del turns[-2:]
+        if a < b:
+            note(a, b)
+        if k == len(begin):
+            break
+        end = float(at[k])
+        while len(turns) > 1 and side * (end - turns[-2]) >= 0:
+            del turns[-2:]
+        turns.append(end)
+        side = -side
+        if len(turns) >= DEEPEST:  # two ways that are nearly alike undo each other
+            way = np.abs(np.diff(turns))
+            alike = int(np.argmin((way[:-2] - way[1:-1]) / np.maximum(way[:-2], 1e-12)))
+            del turns[alike + 1 : alike + 3]
+    return result
+
+
+def loads(state: State, axis: str) -> list[np.ndarray]:
+    """(N,) N, what was recorded of the force and of the load along an axis, as far as it changed."""
+    found = (state.channels.get(f"{name}_{axis}_N") for name in ("force", "load"))
+    return [v for v in found if v is not None and np.ptp(v) > 0]
 
 
 def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:

@@ -19,7 +19,9 @@ PARAMETERS = {
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
-PLAUSIBLE = {"arm_mm": (-500.0, 500.0)}  # beyond, the tool is not on that carriage (unverified: a usual size)
+# Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to look like something else. Ways of
+# a router turn by 1 mm on 1 m (unverified: usual sizes).
+PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k in DEGREES}}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (

@@ -1,4 +1,4 @@
-"""Lost motion: the axis lags behind by half the play, on the side it came from.
+"""Lost motion: the axis lags behind by half the play, on the side it came from. Pockets come out smaller by it, bosses larger.
 
 Positive when it stops short in either direction; negative when the control over-compensates (ISO 230-2 reversal).
 """
@@ -13,10 +13,12 @@ PARAMETERS = {
 }
 OPTIONAL = {"play_mm": 0.0}
 SMALL = 0.02  # mm
+# An old router's nut of plastic has 1 mm; a control's own compensation, for which there is no other sign, takes out less than it is.
+PLAUSIBLE = {"size_um": (-1000.0, 2000.0)}  # beyond, it is something else (unverified)
 EXPECTED = {"size_um": 1}
 CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("approach",), ("tool",)
+NEEDS, SEES = ("approach",), ("tool", "part")
 TEXT = (
     "Lost motion in nut, bearing or coupling: the same gap wherever the axis turns back. "
     "Set the control's backlash or let the compensator take it up; a growing value is wear."

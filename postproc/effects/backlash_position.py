@@ -17,9 +17,14 @@ PARAMETERS = {
 }
 OPTIONAL = {"b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
 SMALL = 0.02  # mm
+# As backlash; what differs along the travel is no more than the whole.
+PLAUSIBLE = {
+    "b0_um": (-1000.0, 2000.0),
+    **{f"b{k}_um": (-1000.0, 1000.0) for k in range(1, 7)},
+}  # beyond, it is something else
 CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("position", "approach"), ("tool",)
+NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
     "The lost motion differs along the travel: a worn stretch of the screw. "
     "A two-way table corrects it; one backlash number can not. Look at the screw where it is largest."

@@ -7,6 +7,8 @@ from postproc.effects import State, along
 PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
 }
+# Quartzes differ by 100 ppm, clocks of software by a few hundred (unverified).
+PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
 KIND, USE, PER = "data", "recording", "all"
 NEEDS, SEES = ("velocity", "time"), ("scale", "trace")
 TEXT = "The two clocks do not run alike. Align the recording with reversals at its start and its end; correct the recording, not the machine."

@@ -16,6 +16,8 @@ PARAMETERS = {
 OPTIONAL = {"play_mm": 0.0, "settle_ms": 0.0}
 SMALL = 0.05  # mm
 SOON = 0.05  # s
+# Friction over the stiffness of a loop: what a belt gives, see windup.
+PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
 EXPECTED = {"size_um": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")

@@ -18,10 +18,12 @@ PARAMETERS = {
     "grows_deg": "degrees, the phase of that difference",
 }
 OPTIONAL = {"second_um": 0.0, "second_deg": 0.0, "grows_um": 0.0, "grows_deg": 0.0}
+# A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
+PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
 SECOND, GROWS = 0.5, 0.5  # of the amplitude: beyond, it is another wave
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
-NEEDS, SEES = ("position",), ("tool",)
+NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (
     "The position swings once per turn of the screw or per period of the scale. "
     "Compare the period with the lead; the table must be several nodes a period."

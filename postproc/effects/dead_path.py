@@ -9,6 +9,8 @@ PARAMETERS = {
     "file": "number of the recording, 0 the first; -1: all",
 }
 OPTIONAL = {"file": -1.0}
+# 0.93 ppm/K of air (Edlen), and 10 m of it.
+PLAUSIBLE = {"um_K": (-10.0, 10.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)
 TEXT = (

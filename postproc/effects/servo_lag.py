@@ -7,7 +7,8 @@ from postproc.effects import State, along
 PARAMETERS = {
     "tau_ms": "ms, how late the axis is",
 }
-PLAUSIBLE = {"tau_ms": (0.0, 500.0)}  # beyond, it is something else
+# 1 over the position gain: 60 ms at 1 m/min per mm, 200 ms at 0.3, as slow as drives ever were; and filters of the command.
+PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified: usual gains)
 EXPECTED = {"tau_ms": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")

@@ -7,6 +7,8 @@ from postproc.effects import State
 PARAMETERS = {
     "diameter_um": "um, how much larger the tool is",
 }
+# A cutter that was ground again; beyond, it is another tool (unverified).
+PLAUSIBLE = {"diameter_um": (-1000.0, 1000.0)}
 KIND, USE, PER = "machine", "compensate", "all"
 NEEDS, SEES = ("material",), ("part",)
 TEXT = "The tool's diameter is not what the control believes. Measure the tool and set its radius."

@@ -18,6 +18,13 @@ PARAMETERS = {
     "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
 }
 OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0}
+# A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by 74 um; a grinding wheel between two
+# dressings by less.
+PLAUSIBLE = {
+    "rate_um": (-100.0, 100.0),
+    "start_um": (-100.0, 100.0),
+    "worn_um": (-100.0, 100.0),
+}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."

@@ -7,6 +7,8 @@ from postproc.effects import State, along
 PARAMETERS = {
     "um_s_mm": "um per mm/s, deflection for a speed",
 }
+# It is a lag too, see servo_lag: um per mm/s are ms.
+PLAUSIBLE = {"um_s_mm": (-250.0, 250.0)}  # beyond, it is something else
 EXPECTED = {"um_s_mm": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
