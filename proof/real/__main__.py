@@ -2,7 +2,7 @@
 
     python -m proof.real [NAME...] [-o FOLDER] [--quick] [--json FILE] [--page docs/PROOF.md]
 
---page puts the table into a document, between its marks.
+--page puts the section into a document, between its marks; where there is no such file it is the section alone.
 """
 
 from __future__ import annotations
@@ -50,10 +50,13 @@ def main() -> None:
     if options.json:
         Path(options.json).write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     if options.page:
-        if options.names or options.quick:
+        if len(results) < len(CASES):
             parser.error("--page wants all recordings")
         document = Path(options.page)
-        document.write_text(page.put_in(document.read_text(encoding="utf-8"), page.page(results)), encoding="utf-8")
+        section = page.page(results)
+        if document.exists():
+            section = page.put_in(document.read_text(encoding="utf-8"), section)
+        document.write_text(section, encoding="utf-8")
     else:
         print("\n" + page.table(results))
 

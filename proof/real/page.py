@@ -13,7 +13,8 @@ INTRODUCTION = """\
 out of the model; lets `gcomp diagnose` find it; compares name and size with the authors'; writes it into the machine and diagnoses once more: nothing of it
 may be left. `proof/real/data/README.md` says where each file is from and under which licence; what may not be passed on is cited and read from where it
 lies, or left out of the run. A row is *yes* if the first name is right, the second run does not find it again, what took no part fits
-better than before, no more than a tenth of the readings is put aside, and the size agrees with an arithmetic that is not the tool's. *No* stays
+better than before, no more than a tenth of the readings is put aside, and the size agrees with an arithmetic that is not the tool's
+(`proof/real/checks.py`). *No* stays
 in the table. Of the ecmc reports only the reversal was asked for at first; the mean deviation, which their author prints too, was added to what
 is right when the tool had named it.
 """
