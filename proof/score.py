@@ -1,7 +1,7 @@
 """One case judged: what is hidden in it against what was answered (format gcomp-diagnosis/1). Opens nothing.
 
 A name is right when effect and axis are those of the truth; the axes of a pair in any order; an effect that belongs to no
-axis (light in the air, a late recorder) is right by its name. Truths that the generator's own oracle calls invisible in
+axis (light in the air, a late recorder, or a truth that names none: contract, "null where none applies") is right by its name. Truths that the generator's own oracle calls invisible in
 these recordings ask for nothing, and naming them is no mistake.
 """
 
@@ -23,7 +23,7 @@ def key_of(effect: dict[str, Any]) -> str:
 def same(truth: str, name: str) -> bool:
     """Whether a name, written effect:axis, is the truth's."""
     (a, _, x), (b, _, y) = truth.partition(":"), name.partition(":")
-    return a == b and (sorted(x) == sorted(y) or a in NO_AXIS)
+    return a == b and (sorted(x) == sorted(y) or a in NO_AXIS or not x)
 
 
 def hit(truth: str, names: list[str]) -> bool:

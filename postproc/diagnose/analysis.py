@@ -28,7 +28,7 @@ from postproc.diagnose import (
 from postproc.diagnose.answer import Diagnosis
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.noise import Unit
-from postproc.diagnose.nuisances import FREE, PROCESSES, Group
+from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows, of
 from postproc.diagnose.search import Search
 from postproc.machine.model import Machine
@@ -145,7 +145,7 @@ def _learned(rows: Rows, units: list[Unit], train: np.ndarray, jumps) -> Evidenc
     shared = [*nuisances.of_map(rows), *(Group("jump", columns, FREE) for _, columns in jumps)]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)
-        on = frozenset((k, kind) for k, p in enumerate(evidence.parts) for kind in PROCESSES if p.processes[kind].any())
+        on = frozenset((k, kind) for k, p in enumerate(evidence.parts) for kind in ("place", "turn") if p.processes[kind].any())
         said = evidence.explained(evidence.learn((), None, on, STEPS))
         left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
         for unit in units:

@@ -25,7 +25,7 @@ MAP_SURE, MAP_MOST = 20.0, 3.0  # a map's uncertainty is stated, or usual: a few
 STEPS = 8
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
-LEAST, MOST = 1e-3, 100.0  # of a usual standard deviation
+LEAST = 1e-3  # of a usual standard deviation
 
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
@@ -84,6 +84,7 @@ class Part:
         self.of = np.repeat(np.arange(len(groups)), width)
         self.usual = np.array([g.sd for g in groups])
         self.learned = np.array([g.learned for g in groups], bool)
+        self.most = np.array([g.most for g in groups])
         b = np.concatenate([g.columns for g in groups], axis=1) if groups else np.zeros((len(unit), 0))
         self.raw = b
         self.b = unit.whitened(b[use])
@@ -141,8 +142,8 @@ class Evidence:
 
     # -- the dictionary ------------------------------------------------------------------------------------------------
 
-    def add(self, blocks: list[Block]) -> list[int]:
-        """Let blocks in; their numbers."""
+    def add(self, blocks: list[Block], sd: float = SLAB) -> list[int]:
+        """Let blocks in; their numbers. sd mm: of what they explain at their largest reading."""
         begin = len(self.blocks)
         for b in blocks:
             self.first.append(self.width)
@@ -150,7 +151,7 @@ class Evidence:
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
         peak = [np.maximum(np.abs(b.columns).max(axis=0), 1e-12) for b in blocks]
-        self.slab = np.concatenate([self.slab, *(SLAB / p for p in peak)])
+        self.slab = np.concatenate([self.slab, *(sd / p for p in peak)])
         for part in self.parts:
             rows = part.unit.rows
             shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
@@ -215,7 +216,7 @@ class Evidence:
         value -= 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd[part.of[use]]).sum())
         groups = np.unique(part.of[use])
         groups = groups[part.learned[groups]]
-        value -= float(np.sum(_surprise(sd[groups], part.usual[groups]))) + float(_surprise(np.sqrt(sigma2), 1.0))
+        value -= float(np.sum(_surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)) + float(_surprise(np.sqrt(sigma2), 1.0))
         return Reduced(
             shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
         )  # fmt: skip
@@ -234,8 +235,8 @@ class Evidence:
             left += dof
             if part.learned[g]:
                 usual = part.usual[g]
-                now = np.sqrt((float((own[which] ** 2).sum()) + SURE * usual**2) / (dof + SURE))
-                sd[g] = float(np.clip(now, LEAST * usual, MOST * usual))
+                now = _size(float((own[which] ** 2).sum()), dof, usual, part.most[g])
+                sd[g] = float(np.clip(now, LEAST * usual, part.most[g]))
         left += float(np.sum(covariance * old.inside))
         e = part.yy - 2 * (own @ part.by[use] + mean @ old.fy) + own @ (part.bb[np.ix_(use, use)] @ own)
         e += 2 * own @ (old.bf[use] @ mean) + mean @ old.ff @ mean
@@ -243,10 +244,14 @@ class Evidence:
 
     # -- a set of blocks -----------------------------------------------------------------------------------------------
 
-    def learn(self, chosen: tuple[int, ...], like: Fit | None, on: On = frozenset(), steps: int = STEPS, least: np.ndarray | None = None) -> Fit:
+    def learn(
+        self, chosen: tuple[int, ...], like: Fit | None, on: On = frozenset(), steps: int = STEPS, least: np.ndarray | None = None,
+        afresh: bool = False,
+    ) -> Fit:  # fmt: skip
         """The evidence of a set of blocks, with what is learned beside it. like: a fit that differs by little, of which units
         that see no difference are kept; on: units with a process of their own; least: variance of each
-        unit that is there in any case (1: of its white noise), for want of the exact form of what is explained."""
+        unit that is there in any case (1: of its white noise), for want of the exact form of what is explained; afresh: the
+        others begin at what is usual, not at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
         shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
@@ -258,7 +263,7 @@ class Evidence:
             if old and old.shown == shown[k] and old.kinds == kinds[k] and old.sigma2 >= least[k]:
                 parts.append(old)
                 continue
-            sigma2, sd = (old.sigma2, old.sd) if old else (1.0, part.usual)
+            sigma2, sd = (old.sigma2, old.sd) if old and not afresh else (1.0, part.usual)
             parts.append(self._reduced(k, shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
             touched.append(k)
         fit = self._joined(chosen, on, shared, parts)
@@ -452,6 +457,13 @@ class Evidence:
             use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
             y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(size=(len(use), count))
         return y
+
+
+def _size(power: float, dof: float, usual: float, most: float) -> float:
+    """The most probable standard deviation of dof coefficients whose squares sum to power: where its prior density is
+    inverse gamma at small sizes and normal at large ones, with half of `most` for its standard deviation."""
+    a, b, c = 4 / most**2, dof + SURE, power + SURE * usual**2
+    return float(np.sqrt((np.sqrt(b * b + 4 * a * c) - b) / (2 * a)))
 
 
 def _surprise(sd: np.ndarray | float, usual: np.ndarray | float):

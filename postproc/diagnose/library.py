@@ -104,11 +104,8 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
-    moving = [
-        x
-        for x in rows.state.position
-        if any(np.ptp(rows.state.position[x][rows.signal == s]) > 1e-3 for s in np.unique(rows.signal))
-    ]
+    group = np.where(rows.sees == "part", -1 - rows.file, rows.signal)  # features of a part stand at several places together
+    moving = [x for x, p in rows.state.position.items() if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))]
     if module.PER == "all":
         return [""]
     if module.PER == "pair":

@@ -23,26 +23,32 @@ PART = 5e-4  # mm
 STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
 ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
 FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
-RUN = 3e-4  # mm: by how much the zero of an instrument differs from run to run
-WANDER = 3e-4  # mm: by how much an instrument's zero usually wanders while it reads
-PROCESS = 2e-3  # mm: of what no name explains
+RUN, MOST_RUN = 3e-4, 1e-3  # mm: by how much the zero of an instrument differs from run to run, usually and at most
+WANDER, MOST_WANDER = 3e-4, 3e-3  # mm: by how much it wanders while it reads (lasers and probes in workshops: 0.1 to 3 um)
+MOST_FEATURE = 1.5e-3  # mm
+PROCESS, MOST_PROCESS = 2e-3, 1.0  # mm: of what no name explains
+ZEROS = 1e-2  # mm: of an instrument that is set to zero anew before each run
 PER_MM = 1e-3  # rad of an angle that count as much as a mm
 SQUARE = 1.5e-6  # rad
 COARSE, FINE = 6, 24  # nodes of a process over the place, for each combination of directions
 MOST_NODES = 120
 TURNS, SHORTEST, LONGEST = 12, 1e-3, 1.0  # nodes of a process after a turn; s
-PROCESSES = ("place", "turn")
+PROCESSES = ("place", "turn", "drift", "zeros")
 
 
 @dataclass(frozen=True)
 class Group:
-    """Columns (n, M) of one unit, or (N, M) of all rows. sd mm; learned: whether sd is a first guess; kind: zero, set-up, run, wander, map,
-    process."""
+    """Columns (n, M) of one unit, or (N, M) of all rows. sd mm; kind: zero, set-up, run, wander, feature, map, jump, and PROCESSES; most
+    mm: where sd is a first guess, the largest that an instrument in order may have; 0 where sd is known."""
 
     kind: str
     columns: np.ndarray
     sd: float
-    learned: bool = False
+    most: float = 0.0
+
+    @property
+    def learned(self) -> bool:
+        return self.most > 0
 
 
 def of_unit(rows: Rows, unit: Unit) -> list[Group]:
@@ -67,16 +73,16 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
     numbers = np.unique(rows.run[own])
     if unit.sees != "part" and len(numbers) > 1:
         each = (rows.run[own][:, None] == numbers).astype(float)
-        found.append(Group("run", each, RUN * scale, True))
+        found.append(Group("run", each, RUN * scale, MOST_RUN * scale))
         late = np.zeros_like(each)
         for k in range(len(numbers)):
             which = each[:, k] > 0
             if which.sum() >= 4:
                 late[which, k] = _share(unit.time[which]) / 2
         if late.any():
-            found.append(Group("run", late, RUN * scale, True))
+            found.append(Group("run", late, RUN * scale, MOST_RUN * scale))
     if unit.sees != "part":
-        found += [Group("wander", columns, WANDER * scale, True) for columns in wander(unit)]
+        found += [Group("wander", columns, WANDER * scale, MOST_WANDER * scale) for columns in wander(unit)]
     return found
 
 
@@ -90,7 +96,7 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
     if free.any():
         found.append(Group("zero", each[:, free], FREE))
     if not free.all():
-        found.append(Group("feature", each[:, ~free], FEATURE, True))
+        found.append(Group("feature", each[:, ~free], FEATURE, MOST_FEATURE))
     wall = rows.state.channels.get("wall", np.ones(len(rows)))[own]
     if wall.any():
         found.append(Group("set-up", wall[:, None], STYLUS))
@@ -98,17 +104,21 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
     for i in range(3):
         lies = (rows.run[own][:, None] == numbers) * (rows.direction[own][:, i] * wall)[:, None]
         if lies.any() and len(numbers) > 1:
-            found.append(Group("run", lies, PART, True))
+            found.append(Group("run", lies, PART, MOST_RUN))
     return found
 
 
 def processes(rows: Rows, unit: Unit) -> list[Group]:
-    """What no name explains and comes back: smooth functions of the place, one for each combination of the directions of
-    approach ("place"), and of the time since a turn, one for each axis and direction ("turn")."""
+    """What is there and no name explains: smooth functions of the place, one for each combination of the directions of
+    approach ("place"), of the time since a turn, one for each axis and direction ("turn"), and of time, larger than an instrument
+    wanders ("drift"); and a zero of its own of each run ("zeros")."""
     own = unit.rows
-    if unit.sees == "part" or len(own) < 8:
+    if len(own) < 8:
         return []
     scale = PER_MM if unit.sees == "angle" else 1.0
+    if unit.sees == "part":
+        each = (rows.signal[own][:, None] == np.unique(rows.signal[own])).astype(float)
+        return [Group("place", each, PROCESS, MOST_PROCESS)]
     moving = [x for x, p in rows.state.position.items() if np.ptp(p[own]) > 1e-3]
     found = []
     if moving:
@@ -118,7 +128,7 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
         for number in (COARSE, FINE):
             columns = _nodes(rows.state.position[main][own], side, number)
             if columns.shape[1] <= min(MOST_NODES, len(own) // 2):
-                found.append(Group("place", columns, PROCESS * scale, True))
+                found.append(Group("place", columns, PROCESS * scale, MOST_PROCESS * scale))
     if unit.dense:
         columns = []
         for x in moving:
@@ -129,7 +139,11 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
                 side = np.where(near, np.sign(rows.state.approach[x][own]), 0.0)
                 columns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
         if columns:
-            found.append(Group("turn", np.concatenate(columns, axis=1), PROCESS, True))
+            found.append(Group("turn", np.concatenate(columns, axis=1), PROCESS, MOST_PROCESS))
+    found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in wander(unit)[:2]]
+    numbers = np.unique(rows.run[own])
+    if 1 < len(numbers) < len(own) / 2:
+        found.append(Group("zeros", (rows.run[own][:, None] == numbers).astype(float), ZEROS * scale, MOST_PROCESS * scale))
     return found
 
 
@@ -165,12 +179,12 @@ def of_map(rows: Rows, map_um: float = MAP_UM) -> list[Group]:
                     smooth.append(shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])
-    groups = [("map", smooth, map_um * 1e-3, True), ("square", square, SQUARE, False)]
+    groups = [("map", smooth, map_um * 1e-3, 3 * map_um * 1e-3), ("square", square, SQUARE, 0.0)]
     found = []
-    for kind, columns, sd, learned in groups:
+    for kind, columns, sd, most in groups:
         shown = [c for c in columns if np.abs(c).max(initial=0.0) > 1e-9]
         if shown:
-            found.append(Group(kind, np.stack(shown, axis=1), sd, learned))
+            found.append(Group(kind, np.stack(shown, axis=1), sd, most))
     return found
 
 

@@ -7,6 +7,7 @@ back at the same places and has no name is a member like the others: a smooth pr
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,7 @@ NULLS, CHANCE = 64, 0.01
 MATERIAL = 7e-4  # mm
 FORM = 0.04  # of what an effect explains at most, a textbook form is wrong by
 TOLD = 0.5  # of the white noise
+OPEN = 5e-3  # mm: a set-up that may be so far off is open
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class Search:
     def null(self) -> Found:
         """No effect at all."""
         if () not in self.seen:
-            fit = self.evidence.learn((), None, steps=2 * RENEWED)
+            fit = self.evidence.learn((), None, steps=3 * RENEWED)
             self.seen[()] = Found(fit, 0.0, np.full(len(self.evidence.parts), QUIETEST))
         return self.seen[()]
 
@@ -82,10 +84,15 @@ class Search:
         key = tuple(sorted(chosen)), on, like.fit.chosen, like.fit.on
         if key not in self.seen:
             base = self._at_own_form(like)
-            fit = self.evidence.learn(key[0], base.fit, on, RENEWED, base.least)
+            fit = self._learned(key[0], base, on, base.least)
             worth = self._value(fit) - self._value(base.fit)
             self.seen[key] = Found(fit, base.score + worth, base.least)
         return self.seen[key]
+
+    def _learned(self, chosen: tuple[int, ...], like: Found, on: On, least: np.ndarray) -> Fit:
+        """The likelier of two: from what was learned before, and from what is usual. Of a slow drift and a wander only one is large."""
+        ways = (self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh) for afresh in (False, True))
+        return max(ways, key=lambda fit: fit.value)
 
     def _value(self, fit: Fit) -> float:
         odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in fit.chosen)
@@ -136,20 +143,39 @@ class Search:
         self.least = max(LEAST, tail)
 
     def run(self) -> Found:
-        """The most probable set of which every member is worth its place."""
-        beam = [self.null()]
-        best = beam[0]
+        """The most probable set of which every member is worth its place. Names first; what comes back and has no name may take
+        the place of some of them, or come before all of them."""
+        named = self._grown(self.null(), self._children)
+        alone = self._grown(self.null(), self._processes)
+        ends = [self._settled(self._grown(named, self._processes))]
+        if alone.fit.on:
+            ends.append(self._settled(self._grown(alone, self._children)))
+        return max(ends, key=lambda state: state.score)
+
+    def _grown(self, start: Found, children: Callable[[Found], list[Found]]) -> Found:
+        """The best of the sets that grow from one, member by member."""
+        beam, best = [start], start
         for _ in range(MOST):
             grown = {}
             for state in beam:
-                for child in self._children(state):
+                for child in children(state):
                     if child.score > state.score + self.least:
                         grown[child.key] = child
             if not grown:
                 break
             beam = sorted(grown.values(), key=lambda c: -c.score)[:WIDTH]
             best = max([best, *beam], key=lambda c: c.score)
-        return self._settled(best)
+        return best
+
+    def _processes(self, state: Found) -> list[Found]:
+        """Sets with one more process."""
+        state = self._at_own_form(state)
+        return [
+            self.of(state.fit.chosen, state.fit.on | {(u, kind)}, state)
+            for u, part in enumerate(self.evidence.parts)
+            for kind, columns in part.processes.items()
+            if columns.any() and (u, kind) not in state.fit.on
+        ]
 
     def _settled(self, best: Found) -> Found:
         """Members exchanged and dropped until every one is worth its place."""
@@ -186,40 +212,43 @@ class Search:
         result = []
         for k in state.fit.chosen if len(state.fit.chosen) > 1 else ():
             rest = self.without(state, k)
-            result += self._children(rest, names=2, processes=False, like=state)
+            result += self._children(rest, names=2, like=state)
         return result
 
-    def _children(self, state: Found, names: int = CHILDREN, processes: bool = True, like: Found | None = None) -> list[Found]:
+    def _children(self, state: Found, names: int = CHILDREN, like: Found | None = None) -> list[Found]:
         """Sets with one more member, the most promising ones; at the error of form of `like`, else of the set itself."""
         state = state if like else self._at_own_form(state)
         like = like or state
         chosen, fit = state.fit.chosen, state.fit
         self._look(state)
+        # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
+        best: dict[str, tuple[Fit, int]] = {}
+        for now in (self.evidence.learn(chosen, None, fit.on, 0, state.least), fit):
+            best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
+        result = []
+        for number, (now, k) in enumerate(best.values()):
+            if number < POLISHED:
+                k = shapes.polished(self, now, k)
+            child = self.of((*chosen, k), fit.on, like)
+            if self._fits(child.fit, k):
+                result.append(child)
+        return result
+
+    def _best(self, fit: Fit, names: int) -> dict[str, int]:
+        """Names that are worth most beside a fit at its sizes, and the block of each."""
         scores, coefficients, _ = self.evidence.scan(fit)
         scores = scores - self.cost
         best: dict[str, int] = {}
-        order = np.argsort(-scores)
-        for k in map(int, order):
+        for k in map(int, np.argsort(-scores)):
             if scores[k] < self.least or len(best) >= names:
                 break
             block = self.blocks[k]
-            if block.key in best or not self._allowed(chosen, k):
+            if block.key in best or not self._allowed(fit.chosen, k):
                 continue
             first = self.evidence.first[k]
             if plausible(block, coefficients[first : first + block.columns.shape[1]]):
                 best[block.key] = k
-        result = []
-        for number, k in enumerate(best.values()):
-            if number < POLISHED:
-                k = shapes.polished(self, fit, k)
-            child = self.of((*chosen, k), fit.on, like)
-            if self._fits(child.fit, k):
-                result.append(child)
-        for u, part in enumerate(self.evidence.parts if processes else ()):
-            for kind, columns in part.processes.items():
-                if columns.any() and (u, kind) not in fit.on:
-                    result.append(self.of(chosen, fit.on | {(u, kind)}, like))
-        return result
+        return best
 
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process."""
@@ -277,7 +306,7 @@ def _swing(values: np.ndarray) -> float:
 
 def _open(part) -> np.ndarray:
     """(n, M) orthonormal columns of a unit's zeros and set-ups."""
-    which = np.isin(part.of, [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up")])
+    which = np.isin(part.of, [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up") and g.sd > OPEN])
     if not which.any():
         return np.zeros((len(part.unit), 0))
     q, r = np.linalg.qr(part.raw[part.use][:, which])

@@ -23,6 +23,8 @@ WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried ea
 def polished(search: Search, fit: Fit, k: int) -> int:
     """The number of the block, or of one at a likelier shape, or with what comes with such a wave."""
     block = search.blocks[k]
+    if "t_s" in dict(block.shape):
+        return _best(search, fit, k, _moment(search, fit, block), 0.0)
     if block.name not in FOUND:
         return _best(search, fit, k, _between(search, fit, block), 0.0)
     k = _best(search, fit, k, _nearby(search, fit, block), 0.0)
@@ -78,6 +80,20 @@ def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
             if tried is not None and tried.columns.shape == block.columns.shape and (now := worth(search, fit, tried)) > most:
                 best, most = tried, now
         within /= (TRIED - 1) / 2
+    return best
+
+
+def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
+    """The block at the likeliest moment between two readings near its own: a long recording has more of them than the grid."""
+    times = np.unique(search.rows.state.time)
+    middle = (times[1:] + times[:-1]) / 2
+    best, most = block, worth(search, fit, block)
+    for stride in (8, 1):
+        near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
+        for k in range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride):
+            tried = at(search, block, {"t_s": float(middle[k])})
+            if tried is not None and (now := worth(search, fit, tried)) > most:
+                best, most = tried, now
     return best
 
 

@@ -53,7 +53,7 @@ def at_ends(
     y, gap, noise = value[order], (value - other)[order], sigma[order]
     ends = [*range(min(BESIDE, len(y))), *range(max(BESIDE, len(y) - BESIDE), len(y))]
     for k in ends:
-        near = np.array([j for j in range(max(0, k - 3), min(len(y), k + 4)) if j != k])
+        near = np.array([j for j in range(max(0, k - 3), min(len(y), k + 4)) if j != k], int)
         if np.isnan(gap[k]) or np.isnan(gap[near]).all():
             continue
         runs, beside = gap[k] - np.nanmedian(gap[near]), y[k] - np.median(y[near])

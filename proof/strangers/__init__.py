@@ -1,0 +1,13 @@
+"""Strangers: simulated machine-tool recordings with hidden physics, for blind tests of a tool.
+
+Assumptions (all um, mm, urad; deviation = actual - commanded, tool relative to workpiece):
+geometry, play, wind-up, screw and heat errors are seen by outside instruments, circles and parts,
+not by a trace with sees = "scale"; servo, friction, vibration of a slide, stick-slip and lost
+steps are seen by both; laser, delay and clock errors are put into the reading only.  A reading
+of an angle is the rotation vector along `sensitive` (keys X, Y, Z).  Parts are cut where the
+map is zero; they have no free zero.  See the module docstrings for sources.
+"""
+from .base import Case
+from .tiers import TIERS, make
+
+__all__ = ["Case", "TIERS", "make"]

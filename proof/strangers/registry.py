@@ -1,0 +1,56 @@
+"""Register of textbook forms: effect name -> list of (form, family, function)."""
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+
+from .base import Array, Part, Rec, Rng, Shape
+from .world import World
+
+Form = Callable[[World, Rng, int], "Shape | None"]
+FORMS: dict[str, list[tuple[str, str, Form]]] = {}
+
+
+def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
+    """Decorator that files a form under its effect."""
+    def add(f: Form) -> Form:
+        FORMS.setdefault(effect, []).append((name, family, f))
+        return f
+    return add
+
+
+def along(rec: Rec, ax: int, value: Array) -> Array:
+    """A scalar (n,) as a vector field (n,3) along an axis."""
+    out = np.zeros((len(rec.t), 3))
+    out[:, ax] = value
+    return out
+
+
+def tool_only(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
+    """Linear shape that moves the tool along `ax` by amp * f(rec), unseen by the scale."""
+    from .base import AX
+    return Shape(lambda rec, a: Part(tool=along(rec, ax, a * f(rec))),
+                 str(kw.pop("axis", AX[ax])), **kw)       # type: ignore[arg-type]
+
+
+def both(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
+    """Linear shape that tool and scale both see (the slide itself is elsewhere)."""
+    from .base import AX
+
+    def field(rec: Rec, a: float) -> Part:
+        v = along(rec, ax, a * f(rec))
+        return Part(tool=v, scale=v)
+    return Shape(field, str(kw.pop("axis", AX[ax])), **kw)  # type: ignore[arg-type]
+
+
+def unit_place(w: World, ax: int, rec: Rec) -> Array:
+    """Slide position as 0..1 of the travel."""
+    lo, hi = w.machine.travel[ax]
+    return (rec.pos[:, ax] - lo) / (hi - lo)
+
+
+def moving(rec: Rec, ax: int) -> Array:
+    """Sign of the axis's speed, 0 below 1e-3 mm/s."""
+    v = rec.vel[:, ax]
+    return np.where(np.abs(v) > 1e-3, np.sign(v), 0.0)

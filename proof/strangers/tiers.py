@@ -1,0 +1,303 @@
+"""Draws a case: machine and experiment from one stream, what is hidden from another."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import aliens, forms_motion, forms_place, forms_servo, forms_time  # noqa: F401
+from .base import AX, Array, Case, Part, Rec, Rng, Shape, digest, logu, observe, pick, stream
+from .machines import draw_map_error, map_error, stated
+from .noise import HELD_KINDS, draw_noise
+from .oracle import Oracle, alone
+from .plans import EFFECTS, blind, experiment
+from .registry import FORMS
+from .world import World, draw_world
+from .write import machine_files, recording
+
+TIERS = ["null", "adversarial", "single", "pair", "triple", "masked", "withheld", "alien", "blind"]
+SEEN = 40.0         # energy from which the oracle calls an effect visible
+ALIKE = [("backlash", "windup"), ("scale", "screw_heat"), ("structure_drift", "spindle_growth"),
+         ("bow", "squareness"), ("servo_mismatch", "squareness"), ("servo_lag", "delay"),
+         ("pitch_shape", "cyclic"), ("cosine", "scale"), ("laser_air", "screw_heat"),
+         ("dead_path", "structure_drift"), ("backlash", "backlash_position"),
+         ("coulomb_friction", "backlash"), ("viscous_friction", "servo_lag"), ("sag", "bow"),
+         ("abbe", "pitch_shape"), ("tool_size", "tool_wear"), ("step_loss", "structure_drift"),
+         ("cyclic", "encoder_cyclic"), ("inertia", "vibration"), ("tool_size", "scale"),
+         ("reversal_spike", "backlash"), ("friction_asymmetry", "coulomb_friction"),
+         ("laser_air", "scale"), ("abbe", "scale"), ("clock_skew", "delay"),
+         ("servo_lag", "servo_mismatch"), ("stick_slip", "vibration")]
+HIDDEN = {"screw_heat": {"T"}, "structure_drift": {"T"}, "laser_air": {"T"}, "dead_path": {"T"},
+          "spindle_growth": {"rpm", "T"}, "force_compliance": {"load"}}
+MASKED = ["scale", "pitch_shape", "backlash", "backlash_position", "windup", "cyclic",
+          "squareness", "bow", "abbe", "sag", "screw_heat", "structure_drift", "force_compliance",
+          "step_loss", "servo_mismatch"]
+
+
+@dataclass
+class Hidden:
+    """One effect as drawn: its shape and amplitude and what it does to each file."""
+    effect: str
+    form: str
+    family: str
+    shape: Shape
+    amp: float
+    mu: list[Array]
+    peak: float
+
+
+def effect_of(shape: Shape, recs: list[Rec], amp: float) -> list[Array]:
+    """Readings (channels x n) of every file."""
+    return [np.nan_to_num(observe(q, shape.field(q, amp))) for q in recs]
+
+
+def peak_of(mu: list[Array], recs: list[Rec]) -> float:
+    """Largest reading after taking out each channel's mean (parts on a CMM: as they are)."""
+    top = 0.0
+    for x, q in zip(mu, recs):
+        if q.kind == "targets" and q.meta["quantity"] == "angle":
+            continue
+        y = x if q.kind == "features" else x - x.mean(1, keepdims=True)
+        top = max(top, float(np.abs(y).max()))
+    return top
+
+
+def draw_effect(r: Rng, w: World, recs: list[Rec], effect: str, target: float,
+                axis: int | None = None, kinds: set[str] | None = None) -> Hidden | None:
+    """A form of an effect scaled to a peak (um); None where it can not reach 60 % of it."""
+    forms = [f for f in FORMS[effect] if w.family == "held" or f[1] == "open"]
+    if kinds:
+        forms = [f for f in forms if f[0] in kinds] or forms
+    late = [f for f in forms if f[1] == "held"]
+    name, family, fn = pick(r, late if late and w.family == "held" else forms)
+    live = sorted({a for q in recs for a in q.moving}) or w.machine.axes
+    shape = fn(w, r, axis if axis is not None else pick(r, live))
+    if shape is None:
+        return None
+    amp = shape.start
+    for _ in range(1 if shape.linear else 4):
+        p = peak_of(effect_of(shape, recs, amp), recs)
+        if p < 1e-6:
+            return None
+        amp = min(amp * target / p, shape.most)
+    mu = effect_of(shape, recs, amp)
+    p = peak_of(mu, recs)
+    return Hidden(effect, name, family, shape, amp, mu, p) if p > 0.6 * target else None
+
+
+def alternatives(w: World, recs: list[Rec], h: Hidden, key: str) -> list[Hidden]:
+    """Simple shapes of look-alike effects, to see whether one of them explains `h` as well."""
+    names = [b if a == h.effect else a for a, b in ALIKE if h.effect in (a, b)]
+    out = []
+    for e in dict.fromkeys(names):
+        ax = AX.index(h.shape.axis[0]) if h.shape.axis else None
+        tries = [ax] if ax is not None else w.machine.axes
+        for k in tries:
+            x = draw_effect(stream(key, e, k), w, recs, e, max(h.peak, 1.0), k,
+                            {"linear", "sign", "tanh", "dahl", "lumped", "frame", "lean", "pure",
+                             "parabola", "direct", "taylor", "fixture", "temperature", "plain",
+                             "one", "cantilever", "rigid", "one_constant", "own_sensor"})
+            if x:
+                out.append(x)
+    return out
+
+
+def state(h: Hidden, energy: float, apart: float, twins: list[str]) -> dict[str, Any]:
+    """One entry of the truth."""
+    out = {"effect": h.effect, "axis": h.shape.axis,
+           "parameters": {k: float(f"{v:.6g}") for k, v in h.shape.params(h.amp).items()},
+           "peak_um": round(h.peak, 4), "visible": bool(apart >= SEEN),
+           "energy": float(f"{energy:.5g}"), "apart": float(f"{apart:.5g}"), "form": h.form}
+    if twins:
+        out["twins"] = twins
+    return out
+
+
+def plan_names(r: Rng, tier: str, suspect: str, held: bool) -> list[list[str]]:
+    """For each hidden effect the names to try in turn."""
+    def tries(first: str | None, pool: list[str], n: int) -> list[str]:
+        names = [first] * 4 if first and r.random() < 0.6 else []
+        return names + [pick(r, pool) for _ in range(n)] + [str(x) for x in r.permutation(pool)]
+    if tier in ("null", "adversarial"):
+        return []
+    if tier == "single":
+        return [tries(suspect, EFFECTS, 14)]
+    if tier == "masked":
+        return [tries(suspect, MASKED, 14)]
+    if tier == "withheld":
+        return [[suspect] * 8 + [str(x) for x in r.permutation(sorted(HIDDEN) * 3)]]
+    if tier == "alien":
+        names = [n for n in FORMS if n.startswith("alien:")]
+        late = [n for n in names if FORMS[n][0][1] == "held"]
+        early = [n for n in names if n not in late]
+        pools = [late, late, early] if held else [early]
+        return [[pick(r, pick(r, pools)) for _ in range(25)]]
+    count = 2 if tier == "pair" else 3
+    if r.random() < 0.5:
+        mates = [b if a == suspect else a for a, b in ALIKE if suspect in (a, b)] or EFFECTS
+        out = [[suspect] * 6 + tries(None, EFFECTS, 4),
+               [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4)]
+    else:
+        out = [tries(suspect, EFFECTS, 10), tries(None, EFFECTS, 20)]
+    return out + [tries(None, EFFECTS, 20) for _ in range(count - 2)]
+
+
+def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str]], tier: str
+         ) -> list[Hidden]:
+    """Effects for a tier; each try must be seen by the oracle, the last one is kept anyway."""
+    found: list[Hidden] = []
+    lo, hi = (2.0, 8.0) if tier == "masked" else (2.0, 16.0)
+    for names in plans:
+        last, checks = None, 0
+        lax = tier in ("pair", "triple") and r.random() < 0.1
+        for i, e in enumerate(names * 2):
+            if i == len(names):          # nothing reached its size: once more, small
+                if last:
+                    break
+                hi = lo * 1.2
+            held = [f for f in FORMS[e] if f[1] == "open" or w.family == "held"]
+            if not held:
+                continue
+            h = draw_effect(r, w, recs, e, logu(r, lo, hi))
+            if h is None or any((h.effect, h.shape.axis) == (x.effect, x.shape.axis)
+                                for x in found):
+                continue
+            last, checks = h, checks + 1
+            gram = oracle.gram([x.mu for x in found + [h]])
+            if lax or alone(gram, len(found)) >= SEEN or checks >= 7:
+                break
+        if last:
+            found.append(last)
+    return found
+
+
+def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
+    """Draws case `number` of a tier; deterministic in all arguments."""
+    if tier not in TIERS or family not in ("open", "held"):
+        raise ValueError(f"unknown tier or family: {tier} {family}")
+    key = digest(seed, tier, number, family)
+    rx, rn, rh, rt = (stream(key, k) for k in ("experiment", "noise", "hidden", "text"))
+    held = family == "held"
+    pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": MASKED[:13]}
+    suspect = pick(rx, pools.get(tier, EFFECTS))
+    spot, follow, info = "", [], {}
+    if tier == "blind":
+        spot = pick(rx, ["lead_multiples", "one_direction", "one_arm", "one_sense"])
+        m, recs, extra, ax, suspects, words = blind(rx, spot)
+        follow, drivers, plan = [extra], {}, "blind"
+        info = {"spot": spot, "suspects": suspects, "test": words}
+    else:
+        m, recs, drivers, plan = experiment(rx, suspect, held, tier == "masked")
+    harsh = tier == "adversarial"
+    w = draw_world(rx, m, recs + follow, family, drivers)
+    factor = rn.uniform(2, 3) if harsh and rn.random() < 0.5 else 1.0
+    draw_map_error(m, rn, factor)
+    for q in recs + follow:
+        q.meta["zero_by_run"] = bool(harsh and q.kind == "targets" and rn.random() < 0.15)
+    noises = [draw_noise(rn, q, w, held and (i == 0 or rn.random() < 0.5), harsh)
+              for i, q in enumerate(recs + follow)]
+    oracle = Oracle(m, recs, noises[:len(recs)], factor)
+    if tier == "blind":
+        found = hide_blind(rh, w, recs + follow, suspects, ax)
+    else:
+        found = hide(rh, w, recs, oracle, plan_names(rh, tier, suspect, held), tier)
+    truth = tell(w, recs, oracle, found, key) if found else []
+    if follow:
+        after = Oracle(m, follow, noises[len(recs):], factor)
+        part = [Hidden(h.effect, h.form, h.family, h.shape, h.amp, h.mu[len(recs):],
+                       peak_of(h.mu[len(recs):], follow)) for h in found]
+        info["follow_up"] = tell(w, follow, after, part, key) if part else []
+    hidden = set().union(*(HIDDEN.get(h.effect, set()) for h in found)) if tier == "withheld" \
+        else set()
+    if tier == "withheld":
+        hidden |= HIDDEN[suspect]
+    files, notes = machine_files(m), {}
+    out_follow: dict[str, str] = {}
+    for i, q in enumerate(recs + follow):
+        body, notes[q.name] = put(w, q, i, noises[i], found, rt, rn, hidden, drivers)
+        (files if i < len(recs) else out_follow)[q.name + ".csv"] = body
+    details = {"seed": seed, "tier": tier, "number": number, "family": family,
+               "machine": m.kind, "chain": m.chain, "plan": plan, "noise": notes,
+               "map_u_um": round(m.u, 3), "map_factor": round(factor, 2), "hidden": sorted(hidden),
+               "files": {q.name: q.kind + (":" + str(q.meta.get("sees") or q.meta.get("quantity")
+                                                    or "")).rstrip(":") for q in recs + follow},
+               "targets": int(sum(len(np.unique(q.pos, axis=0)) for q in recs
+                                  if q.kind == "targets")),
+               "rows": int(sum(q.n_obs for q in recs)),
+               "held": sorted({h.form for h in found if h.family == "held"}
+                              | {s["kind"] for x in noises for n in x for s in n.spec
+                                 if s["kind"] in HELD_KINDS})}
+    if info:
+        details["blind"] = info
+    return Case("s" + key[:8], files, truth, details, out_follow)
+
+
+def hide_blind(r: Rng, w: World, recs: list[Rec], suspects: list[str], ax: int) -> list[Hidden]:
+    """One of the suspects, or nothing in three of ten cases; sized by the follow-up."""
+    if r.random() < 0.3:
+        return []
+    for _ in range(12):
+        name = pick(r, [s for s in suspects if "position" not in s]).split(":")[0]
+        kinds = {"abbe": {"unmapped_pitch", "unmapped_parabola"},
+                 "cyclic": {"pure", "harmonics"}}.get(name)
+        h = draw_effect(r, w, recs, name, logu(r, 3, 16), ax, kinds)
+        if h and f"{h.effect}:{h.shape.axis}" in suspects:
+            return [h]
+    return []
+
+
+def tell(w: World, recs: list[Rec], oracle: Oracle, found: list[Hidden], key: str) -> list[dict]:
+    """Truth entries with energies; twins are look-alikes that leave less than 12 of the energy."""
+    gram = oracle.gram([h.mu for h in found])
+    out = []
+    for i, h in enumerate(found):
+        apart, twins = alone(gram, i), []
+        if apart >= SEEN:
+            other = alternatives(w, recs, h, key)
+            if other:
+                rest = [x.mu for j, x in enumerate(found) if j != i]
+                g = oracle.gram([h.mu] + rest + [x.mu for x in other])
+                n = 1 + len(rest)
+                for j, x in enumerate(other):
+                    keep = list(range(n)) + [n + j]
+                    if alone(g[np.ix_(keep, keep)], 0) < 12:
+                        twins.append(f"{x.effect}:{x.shape.axis}".rstrip(":"))
+        out.append(state(h, max(float(gram[i, i]), 0.0), apart, sorted(set(twins))))
+    return out
+
+
+def put(w: World, q: Rec, i: int, noise: list, found: list[Hidden], rt: Rng, rn: Rng,
+        hidden: set[str], drivers: dict) -> tuple[str, dict]:
+    """Text of one file: tables + map error + effects + noise + zero, rounded as it is read."""
+    tool, rot = stated(w.machine, q.pos, q.sgn)
+    more, rot2 = map_error(w.machine, q.pos)
+    y = observe(q, Part(tool=tool + more, rot=rot + rot2))
+    for h in found:
+        y = y + h.mu[i]
+    wide = rn.random() < 0.25
+    for c, n in enumerate(noise):
+        y[c] = y[c] + n.values
+        if q.kind == "ballbar":
+            shift = rn.normal(0, 8, 3)
+            y[c] += q.meta["unit"][:, q.meta["plane"]] @ shift[:2] + shift[2]
+        elif q.kind == "targets" and q.meta["zero_by_run"]:
+            y[c] += rn.normal(0, 200, int(q.run.max()) + 1)[q.run]
+        elif q.kind != "features":
+            y[c] += rn.normal(0, 300 if wide else 2)
+        if n.quant:
+            y[c] = np.round(y[c] / n.quant) * n.quant
+    current = {}
+    if q.kind == "trace" and drivers.get("current"):
+        for a in q.axes:
+            c = rn.normal(0, 0.05, len(q.t))
+            for h in found:
+                if hasattr(h.shape, "current") and AX[a] == h.shape.axis:
+                    c = c - h.shape.current(q, h.amp)
+            current[a] = c
+    u = float(np.hypot(noise[0].spec[0]["sd_um"], noise[0].quant / 12 ** 0.5))
+    u = u if rn.random() < 0.5 else None
+    kinds = noise[0].spec + ([{"kind": "wide_zero"}] if wide else []) + (
+        [{"kind": "zero_by_run"}] if q.meta["zero_by_run"] else [])
+    body, thermo = recording(q, w, y, u, rt, hidden, current)
+    return body, {"signal": kinds, "thermometers": thermo}
