@@ -76,7 +76,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("choosing")
     state = search.run()
     options.told("showing")
-    found = [findings.of_member(search, state, k) for k in state.fit.chosen]
+    found = [findings.of_member(search, state, k) for k in state.members]
     alone, said = evidence.explained(search.null().fit), evidence.explained(state.fit)
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     for jump, columns in jumps:
@@ -84,7 +84,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         before = before + alone["jump"]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
-    spots = blind.spots(rows, evidence.blocks)
+    spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
     sigma = np.hypot(said["noise"], findings.form(search, state))

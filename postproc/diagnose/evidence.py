@@ -23,6 +23,7 @@ SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the reco
 SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
 MAP_SURE, MAP_MOST = 20.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
+SCALES = (0.03, 10.0)  # of the usual size of an effect
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 LEAST = 1e-3  # of a usual standard deviation
@@ -60,7 +61,8 @@ class Reduced:
 @dataclass
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean (f,), covariance (f, f) of
-    the shared coefficients; shared: learned standard deviations of the map's groups; parts: its units."""
+    the shared coefficients; shared: learned standard deviations of the map's groups; scale: of each block, what its usual size is
+    multiplied by; parts: its units."""
 
     chosen: tuple[int, ...]
     on: On
@@ -68,6 +70,7 @@ class Fit:
     mean: np.ndarray
     covariance: np.ndarray
     shared: np.ndarray
+    scale: dict[int, float]
     parts: list[Reduced]
 
 
@@ -134,6 +137,7 @@ class Evidence:
         self.shared_free = self.shared_usual[self.shared_of] > FREE / 10
         self.parts = [Part(u, train, g, self.shared, y) for u, g in zip(units, own, strict=True) if train[u.rows].any()]
         self.blocks: list[Block] = []
+        self.fixed: set[int] = set()  # blocks whose size is stated
         self.first: list[int] = []
         self.width = 0
         self.slab = np.zeros(0)
@@ -142,8 +146,9 @@ class Evidence:
 
     # -- the dictionary ------------------------------------------------------------------------------------------------
 
-    def add(self, blocks: list[Block], sd: float = SLAB) -> list[int]:
-        """Let blocks in; their numbers. sd mm: of what they explain at their largest reading."""
+    def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:
+        """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0: learned, from that of which SLAB is
+        what it explains at its largest reading."""
         begin = len(self.blocks)
         for b in blocks:
             self.first.append(self.width)
@@ -151,7 +156,8 @@ class Evidence:
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
         peak = [np.maximum(np.abs(b.columns).max(axis=0), 1e-12) for b in blocks]
-        self.slab = np.concatenate([self.slab, *(sd / p for p in peak)])
+        self.slab = np.concatenate([self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)])
+        self.fixed |= set(numbers) if sd else set()
         for part in self.parts:
             rows = part.unit.rows
             shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
@@ -256,6 +262,7 @@ class Evidence:
         shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
+        scale = {k: 1.0 if like is None else like.scale.get(k, 1.0) for k in chosen}
         parts: list[Reduced] = []
         touched = []
         for k, part in enumerate(self.parts):
@@ -266,15 +273,15 @@ class Evidence:
             sigma2, sd = (old.sigma2, old.sd) if old and not afresh else (1.0, part.usual)
             parts.append(self._reduced(k, shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
             touched.append(k)
-        fit = self._joined(chosen, on, shared, parts)
+        fit = self._joined(chosen, on, shared, scale, parts)
         for _ in range(steps):
-            shared = self._renewed_shared(fit)
+            shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
             parts = list(fit.parts)
             for k in touched:
                 at = self._at(k, chosen, shown[k])
                 sigma2, sd = self._renewed(k, parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k]))
                 parts[k] = self._reduced(k, shown[k], sigma2, sd, kinds[k])
-            fit = self._joined(chosen, on, shared, parts)
+            fit = self._joined(chosen, on, shared, scale, parts)
         return fit
 
     def _at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
@@ -288,9 +295,14 @@ class Evidence:
             at += width
         return np.concatenate(found)
 
-    def _joined(self, chosen: tuple[int, ...], on: On, shared: np.ndarray, parts: list[Reduced]) -> Fit:
+    def _sd(self, chosen: tuple[int, ...], shared: np.ndarray, scale: dict[int, float]) -> np.ndarray:
+        """(f,) standard deviations of the shared coefficients."""
+        of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
+        return np.concatenate([shared[self.shared_of], *of_blocks])
+
+    def _joined(self, chosen: tuple[int, ...], on: On, shared: np.ndarray, scale: dict[int, float], parts: list[Reduced]) -> Fit:
         """All units together."""
-        sd = np.concatenate([shared[self.shared_of], self.slab[self.columns_of(chosen)]])
+        sd = self._sd(chosen, shared, scale)
         a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
         value = 0.0
         for k, part in enumerate(parts):
@@ -305,7 +317,8 @@ class Evidence:
         value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
         learned = self.shared_learned
         value -= float(np.sum(_surprise(shared[learned], self.shared_usual[learned])))
-        return Fit(chosen, on, value, mean, covariance, shared, parts)
+        value -= sum(float(_surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
+        return Fit(chosen, on, value, mean, covariance, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
         new = fit.shared.copy()
@@ -317,13 +330,25 @@ class Evidence:
             new[g] = float(np.clip(now, 0.3 * usual, MAP_MOST * usual))
         return new
 
+    def _renewed_scale(self, fit: Fit) -> dict[int, float]:
+        """The sizes of blocks: the terms of a curve tell each other how large they are."""
+        new, at = {}, self.shared.shape[1]
+        for k in fit.chosen:
+            own = slice(at, at + self.blocks[k].columns.shape[1])
+            at = own.stop
+            slab = self.slab[self.columns_of((k,))]
+            power = float(((fit.mean[own] / slab) ** 2).sum())
+            dof = max(len(slab) - float((np.diag(fit.covariance)[own] / slab**2).sum()) / fit.scale[k] ** 2, 0.0)
+            new[k] = 1.0 if k in self.fixed else float(np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES))
+        return new
+
     # -- the whole dictionary beside a set -----------------------------------------------------------------------------
 
     def scan(self, fit: Fit, draws: np.ndarray | None = None):
         """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the Bayes factor, (K,)
         coefficients and their standard deviations. With draws (N, R) of readings instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
-        sd = np.concatenate([fit.shared[self.shared_of], self.slab[self.columns_of(fit.chosen)]])
+        sd = self._sd(fit.chosen, fit.shared, fit.scale)
         f = len(sd)
         fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
@@ -375,12 +400,15 @@ class Evidence:
             entries = dd[start[which][:, None] + np.arange(len(i))]
             m[:, i, j], m[:, j, i] = entries, entries
             at = first[which][:, None] + np.arange(w)
-            slab = self.slab[at]
-            scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
-            b = dy[at] * slab[:, :, None]
-            solved = np.linalg.solve(scaled, b)
-            _, logdet = np.linalg.slogdet(scaled)
-            result[which] = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None]
+            result[which] = -np.inf
+            for scale in (0.3, 1.0):
+                slab = scale * self.slab[at]
+                scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
+                b = dy[at] * slab[:, :, None]
+                solved = np.linalg.solve(scaled, b)
+                _, logdet = np.linalg.slogdet(scaled)
+                now = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None]
+                result[which] = np.maximum(result[which], now)
             if values:
                 coefficients[at] = solved[:, :, 0] * slab
                 spread[at] = np.sqrt(np.abs(np.einsum("bww->bw", np.linalg.inv(scaled)))) * slab
@@ -389,7 +417,7 @@ class Evidence:
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of the fit taken out, but for
         one of its members."""
-        sd = np.concatenate([fit.shared[self.shared_of], self.slab[self.columns_of(fit.chosen)]])
+        sd = self._sd(fit.chosen, fit.shared, fit.scale)
         if but >= 0:
             sd[len(self.shared_of) + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))] = NOTHING
         f, many = len(sd), columns.shape[1]

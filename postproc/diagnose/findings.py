@@ -43,15 +43,11 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     scores = search.scores(rest)
     named, ci = intervals.of(search, state, k, scores)
     own = search.worth(state, k)
-    best: dict[str, tuple[float, int]] = {}
-    for other, score in enumerate(scores):
-        key = search.blocks[other].key
-        if key != block.key:
-            best[key] = max(best.get(key, (-np.inf, -1)), (float(score), other))
-    enough = float(scores[k]) - LIKELY - FORMS * max(float(scores[k]), 0.0)
-    alike = sorted((key for key, (s, _) in best.items() if s >= enough and s > 0), key=lambda key: -best[key][0])
+    others = {search.blocks[search.new(c, rest)].key: c for c in search.children(rest, SETS, state)}
+    enough = search.at_own_form(state).score - LIKELY - FORMS * own
+    alike = sorted((key for key, c in others.items() if key != block.key and c.score >= enough), key=lambda key: -others[key].score)
     # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
-    alike = [key for key in alike[:SETS] if _needless(search, rest, best[key][1], k, own)]
+    alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
     contribution = block.columns @ value
     alike = alike + [n for n in unrecorded.names(search.rows, block, contribution) if n not in alike]
     return Finding(block, named, ci, contribution, own, own + float(search.cost[k]), alike)
@@ -59,15 +55,15 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
 
 def _needless(search: Search, rest: Found, other: int, k: int, own: float) -> bool:
     """Whether a member is worth little beside another name for the same."""
-    instead = search.of((*rest.fit.chosen, other), rest.fit.on, rest)
-    both = search.of((*rest.fit.chosen, other, k), rest.fit.on, rest)
+    instead = search.of((*rest.members, other), rest.fit.on, rest)
+    both = search.of((*rest.members, other, k), rest.fit.on, rest)
     return both.score - instead.score < NEEDLESS * own
 
 
 def form(search: Search, state: Found) -> np.ndarray:
     """(N,) mm: by how much the found effects may be of another form than the library's."""
     total = np.zeros(len(search.rows))
-    for k in state.fit.chosen:
+    for k in state.members:
         total += (OF_EFFECT * search.blocks[k].columns @ search.value(state.fit, k)) ** 2
     return np.sqrt(total)
 
@@ -78,6 +74,8 @@ def limits(search: Search, state: Found) -> dict[str, float]:
     result: dict[str, float] = {}
     wanted = search.least + 2 * np.sqrt(search.least)
     for k, block in enumerate(search.blocks):
+        if k in search.evidence.fixed:
+            continue
         first = search.evidence.first[k]
         slab = float(search.evidence.slab[first])
         power = 1 / float(spread[first]) ** 2 - 1 / slab**2

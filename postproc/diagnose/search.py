@@ -25,11 +25,14 @@ RARE = {  # further cost, twice the logarithm of how much seldomer it is than it
     "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
     "scale": 1.4,
 }  # fmt: skip
+UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 LEAST = 12.0  # twice ln(400): posterior odds that a member must have at least
 NULLS, CHANCE = 64, 0.01
 MATERIAL = 7e-4  # mm
-FORM = 0.04  # of what an effect explains at most, a textbook form is wrong by
+FORM = 0.03  # of what an effect explains at most, a textbook form is wrong by in single readings
+FORM_SD = 0.1  # of what it explains, by the place, by the time
+FORMED = 1e-3  # mm: the error of form of less is nothing
 TOLD = 0.5  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
 
@@ -41,10 +44,11 @@ class Found:
     fit: Fit
     score: float
     least: np.ndarray
+    members: tuple[int, ...] = ()
 
     @property
     def key(self) -> tuple:
-        return tuple(sorted(self.fit.chosen)), self.fit.on
+        return tuple(sorted(self.members)), self.fit.on
 
 
 class Search:
@@ -81,12 +85,13 @@ class Search:
 
     def of(self, chosen: tuple[int, ...], on: On, like: Found) -> Found:
         """A set at the error of form of another one, that it is compared with; its score is that of the other and the difference."""
-        key = tuple(sorted(chosen)), on, like.fit.chosen, like.fit.on
+        base = self.at_own_form(like)
+        forms = tuple(f for f in self.forms_of(base))
+        key = tuple(sorted(chosen)), on, base.fit.chosen, base.fit.on
         if key not in self.seen:
-            base = self._at_own_form(like)
-            fit = self._learned(key[0], base, on, base.least)
+            fit = self._learned((*key[0], *forms), base, on, base.least)
             worth = self._value(fit) - self._value(base.fit)
-            self.seen[key] = Found(fit, base.score + worth, base.least)
+            self.seen[key] = Found(fit, base.score + worth, base.least, key[0])
         return self.seen[key]
 
     def _learned(self, chosen: tuple[int, ...], like: Found, on: On, least: np.ndarray) -> Fit:
@@ -95,24 +100,52 @@ class Search:
         return max(ways, key=lambda fit: fit.value)
 
     def _value(self, fit: Fit) -> float:
-        odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in fit.chosen)
-        return fit.value - float(self.cost[list(fit.chosen)].sum()) - ODDS * len(fit.on) - UNUSUAL * odd
+        members = self.members(fit)
+        odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in members)
+        return fit.value - float(self.cost[list(members)].sum()) - UNNAMED * len(fit.on) - UNUSUAL * odd
 
-    def _at_own_form(self, state: Found) -> Found:
-        """The same set, its noise no less than the error of form of what it explains."""
-        if not state.fit.chosen:
+    def at_own_form(self, state: Found) -> Found:
+        """The same set with the errors of form of what it explains: terms, and noise no less than that."""
+        members = self.members(state.fit)
+        if not members:
             return state
-        key = "own", state.fit.chosen, state.fit.on
+        key = "own", members, state.fit.on
         if key not in self.seen:
-            least = self.form(state.fit)
-            fit = self.evidence.learn(state.fit.chosen, state.fit, state.fit.on, RENEWED, least)
-            self.seen[key] = Found(fit, state.score, least)
+            least, forms = self.form(state.fit), self._forms(state.fit)
+            fit = self.evidence.learn((*members, *forms), state.fit, state.fit.on, RENEWED, least)
+            self.seen[key] = Found(fit, state.score, least, members)
         return self.seen[key]
+
+    def members(self, fit: Fit) -> tuple[int, ...]:
+        """Of a set: the effects, without the terms of their errors of form."""
+        return tuple(k for k in fit.chosen if k not in self.evidence.fixed)
+
+    def forms_of(self, state: Found) -> tuple[int, ...]:
+        """Terms of errors of form in a set."""
+        return tuple(k for k in state.fit.chosen if k in self.evidence.fixed)
+
+    def _forms(self, fit: Fit) -> list[int]:
+        """Terms by which what is explained may be of another form, in all instruments alike: larger on one end of the travel, at one
+        time, or a little later."""
+        made = []
+        for k in self.members(fit):
+            block, value = self.blocks[k], self.value(fit, k)
+            part = block.columns @ value
+            if np.abs(part).max() < FORMED:
+                continue
+            terms = [part * np.clip(self.rows.state.share(x), -1.2, 1.2) for x in block.axis if x in self.rows.state.position]
+            t = self.rows.state.time
+            terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
+            terms.append(_later(self.rows, part))
+            columns = np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
+            made.append(Block(block.module, block.axis, (("form", float(len(self.blocks) + len(made))),), columns))
+        self.cost = np.append(self.cost, np.full(len(made), np.inf))
+        return self.evidence.add(made, FORM_SD) if made else []
 
     def form(self, fit: Fit) -> np.ndarray:
         """(U,) variance of each unit that the error of form of its largest effect gives (1: of its white noise)."""
         most = np.zeros(len(self.evidence.parts))
-        for k in fit.chosen:
+        for k in self.members(fit):
             part = self.blocks[k].columns @ self.value(fit, k)
             for u, p in enumerate(self.evidence.parts):
                 most[u] = max(most[u], _swing(part[p.unit.rows]) / float(np.median(p.unit.r)))
@@ -145,11 +178,11 @@ class Search:
     def run(self) -> Found:
         """The most probable set of which every member is worth its place. Names first; what comes back and has no name may take
         the place of some of them, or come before all of them."""
-        named = self._grown(self.null(), self._children)
+        named = self._grown(self.null(), self.children)
         alone = self._grown(self.null(), self._processes)
         ends = [self._settled(self._grown(named, self._processes))]
         if alone.fit.on:
-            ends.append(self._settled(self._grown(alone, self._children)))
+            ends.append(self._settled(self._grown(alone, self.children)))
         return max(ends, key=lambda state: state.score)
 
     def _grown(self, start: Found, children: Callable[[Found], list[Found]]) -> Found:
@@ -169,9 +202,9 @@ class Search:
 
     def _processes(self, state: Found) -> list[Found]:
         """Sets with one more process."""
-        state = self._at_own_form(state)
+        state = self.at_own_form(state)
         return [
-            self.of(state.fit.chosen, state.fit.on | {(u, kind)}, state)
+            self.of(state.members, state.fit.on | {(u, kind)}, state)
             for u, part in enumerate(self.evidence.parts)
             for kind, columns in part.processes.items()
             if columns.any() and (u, kind) not in state.fit.on
@@ -180,18 +213,18 @@ class Search:
     def _settled(self, best: Found) -> Found:
         """Members exchanged and dropped until every one is worth its place."""
         for _ in range(2 * MOST):
-            best = self._at_own_form(best)
+            best = self.at_own_form(best)
             better = max([best, *self._exchanged(best)], key=lambda c: c.score)
             if better.score > best.score + 1.0:
                 best = better
                 continue
             weakest, least = None, self.least
-            for k in best.fit.chosen:
+            for k in best.members:
                 worth = self.worth(best, k)
                 if worth < least or not self._fits(best.fit, k):
                     weakest, least = self.without(best, k), min(worth, least)
             for process in best.fit.on:
-                rest = self.of(best.fit.chosen, best.fit.on - {process}, best)
+                rest = self.of(best.members, best.fit.on - {process}, best)
                 if best.score - rest.score < least:
                     weakest, least = rest, best.score - rest.score
             if weakest is None:
@@ -201,29 +234,29 @@ class Search:
 
     def worth(self, state: Found, k: int) -> float:
         """Of a member beside the others."""
-        state = self._at_own_form(state)
+        state = self.at_own_form(state)
         return state.score - self.without(state, k).score
 
     def without(self, state: Found, k: int) -> Found:
-        return self.of(tuple(c for c in state.fit.chosen if c != k), state.fit.on, state)
+        return self.of(tuple(c for c in state.members if c != k), state.fit.on, state)
 
     def _exchanged(self, state: Found) -> list[Found]:
         """Sets in which another name stands in the place of one of the members."""
         result = []
-        for k in state.fit.chosen if len(state.fit.chosen) > 1 else ():
+        for k in state.members if len(state.members) > 1 else ():
             rest = self.without(state, k)
-            result += self._children(rest, names=2, like=state)
+            result += self.children(rest, names=2, like=state)
         return result
 
-    def _children(self, state: Found, names: int = CHILDREN, like: Found | None = None) -> list[Found]:
+    def children(self, state: Found, names: int = CHILDREN, like: Found | None = None) -> list[Found]:
         """Sets with one more member, the most promising ones; at the error of form of `like`, else of the set itself."""
-        state = state if like else self._at_own_form(state)
+        state = state if like else self.at_own_form(state)
         like = like or state
-        chosen, fit = state.fit.chosen, state.fit
+        chosen, fit = state.members, state.fit
         self._look(state)
         # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
-        for now in (self.evidence.learn(chosen, None, fit.on, 0, state.least), fit):
+        for now in (self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit):
             best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
         result = []
         for number, (now, k) in enumerate(best.values()):
@@ -243,7 +276,7 @@ class Search:
             if scores[k] < self.least or len(best) >= names:
                 break
             block = self.blocks[k]
-            if block.key in best or not self._allowed(fit.chosen, k):
+            if block.key in best or not self._allowed(self.members(fit), k):
                 continue
             first = self.evidence.first[k]
             if plausible(block, coefficients[first : first + block.columns.shape[1]]):
@@ -253,6 +286,10 @@ class Search:
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process."""
         return self.blocks[k].key not in [self.blocks[c].key for c in chosen]
+
+    def new(self, child: Found, parent: Found) -> int:
+        """The member that a set has beside those of another."""
+        return next(k for k in child.members if k not in parent.members)
 
     def _fits(self, fit: Fit, k: int) -> bool:
         """Whether a member is of a plausible size, and large enough somewhere to matter."""
@@ -290,12 +327,23 @@ class Search:
         scores, coefficients, _ = self.evidence.scan(state.fit)
         scores = scores - self.cost
         for k, b in enumerate(self.blocks):
+            if k in self.evidence.fixed:
+                continue
             first = self.evidence.first[k]
             value = coefficients[first : first + b.columns.shape[1]]
             scores[k] -= UNUSUAL * unusual(b, value)
             if scores[k] > 0 and not plausible(b, value):
                 scores[k] = -np.inf
         return scores
+
+
+def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
+    """(N,) by how much what is explained differs from sample to sample of an unbroken motion."""
+    result = np.zeros(len(part))
+    passage = rows.state.passage
+    same = (np.diff(passage) == 0) & (passage[1:] >= 0) & (np.diff(rows.signal) == 0)
+    result[1:][same] = np.diff(part)[same]
+    return result
 
 
 def _swing(values: np.ndarray) -> float:

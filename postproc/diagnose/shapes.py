@@ -47,9 +47,12 @@ def worth(search: Search, fit: Fit, block: Block) -> float:
     from postproc.diagnose.evidence import SLAB
 
     a, b = search.evidence.beside(fit, block.columns)
-    slab = SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
-    scaled = a * np.outer(slab, slab) + np.eye(len(slab))
-    return float(b * slab @ np.linalg.solve(scaled, b * slab) - np.linalg.slogdet(scaled)[1])
+    best = -np.inf
+    for scale in (0.3, 1.0):
+        slab = scale * SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
+        scaled = a * np.outer(slab, slab) + np.eye(len(slab))
+        best = max(best, float(b * slab @ np.linalg.solve(scaled, b * slab) - np.linalg.slogdet(scaled)[1]))
+    return best
 
 
 def at(search: Search, block: Block, shape: dict[str, float]) -> Block | None:
