@@ -21,7 +21,7 @@ from postproc.diagnose.nuisances import FREE, PROCESSES, Group
 
 SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to 50 um)
 SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
-MAP_SURE, MAP_MOST = 20.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
+MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
 SCALES = (0.03, 10.0)  # of the usual size of an effect
 NOTHING = 1e-12  # mm: of what is not there
@@ -99,6 +99,7 @@ class Part:
         self.d = np.zeros((len(unit), 0))
         self.columns = np.zeros(0, int)  # numbers of the dictionary's columns that show here
         self.bd, self.zd, self.dy = np.zeros((len(b.T), 0)), np.zeros((self.z.shape[1], 0)), np.zeros(0)
+        self._crossed: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}  # block to its columns here
         self.processes = {kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES}
         self.usually = ~np.any(list(self.processes.values()), axis=0)
@@ -119,6 +120,14 @@ class Part:
         self.bd = np.concatenate([self.bd, self.b.T @ new], axis=1)
         self.zd = np.concatenate([self.zd, self.z.T @ new], axis=1)
         self.dy = np.concatenate([self.dy, new.T @ self.y])
+
+    def crossed(self, k: int) -> np.ndarray:
+        """(w, K) products of a block's columns with all of the dictionary that show here."""
+        known = self._crossed.get(k, np.zeros((self.where[k].stop - self.where[k].start, 0)))
+        if known.shape[1] < self.d.shape[1]:
+            new = self.d[:, self.where[k]].T @ self.d[:, known.shape[1] :]
+            known = self._crossed[k] = np.concatenate([known, new], axis=1)
+        return known
 
     def own_products(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(P,) products of pairs of own columns of the dictionary."""
@@ -358,7 +367,7 @@ class Evidence:
             if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
                 old.hd = _solved(old.root, part.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
-                crossed = np.concatenate([part.zd, *(part.d[:, part.where[c]].T @ part.d for c in old.shown)])
+                crossed = np.concatenate([part.zd, *(part.crossed(c) for c in old.shown)])
                 here, i, j, own = self._pairs[k]
                 old.fd = crossed / s2 - inside.T
                 old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])

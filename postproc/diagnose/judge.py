@@ -9,7 +9,8 @@ from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.search import Found, Search
 from postproc.diagnose.unknown import Unknown, mapped
 
-LEAST_MM = {"laser": 4e-4, "angle": 4e-7, "tool": 3e-4, "scale": 3e-4}  # smaller is not worth a word
+LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}  # smaller is not worth a word
+OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 FAR_OFF, NO_BETTER = 2.5, 0.7  # of the noise, of what it was before: then runs held out do not bear the names out
 
@@ -21,11 +22,11 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
         if d.doubts or _uncertain(f):
             f.status = "tentative"
     left = sorted(_left(d, search, state), reverse=True)
-    for _, rms, unit in left:
-        own = search.evidence.parts[unit].whole.rows
-        for f in d.findings:
-            if 0 < float(np.std(f.contribution[own])) < rms:
-                f.status = "tentative"
+    parts = [part.whole.rows for part in search.evidence.parts]
+    for f in d.findings:
+        sizes = [float(np.std(f.contribution[own])) for own in parts]
+        if any(sizes[unit] == max(sizes) < rms for _, rms, unit in left):
+            f.status = "tentative"
     _borne_out(d)
     if not left:
         return None
@@ -52,7 +53,8 @@ def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float
         values = sum((said[kind][own] for kind in PROCESSES if kind in said), np.zeros(len(own)))
         rms, explained = float(np.std(values)), float(np.std(said["effects"][own]))
         least = LEAST_MM.get(part.unit.sees, LEAST_MM["tool"])
-        if rms > max(least, OF_EXPLAINED * explained):
+        there = float(np.std(d.before[own]))
+        if rms > max(least, OF_EXPLAINED * explained, OF_ALL * there):
             found.append((rms / least, rms, unit))
     return found
 

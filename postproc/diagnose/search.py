@@ -19,6 +19,7 @@ from postproc.diagnose.rows import Rows
 
 MOST = 6  # members of a set
 WIDTH, CHILDREN, POLISHED = 2, 6, 3  # sets that are kept, members that are tried beside each, and of these with shapes of their own
+EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
@@ -27,11 +28,13 @@ RARE = {  # further cost, twice the logarithm of how much seldomer it is than it
 }  # fmt: skip
 UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
-LEAST = 12.0  # twice ln(400): posterior odds that a member must have at least
+LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
 NULLS, CHANCE = 64, 0.01
 MATERIAL = 7e-4  # mm
 FORM = 0.03  # of what an effect explains at most, a textbook form is wrong by in single readings
+OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its error of form
 FORM_SD = 0.1  # of what it explains, by the place, by the time
+BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
 FORMED = 1e-3  # mm: the error of form of less is nothing
 TOLD = 0.5  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
@@ -61,6 +64,7 @@ class Search:
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[tuple, Found] = {}
         self._looked: set[tuple] = set()
+        self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
 
     @property
     def blocks(self) -> list[Block]:
@@ -86,7 +90,7 @@ class Search:
     def of(self, chosen: tuple[int, ...], on: On, like: Found) -> Found:
         """A set at the error of form of another one, that it is compared with; its score is that of the other and the difference."""
         base = self.at_own_form(like)
-        forms = tuple(f for f in self.forms_of(base))
+        forms = tuple(f for f in base.fit.chosen if self._of_form.get(f, -1) in chosen)
         key = tuple(sorted(chosen)), on, base.fit.chosen, base.fit.on
         if key not in self.seen:
             fit = self._learned((*key[0], *forms), base, on, base.least)
@@ -120,14 +124,10 @@ class Search:
         """Of a set: the effects, without the terms of their errors of form."""
         return tuple(k for k in fit.chosen if k not in self.evidence.fixed)
 
-    def forms_of(self, state: Found) -> tuple[int, ...]:
-        """Terms of errors of form in a set."""
-        return tuple(k for k in state.fit.chosen if k in self.evidence.fixed)
-
     def _forms(self, fit: Fit) -> list[int]:
         """Terms by which what is explained may be of another form, in all instruments alike: larger on one end of the travel, at one
         time, or a little later."""
-        made = []
+        made, whose = [], []
         for k in self.members(fit):
             block, value = self.blocks[k], self.value(fit, k)
             part = block.columns @ value
@@ -137,10 +137,17 @@ class Search:
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
             terms.append(_later(self.rows, part))
+            for x in block.axis:
+                if x in self.rows.state.since:
+                    since = np.where(self.rows.state.passage >= 0, self.rows.state.since[x], np.inf)
+                    terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
             columns = np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
+            whose.append(k)
             made.append(Block(block.module, block.axis, (("form", float(len(self.blocks) + len(made))),), columns))
         self.cost = np.append(self.cost, np.full(len(made), np.inf))
-        return self.evidence.add(made, FORM_SD) if made else []
+        numbers = self.evidence.add(made, FORM_SD) if made else []
+        self._of_form |= dict(zip(numbers, whose, strict=True))
+        return numbers
 
     def form(self, fit: Fit) -> np.ndarray:
         """(U,) variance of each unit that the error of form of its largest effect gives (1: of its white noise)."""
@@ -211,26 +218,28 @@ class Search:
         ]
 
     def _settled(self, best: Found) -> Found:
-        """Members exchanged and dropped until every one is worth its place."""
-        for _ in range(2 * MOST):
-            best = self.at_own_form(best)
+        """Members dropped that are not worth their place, and exchanged for others that are worth more there."""
+        for _ in range(ROUNDS):
+            best = self._dropped(best)
             better = max([best, *self._exchanged(best)], key=lambda c: c.score)
-            if better.score > best.score + 1.0:
-                best = better
-                continue
-            weakest, least = None, self.least
-            for k in best.members:
-                worth = self.worth(best, k)
-                if worth < least or not self._fits(best.fit, k):
-                    weakest, least = self.without(best, k), min(worth, least)
+            if better.score <= best.score + 1.0:
+                return best
+            best = better
+        return self._dropped(best)
+
+    def _dropped(self, best: Found) -> Found:
+        """Without members, the weakest first, until every one is worth its place."""
+        while True:
+            best = self.at_own_form(best)
+            rests = [(k, self.without(best, k)) for k in best.members]
+            worth = [(best.score - rest.score if self._fits(best.fit, k) else -np.inf, rest) for k, rest in rests]
             for process in best.fit.on:
                 rest = self.of(best.members, best.fit.on - {process}, best)
-                if best.score - rest.score < least:
-                    weakest, least = rest, best.score - rest.score
-            if weakest is None:
+                worth.append((best.score - rest.score, rest))
+            weakest = min(worth, key=lambda w: w[0], default=None)
+            if weakest is None or weakest[0] >= self.least:
                 return best
-            best = weakest
-        return best
+            best = weakest[1]
 
     def worth(self, state: Found, k: int) -> float:
         """Of a member beside the others."""
@@ -245,7 +254,11 @@ class Search:
         result = []
         for k in state.members if len(state.members) > 1 else ():
             rest = self.without(state, k)
-            result += self.children(rest, names=2, like=state)
+            for other in self._best(rest.fit, EXCHANGED).values():
+                if other != k:
+                    child = self.of((*rest.members, other), rest.fit.on, state)
+                    if self._fits(child.fit, other):
+                        result.append(child)
         return result
 
     def children(self, state: Found, names: int = CHILDREN, like: Found | None = None) -> list[Found]:
@@ -292,21 +305,23 @@ class Search:
         return next(k for k in child.members if k not in parent.members)
 
     def _fits(self, fit: Fit, k: int) -> bool:
-        """Whether a member is of a plausible size, and large enough somewhere to matter."""
+        """Whether a member is of a plausible size, and somewhere large enough to matter: beside the noise, and beside the error
+        of form of the others."""
         value = self.value(fit, k)
-        return plausible(self.blocks[k], value) and self.size(self.blocks[k].columns @ value) > 1.0
-
-    def size(self, contribution: np.ndarray) -> float:
-        """Largest share of what would matter, over the instruments, beside their zeros and set-ups."""
-        worst = 0.0
+        if not plausible(self.blocks[k], value):
+            return False
+        others = [self.blocks[c].columns @ self.value(fit, c) for c in self.members(fit) if c != k]
+        own = self.blocks[k].columns @ value
         for part, free in zip(self.evidence.parts, self._open, strict=True):
-            own = contribution[part.unit.rows]
-            if not own.any():
+            rows = part.unit.rows
+            if not own[rows].any():
                 continue
-            swing = _swing(own - free @ (free.T @ own))
             scale = 1e-3 if part.unit.sees == "angle" else 1.0
-            worst = max(worst, swing / max(MATERIAL * scale, TOLD * float(np.median(part.unit.r))))
-        return worst
+            least = max(MATERIAL * scale, TOLD * float(np.median(part.unit.r)))
+            least = max([least, *(OF_OTHERS * _swing(other[rows]) for other in others)])
+            if _swing(own[rows] - free @ (free.T @ own[rows])) > least:
+                return True
+        return False
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""
@@ -348,7 +363,7 @@ def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
 
 def _swing(values: np.ndarray) -> float:
     """The size that so many readings have at least as there must be to show a short spike."""
-    few = min(len(values), max(3, len(values) // 400))
+    few = min(len(values), max(3, len(values) // 2000))
     return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])
 
 
