@@ -31,7 +31,7 @@ UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
 NULLS, CHANCE = 64, 0.01
 MATERIAL = 7e-4  # mm
-FORM = 0.03  # of what an effect explains at most, a textbook form is wrong by in single readings
+FORM = 0.1  # of what an effect explains at most, a textbook form is wrong by in single readings
 OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its error of form
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
@@ -273,11 +273,10 @@ class Search:
             best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
         result = []
         for number, (now, k) in enumerate(best.values()):
-            if number < POLISHED:
-                k = shapes.polished(self, now, k)
-            child = self.of((*chosen, k), fit.on, like)
-            if self._fits(child.fit, k):
-                result.append(child)
+            tried = {shapes.polished(self, now, k), k} if number < POLISHED else {k}
+            found = [(self.of((*chosen, one), fit.on, like), one) for one in tried]
+            fitting = [child for child, one in found if self._fits(child.fit, one)]
+            result += [max(fitting, key=lambda child: child.score)] if fitting else []
         return result
 
     def _best(self, fit: Fit, names: int) -> dict[str, int]:

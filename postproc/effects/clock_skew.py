@@ -6,7 +6,9 @@ from postproc.effects import State, along
 
 PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
+    "whole": "1, the clocks were set alike at the start of the experiment; 0, of each recording",
 }
+OPTIONAL = {"whole": 0.0}
 # Quartzes differ by 100 ppm, clocks of software by a few hundred (unverified).
 PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
 KIND, USE, PER = "data", "recording", "all"
@@ -15,20 +17,20 @@ TEXT = "The two clocks do not run alike. Align the recording with reversals at i
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    return [{"whole": 0.0}, {"whole": 1.0}] if len(np.unique(state.file)) > 1 else [{"whole": 0.0}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    late = np.zeros(len(state))
-    for file in np.unique(state.file):
+def columns(state: State, axis: str, whole: float = 0.0) -> np.ndarray:
+    late = state.time * 1e-3
+    for file in () if whole else np.unique(state.file):
         own = state.file == file
-        late[own] = (state.time[own] - state.time[own].min()) * 1e-3
+        late = np.where(own, (state.time - state.time[own].min()) * 1e-3, late)
     return sum((along(x, -v * late) for x, v in state.velocity.items()), np.zeros((1, 3, len(state))))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"ppm": float(coefficients[0])}
+    return {"ppm": float(coefficients[0]), "whole": shape["whole"]}
 
 
-def coefficients(ppm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm]), {}
+def coefficients(ppm: float, whole: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([ppm]), {"whole": whole}

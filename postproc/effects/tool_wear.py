@@ -26,6 +26,7 @@ PLAUSIBLE = {
     "worn_um": (-100.0, 100.0),
 }  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
+LINE = True  # an edge that wears on all sides is of no axis
 NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
 FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
@@ -64,9 +65,12 @@ def beside(shape: dict[str, float]) -> dict[str, float] | None:
 def columns(
     state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0
 ) -> np.ndarray:
-    if life > 0:
+    if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
         return along(axis, age, quick, old) if older else along(axis, age, quick)
+    if not axis:  # of all axes alike: an edge that cuts on all sides
+        each = [columns(state, x, change, bores, life, older) for x in state.position]
+        return np.sum(each, axis=0)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
