@@ -24,6 +24,7 @@ SURE = 1.0  # readings that a usual standard deviation counts as, when the readi
 MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
 SCALES = (0.03, 10.0)  # of the usual size of an effect
+GROWN = 4.0  # times what is usual
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 LEAST = 1e-3  # of a usual standard deviation
@@ -475,6 +476,11 @@ class Evidence:
                     variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(axis=1)
             result["noise"][own] = np.sqrt(variance)
         return result
+
+    def wandered(self, fit: Fit) -> bool:
+        """Whether what is learned of some unit or of the map has grown far beyond what is usual."""
+        own = (np.any(old.sd[p.learned] > GROWN * p.usual[p.learned]) for p, old in zip(self.parts, fit.parts, strict=True))
+        return any(own) or bool(np.any(fit.shared > 1.5 * self.shared_usual))
 
     def white(self, fit: Fit) -> np.ndarray:
         """(N,) mm: standard deviation of each reading's white noise."""

@@ -18,7 +18,7 @@ from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 
 MOST = 6  # members of a set
-WIDTH, CHILDREN, POLISHED = 2, 6, 3  # sets that are kept, members that are tried beside each, and of these with shapes of their own
+WIDTH, CHILDREN, POLISHED = 2, 5, 3  # sets that are kept, members that are tried beside each, and of these with shapes of their own
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
@@ -100,8 +100,10 @@ class Search:
 
     def _learned(self, chosen: tuple[int, ...], like: Found, on: On, least: np.ndarray) -> Fit:
         """The likelier of two: from what was learned before, and from what is usual. Of a slow drift and a wander only one is large."""
-        ways = (self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh) for afresh in (False, True))
-        return max(ways, key=lambda fit: fit.value)
+        fit = self.evidence.learn(chosen, like.fit, on, RENEWED, least)
+        if not self.evidence.wandered(like.fit):
+            return fit
+        return max(fit, self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True), key=lambda fit: fit.value)
 
     def _value(self, fit: Fit) -> float:
         members = self.members(fit)
@@ -187,14 +189,26 @@ class Search:
         the place of some of them, or come before all of them."""
         named = self._grown(self.null(), self.children)
         alone = self._grown(self.null(), self._processes)
-        ends = [self._settled(self._grown(named, self._processes))]
-        if alone.fit.on:
-            ends.append(self._settled(self._grown(alone, self.children)))
-        return max(ends, key=lambda state: state.score)
+        ends = [*named, *alone[-1:]]
+        ends.append(self._settled(self._grown(named[-1], self._processes)[-1]))
+        if alone[-1].fit.on:
+            ends.append(self._settled(self._grown(alone[-1], self.children)[-1]))
+        return self._dropped(self._likeliest(ends))
 
-    def _grown(self, start: Found, children: Callable[[Found], list[Found]]) -> Found:
-        """The best of the sets that grow from one, member by member."""
-        beam, best = [start], start
+    def _likeliest(self, states: list[Found]) -> Found:
+        """Of several sets, all at the same error of form: the largest that any of them has. What many explain a little better than
+        one does is that one of another form."""
+        least = np.max([self.at_own_form(state).least for state in states], axis=0)
+
+        def worth(state: Found) -> float:
+            own = self.at_own_form(state)
+            return self._value(self.evidence.learn(own.fit.chosen, own.fit, own.fit.on, RENEWED, least))
+
+        return max({state.key: state for state in states}.values(), key=worth)
+
+    def _grown(self, start: Found, children: Callable[[Found], list[Found]]) -> list[Found]:
+        """The best of the sets that grow from one, with each number of members."""
+        beam, best = [start], [start]
         for _ in range(MOST):
             grown = {}
             for state in beam:
@@ -204,7 +218,9 @@ class Search:
             if not grown:
                 break
             beam = sorted(grown.values(), key=lambda c: -c.score)[:WIDTH]
-            best = max([best, *beam], key=lambda c: c.score)
+            if beam[0].score <= best[-1].score:
+                break
+            best.append(beam[0])
         return best
 
     def _processes(self, state: Found) -> list[Found]:
@@ -266,7 +282,9 @@ class Search:
         state = state if like else self.at_own_form(state)
         like = like or state
         chosen, fit = state.members, state.fit
-        self._look(state)
+        if like is state and state.members not in self._looked and len(state.members) not in {len(m) for m in self._looked}:
+            self._looked.add(state.members)
+            self._look(state)
         # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
         for now in (self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit):
@@ -324,9 +342,6 @@ class Search:
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""
-        if state.key in self._looked:
-            return
-        self._looked.add(state.key)
         said = self.evidence.explained(state.fit)
         left = self.evidence.y - sum(v for name, v in said.items() if name not in ("noise",))
         sigma = self.evidence.white(state.fit)
