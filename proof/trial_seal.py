@@ -19,7 +19,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 FORMAT = "gcomp-trial/1"
-FROZEN = ("postproc", "machines", "proof/generator")  # what a freeze holds still
+FROZEN = ("postproc", "machines", "proof/generator", "proof/strangers")  # what a freeze holds still
 SALT = "salt"
 
 

@@ -16,6 +16,7 @@ from postproc.diagnose.search import Found, Search
 from postproc.diagnose.shapes import continuous
 
 TWO_SIDED = 1.96
+OF_SIZE, RESOLVED = 0.03, 0.05  # of a size; of a period over the span
 UNKNOWN = 1.0  # of its value: how well a value of a shape is known beforehand
 STEP = 1e-3  # of a shape's value
 LIKELY = 1e-3  # of the likeliest shape's weight: less counts for nothing
@@ -45,7 +46,26 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
     covariance = np.linalg.inv(power + np.diag(1 / prior**2))
     named = block.module.parameters(value, dict(block.shape))
     by = _derivatives(block, value, free, np.sqrt(np.diag(covariance)))
-    return named, {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
+    sd = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
+    fitted = {name for name, d in by.items() if d[: len(value)].any()}
+    return named, {name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted)) for name, s in sd.items()}
+
+
+def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool) -> float:
+    """Standard deviation of a parameter for want of the exact form: a size to a few percent, a period to some of what the readings
+    resolve, a moment to the readings beside it."""
+    rows = search.rows
+    shown = np.any(block.columns != 0, axis=1)
+    if name == "t_s":
+        t = np.unique(rows.state.time)
+        k = int(np.clip(np.searchsorted(t, value), 1, len(t) - 1))
+        return float(t[k] - t[k - 1]) / 2
+    if name == "period_mm":
+        return RESOLVED * value**2 / max(float(np.ptp(rows.state.position[block.axis][shown])), 1e-9)
+    if name == "frequency_hz":
+        passages = rows.state.passage[shown]
+        return RESOLVED / max(float(np.ptp(rows.state.time[shown][passages == p])) for p in np.unique(passages))
+    return OF_SIZE * abs(value) if fitted else 0.0
 
 
 def _slope(search: Search, block: Block, value: np.ndarray, name: str) -> np.ndarray:
