@@ -49,7 +49,7 @@ class Guess:
 def problem(case: Path) -> Problem:
     """The rows of a case."""
     from postproc import recordings
-    from postproc.diagnose import fit, noise
+    from postproc.diagnose import noise
     from postproc.diagnose.rows import of
     from postproc.machine.file import read_machine
 
@@ -57,11 +57,35 @@ def problem(case: Path) -> Problem:
     files = sorted(case.glob("r*.csv"))
     read = [recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files]
     rows = of(read, read_machine(case / "machine"))
-    sigma, _ = noise.of(rows, rows.residual)
-    keep = noise.isolated(rows, rows.residual, sigma)[0] < 6.0
-    rows, sigma = rows.pick(keep), sigma[keep]
-    u, prior = fit.nuisances(rows)
-    return Problem(rows, rows.residual, sigma, u, prior, ~held_out(rows))
+    rows = rows.pick(noise.isolated(rows, rows.residual, _sigma(rows))[0] < 6.0)
+    return Problem(rows, rows.residual, _sigma(rows), *_nuisances(rows), ~held_out(rows))
+
+
+def _sigma(rows) -> np.ndarray:
+    """(N,) mm: standard deviation of the white noise of each reading."""
+    from postproc.diagnose import noise
+
+    sigma = np.empty(len(rows))
+    for unit in noise.units(rows):
+        sigma[unit.rows] = unit.r
+    return sigma
+
+
+def _nuisances(rows) -> tuple[np.ndarray, np.ndarray]:
+    """(N, Q) columns and (Q,) their usual standard deviations: those of each instrument, and the map's own error."""
+    from postproc.diagnose import noise, nuisances
+
+    columns, prior = [], []
+    for unit in noise.units(rows):
+        for group in nuisances.of_unit(rows, unit):
+            wide = np.zeros((len(rows), group.columns.shape[1]))
+            wide[unit.rows] = group.columns
+            columns.append(wide)
+            prior.append(np.full(wide.shape[1], group.sd))
+    for group in nuisances.of_map(rows):
+        columns.append(group.columns)
+        prior.append(np.full(group.columns.shape[1], group.sd))
+    return np.concatenate(columns, axis=1), np.concatenate(prior)
 
 
 def held_out(rows) -> np.ndarray:

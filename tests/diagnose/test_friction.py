@@ -1,4 +1,4 @@
-"""Friction that turns round after a reversal: its shape, and when an excursion beside it is a cause of its own."""
+"""Friction that turns round after a reversal: its shape; and where a pair of axes is compared."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from postproc import effects
-from postproc.diagnose import doubt, library
+from postproc.diagnose import library
 from postproc.effects import State
 
 
@@ -19,32 +19,6 @@ def test_friction_turns_round_as_the_loop_settles():
     state = State({"X": np.zeros(3)}, {"X": np.ones(3)}, {"X": (0.0, 1.0)}, since={"X": since}, passage=np.zeros(3))
     found = effects.deviation(effects.load("coulomb_friction"), state, "X", size_um=10.0, settle_ms=20.0)
     assert found[0] == pytest.approx([5e-3, 0.0, -5e-3])
-
-
-def findings(*named: tuple[str, str, dict[str, float]]) -> SimpleNamespace:
-    return SimpleNamespace(
-        findings=[
-            SimpleNamespace(block=SimpleNamespace(name=n, axis=a), value=v, status="accepted") for n, a, v in named
-        ]
-    )
-
-
-@pytest.mark.parametrize(
-    ("size", "slope", "axis", "own"),
-    [
-        (-10.0, 4.0, "X", False),  # from the old side: minus twice 5 um of friction in the turn
-        (-10.0, 30.0, "X", True),  # it rises to (-10 + 30 x 1.33) exp(-1.33) = 7.9 um above: more than friction holds
-        (6.0, 0.0, "X", True),
-        (-10.0, 4.0, "Y", True),  # of another axis
-    ],
-)
-def test_an_excursion_that_friction_makes_is_no_second_cause(size, slope, axis, own):
-    """Beside 10 um of friction between the senses, 5 um each way."""
-    d = findings(
-        ("coulomb_friction", "X", {"size_um": 10.0}),
-        ("reversal_spike", axis, {"size_um": size, "slope_um": slope, "tau_ms": 10.0}),
-    )
-    assert (doubt._turns(d) == []) is own
 
 
 def test_a_pair_is_compared_where_both_of_its_axes_move():
