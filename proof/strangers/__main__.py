@@ -1,4 +1,5 @@
 """Command line: writes cases, or checks itself."""
+
 from __future__ import annotations
 
 import argparse
@@ -21,6 +22,7 @@ def main() -> None:
     a = p.parse_args()
     if a.check:
         from .check import check
+
         check(a.count)
         return
     out = Path(a.out)

@@ -1,4 +1,5 @@
 """Self-check: determinism, formats by the contracts, plausible truths, finite energies."""
+
 from __future__ import annotations
 
 import csv
@@ -11,11 +12,27 @@ from .base import Case
 from .plans import EFFECTS
 from .tiers import TIERS, make
 
-NEED = {"targets": ["run", "t_s"], "trace": ["run", "t_s"], "ballbar": ["run", "t_s", "radial_um",
-                                                                       "sense"],
-        "features": ["feature", "kind", "axis", "nominal_mm", "measured_mm", "part", "reading"]}
-PARAMETERS = {"size_um", "period_mm", "amplitude_um", "tau_ms", "delta_tau_ms", "frequency_hz",
-              "urad", "arm_mm", "um_per_N", "diameter_um", "jump_um", "t_s", "delay_ms"}
+NEED = {
+    "targets": ["run", "t_s"],
+    "trace": ["run", "t_s"],
+    "ballbar": ["run", "t_s", "radial_um", "sense"],
+    "features": ["feature", "kind", "axis", "nominal_mm", "measured_mm", "part", "reading"],
+}
+PARAMETERS = {
+    "size_um",
+    "period_mm",
+    "amplitude_um",
+    "tau_ms",
+    "delta_tau_ms",
+    "frequency_hz",
+    "urad",
+    "arm_mm",
+    "um_per_N",
+    "diameter_um",
+    "jump_um",
+    "t_s",
+    "delay_ms",
+}
 
 
 def check_recording(body: str, axes: list[str], travel: dict[str, list[float]]) -> float:
