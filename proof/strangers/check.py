@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import time
 import tomllib
@@ -65,7 +66,7 @@ def check_recording(body: str, axes: list[str], travel: dict[str, list[float]]) 
     if kind == "features":
         return -1.0
     t = [float(r["t_s"]) for r in rows]
-    assert all(b >= a for a, b in zip(t, t[1:]))
+    assert all(b >= a for a, b in itertools.pairwise(t))
     return t[0]
 
 

@@ -180,7 +180,7 @@ def diagonal(r: Rng, m: Machine, t0: float, name: str, step: bool = False) -> Re
         pts.append((np.round(base - 0.03 * d, 4), 0))
         if step:
             p = base.copy()
-            for i in range(n):
+            for _ in range(n):
                 for a in use:
                     p = p.copy()
                     p[a] += d[a] / n
@@ -226,7 +226,7 @@ def ballbar(r: Rng, m: Machine, t0: float, name: str, held: bool = False, force:
             tt = t + np.radians(np.linspace(0, arc, n)) * radius / speed
             rows.append((tt, phi, np.full(n, w), np.full(n, run), np.full(n, s)))
             t = tt[-1] + r.uniform(5, 30)
-    tt, phi, w, runs, sense = (np.concatenate(x) for x in zip(*rows))
+    tt, phi, w, runs, sense = (np.concatenate(x) for x in zip(*rows, strict=False))
     unit, tang = np.zeros((len(tt), 3)), np.zeros((len(tt), 3))
     unit[:, plane[0]], unit[:, plane[1]] = np.cos(phi), np.sin(phi)
     tang[:, plane[0]], tang[:, plane[1]] = -np.sin(phi), np.cos(phi)
@@ -267,7 +267,7 @@ def features(r: Rng, m: Machine, t0: float, name: str) -> Rec:
     parts, reads = int(r.integers(2, 9)), int(r.integers(1, 4))
     use = m.axes[:2] if len(m.axes) == 3 else m.axes
     kinds = ["centre_distance", "pocket_size", "boss_diameter", "bore_diameter", "step"]
-    kinds = ["centre_distance"] + list(r.permutation(kinds[1:])[: int(r.integers(1, 4))])
+    kinds = ["centre_distance", *r.permutation(kinds[1:])[: int(r.integers(1, 4))]]
     plan = []
     for kind in kinds:
         for a in use if kind != "step" else [m.axes[-1]]:

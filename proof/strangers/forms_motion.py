@@ -29,7 +29,7 @@ def dahl(cmd: Array, s0: float, steady: Array | None = None) -> Array:
     z, out, last = 0.0, [], float(cmd[0])
     f = np.ones(len(cmd)) if steady is None else steady
     e = np.exp(-np.abs(np.diff(cmd, prepend=cmd[0])) / s0)
-    for c, k, g in zip(cmd.tolist(), e.tolist(), f.tolist()):
+    for c, k, g in zip(cmd.tolist(), e.tolist(), f.tolist(), strict=False):
         if c != last:
             d = g if c > last else -g
             z = d + (z - d) * k

@@ -120,7 +120,7 @@ def _square(kind: str, family: str) -> None:
     def f(w: World, r: Rng, ax: int) -> Shape:
         m = w.machine
         pair = pick(r, [p for p in m.pairs() if AX[ax] in p])
-        name, unit, lean = m.lean(pair)
+        _name, unit, lean = m.lean(pair)
         sign = pick(r, [-1.0, 1.0])
         lo, hi = m.travel[lean]
 
@@ -186,7 +186,7 @@ def _abbe(kind: str, family: str) -> None:
         m, sign = w.machine, pick(r, [-1.0, 1.0])
         comps = [c for c in m.tables[ax] if c[1] in "ABC"]
         offset = np.zeros(3)
-        offset[pick(r, [a for a in m.axes])] = sign
+        offset[pick(r, list(m.axes))] = sign
         about = 1 if len(m.axes) == 2 else int(r.integers(0, 3))
         g, base = r.uniform(0.6, 1.6), r.uniform(0, 6.28)
         if kind in ("arm", "arm_with_drop") and not comps:
@@ -292,7 +292,7 @@ def _size(kind: str, family: str) -> None:
     @form("tool_size", kind, family)
     def f(w: World, r: Rng, ax: int) -> Shape:
         sign = pick(r, [-1.0, 1.0])
-        seed = int(r.integers(2**62))
+        r.integers(2**62)  # a draw that keeps the ones after it as they are
 
         def field(q: Rec, a: float) -> Part:
             if q.kind != "features":

@@ -231,7 +231,7 @@ def _late(effect: str, kind: str, family: str) -> None:
     def f(w: World, r: Rng, ax: int) -> Shape | None:
         if not any(q.kind == "trace" for q in w.recs):
             return None
-        first, per = float(w.recs[0].t[0]), logu(r, 0.5, 5)
+        per = logu(r, 0.5, 5)
 
         def field(q: Rec, a: float) -> Part:
             if q.kind != "trace":

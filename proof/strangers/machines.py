@@ -132,7 +132,7 @@ def draw_machine(r: Rng, masked: bool = False, kind: str | None = None, flat: bo
     both = r.random() < 0.4
     chain = pick(r, chains)
     m = Machine(
-        "m" + "%04d" % r.integers(10000),
+        f"m{r.integers(10000):04d}",
         kind,
         chain,
         pick(r, controls),

@@ -22,7 +22,7 @@ from .base import Array, Rec, Rng, logu, pick
 from .world import World, lowpass
 
 FAST = ["white", "student", "bursts"]
-FAST_TRACE = FAST + ["ar1", "ar1", "ar2"]
+FAST_TRACE = [*FAST, "ar1", "ar1", "ar2"]
 SLOW = ["ou", "ou", "walk", "iou", "flicker", "settle"]
 HELD_FAST, HELD_FAST_TRACE = ["modulated"], ["modulated", "arma"]
 HELD_SLOW = ["levy", "hum", "tempwander", "telegraph"]
@@ -207,7 +207,7 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     gross = r.random() < (0.5 if harsh else 0.2)
     for c in rec.channels:
         x = fast(r, kinds[0], sd * (r.uniform(0.7, 1.4) if trace else 1), t, trace)
-        for kind, s in zip(kinds[1:], sizes):
+        for kind, s in zip(kinds[1:], sizes, strict=False):
             add_slow(r, x, kind, s, t, world, rec.t_obs)
         x.quant = quant
         if quant:

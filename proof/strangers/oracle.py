@@ -91,7 +91,7 @@ class Oracle:
         for c in cols:
             keys += [k for k in c if k not in keys]
         self.g = 12 * len(keys)
-        for q, c, ns in zip(recs, cols, noises):
+        for q, c, ns in zip(recs, cols, noises, strict=False):
             t = q.t_obs - q.t_obs[0]
             for ch, n in enumerate(ns):
                 slow, var = slow_columns(n, t, n.var)

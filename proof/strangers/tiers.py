@@ -96,7 +96,7 @@ def effect_of(shape: Shape, recs: list[Rec], amp: float) -> list[Array]:
 def peak_of(mu: list[Array], recs: list[Rec]) -> float:
     """Largest reading after taking out each channel's mean (parts on a CMM: as they are)."""
     top = 0.0
-    for x, q in zip(mu, recs):
+    for x, q in zip(mu, recs, strict=False):
         if q.kind == "targets" and q.meta["quantity"] == "angle":
             continue
         y = x if q.kind == "features" else x - x.mean(1, keepdims=True)
@@ -242,7 +242,7 @@ def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str
             if h is None or any((h.effect, h.shape.axis) == (x.effect, x.shape.axis) for x in found):
                 continue
             last, checks = h, checks + 1
-            gram = oracle.gram([x.mu for x in found + [h]])
+            gram = oracle.gram([x.mu for x in [*found, h]])
             if lax or alone(gram, len(found)) >= SEEN or checks >= 7:
                 break
         if last:
@@ -349,7 +349,7 @@ def tell(w: World, recs: list[Rec], oracle: Oracle, found: list[Hidden], key: st
                 g = oracle.gram([h.mu] + rest + [x.mu for x in other])
                 n = 1 + len(rest)
                 for j, x in enumerate(other):
-                    keep = list(range(n)) + [n + j]
+                    keep = [*range(n), n + j]
                     if alone(g[np.ix_(keep, keep)], 0) < 12:
                         twins.append(f"{x.effect}:{x.shape.axis}".rstrip(":"))
         out.append(state(h, max(float(gram[i, i]), 0.0), apart, sorted(set(twins))))

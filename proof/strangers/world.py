@@ -132,7 +132,7 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
         pressure,
         record,
         family,
-        "%016x" % int(r.integers(2**62)),
+        f"{int(r.integers(2**62)):016x}",
     )
 
 

@@ -41,7 +41,7 @@ def machine_files(m: Machine) -> dict[str, str]:
         for comp, (f, b) in m.tables[a].items():
             unit = "um" if comp[1] in AX else "urad"
             if np.array_equal(f, b):
-                head, cols = head + [f"{comp}_{unit}"], cols + [f]
+                head, cols = [*head, f"{comp}_{unit}"], [*cols, f]
             else:
                 head += [f"{comp}_{unit}_fwd", f"{comp}_{unit}_rev"]
                 cols += [f, b]
@@ -68,7 +68,7 @@ def whole(x: Array) -> list[str]:
 
 def csv(head: list[str], cols: list[list[str]]) -> str:
     """Header and rows."""
-    return ",".join(head) + "\n" + "\n".join(map(",".join, zip(*cols))) + "\n"
+    return ",".join(head) + "\n" + "\n".join(map(",".join, zip(*cols, strict=False))) + "\n"
 
 
 def vec(v: Array, axes: list[int]) -> str:
@@ -103,7 +103,7 @@ def recording(
             ("kind", [i[1] for i in info]),
             ("axis", [AX[i[2]] for i in info]),
             ("nominal_mm", [f"{i[3]:.3f}" for i in info]),
-            ("measured_mm", [f"{i[3] + v / 1e3:.6f}" for i, v in zip(info, value[0])]),
+            ("measured_mm", [f"{i[3] + v / 1e3:.6f}" for i, v in zip(info, value[0], strict=False)]),
             ("part", [str(i[4]) for i in info]),
             ("reading", [str(i[5]) for i in info]),
         ):

@@ -40,7 +40,7 @@ def test_two_axis_formula_of_the_contract():
     r = stream("p")
     pos = np.c_[r.uniform(*m.travel[0], 50), np.zeros(50), r.uniform(*m.travel[2], 50)]
     tool, _ = stated(m, pos, np.ones((50, 3)))
-    t, x, z = m.tables, pos[:, 0], pos[:, 2]
+    t, x = m.tables, pos[:, 0]
 
     def e(ax, c):
         return np.interp(pos[:, ax], m.nodes[ax], t[ax][c][0])
