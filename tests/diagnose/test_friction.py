@@ -1,4 +1,4 @@
-"""Friction that turns round after a reversal: its shape; and where a pair of axes is compared."""
+"""Friction that turns round after a reversal: its shape; and it opposes motion; and where a pair of axes is compared."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from postproc import effects
 from postproc.diagnose import library
-from postproc.effects import State
+from postproc.effects import State, friction_asymmetry
 
 
 def test_friction_turns_round_as_the_loop_settles():
@@ -19,6 +19,20 @@ def test_friction_turns_round_as_the_loop_settles():
     state = State({"X": np.zeros(3)}, {"X": np.ones(3)}, {"X": (0.0, 1.0)}, since={"X": since}, passage=np.zeros(3))
     found = effects.deviation(effects.load("coulomb_friction"), state, "X", size_um=10.0, settle_ms=20.0)
     assert found[0] == pytest.approx([5e-3, 0.0, -5e-3])
+
+
+@pytest.mark.parametrize(
+    ("size", "slope", "difference", "holds"),
+    [(6.7, 8.7, -4.2, True), (0.0, 10.0, 10.0, True), (0.1, 0.1, 20.0, False), (0.0, 10.0, 0.5, False)],
+)
+def test_friction_opposes_motion_in_both_directions(size, slope, difference, holds):
+    """A lag of 10 and none is friction of one direction; a push along one of them is none; and alike it has another name."""
+    assert (
+        friction_asymmetry.sensible(
+            size_um=size, slope_um=slope, difference_um=0.0, difference_slope_um=difference, tau_ms=0.0
+        )
+        is holds
+    )
 
 
 def test_a_pair_is_compared_where_both_of_its_axes_move():
