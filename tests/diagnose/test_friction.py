@@ -1,4 +1,4 @@
-"""Friction that turns round after a reversal: its shape; and it opposes motion; and where a pair of axes is compared."""
+"""Friction that turns round after a reversal: its shape, that it opposes motion, and where a pair of axes is compared."""
 
 from __future__ import annotations
 
