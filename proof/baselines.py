@@ -3,7 +3,7 @@
 All get what gcomp has: its reader, the map taken off, its white noise, and the same nuisances with their usual sizes (zeros of
 set-ups and of runs, centres of ballbars, the map's own error), so that only the way of explaining differs. Autoregression and
 wander they do not get: gcomp learns the size of these beside every set of effects, and with a stated size the baselines
-foretold held-out runs worse in four of six cases. All are trained on what gcomp is trained on and judged on what it holds out:
+foretold held-out runs worse in five of six cases. All are trained on what gcomp is trained on and judged on what it holds out:
 the last run of every recording that has three at least.
 
 STLSQ is the sequential thresholded least squares of Brunton, Proctor and Kutz, PNAS 113 (2016) 3932, as PySINDy has it by
