@@ -79,9 +79,11 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     found = [findings.of_member(search, state, k) for k in state.members]
     alone, said = evidence.explained(search.null().fit), evidence.explained(state.fit)
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
+    at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)  # they stand behind the map's terms
     for jump, columns in jumps:
-        value = np.linalg.lstsq(columns, said["jump"], rcond=None)[0]
-        before = before + alone["jump"]
+        own = slice(at, at + columns.shape[1])
+        at, value = own.stop, state.fit.mean[own]
+        before = before + columns @ search.null().fit.mean[own]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
@@ -104,7 +106,7 @@ def _shown(blocks, train: np.ndarray) -> list:
 
 
 def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
-    """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error."""
+    """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error and jumps."""
     return sum((said[name] for name in ("zero", "set-up", "map", "feature") if name in said), np.zeros(len(said["noise"])))
 
 

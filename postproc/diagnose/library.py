@@ -4,7 +4,7 @@ columns as the readings would show them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from types import ModuleType
 
@@ -158,19 +158,6 @@ def _steps(rows: Rows) -> list[float]:
         moment = rows.state.time[rows.state.passage == passage]
         gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
     return [float(g) for g in gaps]
-
-
-def refined(rows: Rows, block: Block, weighted: np.ndarray, sigma: np.ndarray) -> Block:
-    """The block of the likeliest period near that of a block of `found`. weighted (N,): P y."""
-    shape = dict(block.shape)
-    if "period_mm" not in shape:
-        return block
-    along = rows.direction[:, XYZ.index(block.axis)] * visible(rows, block.module)
-    shape["period_mm"] = spectra.refined(rows, block.axis, weighted * along, along**2 / sigma**2, shape["period_mm"])
-    columns = read(rows, block.module, block.axis, shape)
-    if not swings(columns).all():
-        return block
-    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
 
 def swings(columns: np.ndarray) -> np.ndarray:

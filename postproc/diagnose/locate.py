@@ -139,35 +139,3 @@ def _windows(along: int, n: int) -> np.ndarray:
             forth[along + a : along + b] = True
             result += [back | forth, back, forth] if forth.any() else [back]
     return np.stack(result)
-
-
-def shared(rows: Rows, left: np.ndarray, sigma: np.ndarray, which: np.ndarray) -> float:
-    """mm: size of what several runs show alike at the same places, from products of different runs; of a single run from
-    products of neighbours."""
-    where = np.flatnonzero(which)
-    axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][where])))
-    side = np.sign(rows.state.approach[axis][where])
-    bins = np.round(rows.state.position[axis][where] / max(np.ptp(rows.state.position[axis][where]) / 40, 1e-9)).astype(
-        int
-    )
-    _, cell = np.unique(np.stack([bins, side]), axis=1, return_inverse=True)
-    cell = cell.ravel()
-    runs = np.unique(rows.run[where])
-    means = np.full((len(runs), cell.max() + 1), np.nan)
-    for k, r in enumerate(runs):
-        own = rows.run[where] == r
-        count = np.bincount(cell[own], minlength=means.shape[1])
-        total = np.bincount(cell[own], left[where][own], minlength=means.shape[1])
-        means[k] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    products = []
-    for k in range(1, len(runs)):
-        both = means[k] * means[k - 1]
-        products.append(both[np.isfinite(both)])
-    flat = np.concatenate(products) if products else np.zeros(0)
-    if len(flat) < 6:
-        values = left[where][np.argsort(rows.state.time[where], kind="stable")]
-        flat = values[1:] * values[:-1]
-    if not len(flat):
-        return 0.0
-    middle = np.clip(flat, *np.quantile(flat, [0.02, 0.98]))
-    return float(np.sqrt(max(middle.mean(), 0.0)))

@@ -21,7 +21,6 @@ MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-w
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FINE = 4  # bins per period of the highest frequency
-ROUGHLY, MOST_STEPS, FINE_STEP = 0.04, 160, 0.4  # of a frequency; tried; of what the span resolves
 MOST_BINS = 1 << 17
 
 
@@ -107,31 +106,6 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
     parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
     best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
     return [1 / _polished(f, 0.7 / span, parts) for f in best]
-
-
-def refined(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray, period: float) -> float:
-    """mm: the likeliest period near one that was found, with what averages leave of each: of short stretches a spectrum tells a period
-    only roughly."""
-    use = power > 0
-    place = rows.state.inside[axis][:, use] if axis in rows.state.inside else np.zeros((0, 0))
-    if not place.size:
-        return period
-    span = float(np.nanmax(place) - np.nanmin(place))
-    if span <= 0:
-        return period
-    at, each, own = _samples(place)
-    f = 1 / period
-    for within in (min(ROUGHLY * f, MOST_STEPS / 2 * FINE_STEP / span), 3 * FINE_STEP / span):
-        steps = max(9, min(MOST_STEPS, int(2 * within * span / FINE_STEP)))
-        tried = f + within * np.linspace(-1.0, 1.0, steps)
-        value = []
-        for g in tried:
-            angle = 2 * np.pi * g * at
-            real, imaginary = (np.bincount(own, each * wave(angle)) for wave in (np.cos, np.sin))
-            left = max(float(power[use] @ (real**2 + imaginary**2)) / 2, 1e-30)
-            value.append(((weighted[use] @ real) ** 2 + (weighted[use] @ imaginary) ** 2) / left)
-        f = float(tried[int(np.argmax(value))])
-    return 1 / f
 
 
 def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarray:

@@ -7,7 +7,8 @@ steps are seen by both; laser, delay and clock errors are put into the reading o
 of an angle is the rotation vector along `sensitive` (keys X, Y, Z).  Parts are cut where the
 map is zero; they have no free zero.  See the module docstrings for sources.
 """
+
 from .base import Case
 from .tiers import TIERS, make
 
-__all__ = ["Case", "TIERS", "make"]
+__all__ = ["TIERS", "Case", "make"]

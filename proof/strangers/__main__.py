@@ -1,4 +1,5 @@
 """Command line: writes cases, or checks itself."""
+
 from __future__ import annotations
 
 import argparse
@@ -12,7 +13,7 @@ def main() -> None:
     """python -m proof.strangers --seed S --tier T --count N -o FOLDER [--family held]."""
     p = argparse.ArgumentParser(prog="proof.strangers")
     p.add_argument("--seed", default="0")
-    p.add_argument("--tier", choices=TIERS + ["all"], default="all")
+    p.add_argument("--tier", choices=[*TIERS, "all"], default="all")
     p.add_argument("--count", type=int, default=1)
     p.add_argument("--first", type=int, default=0)
     p.add_argument("--family", choices=["open", "held"], default="open")
@@ -21,6 +22,7 @@ def main() -> None:
     a = p.parse_args()
     if a.check:
         from .check import check
+
         check(a.count)
         return
     out = Path(a.out)

@@ -1,21 +1,24 @@
 """Physics that no name of the contract stands for.  All outside instruments see it (tool)."""
+
 from __future__ import annotations
 
 import numpy as np
 
-from .base import AX, Array, Part, Rec, Rng, Shape, logu, pick
+from .base import Array, Part, Rec, Rng, Shape, logu, pick
 from .forms_time import sensed
-from .registry import FORMS, Form, along, moving, tool_only, unit_place
-from .world import World, lowpass
+from .registry import FORMS, Form, along, tool_only, unit_place
+from .world import World
 
 ALIENS: dict[str, tuple[str, Form]] = {}
 
 
 def alien(name: str, family: str = "open"):
     """Decorator that files an alien."""
+
     def add(f: Form) -> Form:
         ALIENS[name] = (family, f)
         return f
+
     return add
 
 
@@ -41,6 +44,7 @@ def cover(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         on = (q.t > t0 - d / 2) & (q.t < t0 + d / 2)
         return -1.0 * on * (q.sgn[:, ax] > 0) * np.clip((unit_place(w, ax, q) - c) / 0.08, 0, 1)
+
     return tool_only(ax, f)
 
 
@@ -61,6 +65,7 @@ def gib(w: World, r: Rng, ax: int) -> Shape:
         sp = np.clip(q.feed / max(w.machine.vmax, 1), 0.05, 1) ** 0.5
         k = np.cumsum(np.abs(np.diff(q.sgn[:, ax], prepend=0)) > 0)
         return sp * np.exp(-q.revt[:, ax] / tau) * (1 + 0.5 * (k % 2))
+
     to = pick(r, [a for a in w.machine.axes if a != ax])
     return Shape(lambda q, a: Part(tool=a * (along(q, ax, f(q)) + along(q, to, 0.7 * f(q)))), "")
 
@@ -68,9 +73,11 @@ def gib(w: World, r: Rng, ax: int) -> Shape:
 @alien("speed_times_place")
 def speed_place(w: World, r: Rng, ax: int) -> Shape:
     """Error as feed x place: lubricant film that thickens with speed at one end only."""
+
     def f(q: Rec) -> Array:
         sp = q.vel[:, ax] / 20 if q.kind in ("trace", "ballbar") else q.feed / 3000
         return np.abs(sp) * (unit_place(w, ax, q) - 0.3) ** 2
+
     return tool_only(ax, f)
 
 
@@ -83,6 +90,7 @@ def crane(w: World, r: Rng, ax: int) -> Shape:
 
     def f(q: Rec) -> Array:
         return np.exp(-0.5 * ((q.t - t0) / d) ** 2) * (0.3 + unit_place(w, ax, q))
+
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * to), "")
 
 
@@ -94,6 +102,7 @@ def chain(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         s = unit_place(w, ax, q)
         return np.abs(s - c) ** 1.5 * (q.sgn[:, ax] > 0) - 0.5 * (s > c) * (q.sgn[:, ax] < 0)
+
     return tool_only(ax, f)
 
 
@@ -113,6 +122,7 @@ def sun(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         s = unit_place(w, ax, q)
         return np.exp(-0.5 * ((q.t - t0) / d) ** 2) * (4 * s * (1 - s) + s - 0.3)
+
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * to), "")
 
 
@@ -125,6 +135,7 @@ def gear(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         x = q.pos[:, ax]
         return 0.5 * (np.sin(2 * np.pi * x / p) + np.sin(2 * np.pi * k * x / p + 1.0))
+
     return tool_only(ax, f)
 
 
@@ -137,6 +148,7 @@ def clamp(w: World, r: Rng, ax: int) -> Shape:
         cum = np.cumsum(np.linalg.norm(np.diff(q.via, axis=0, prepend=q.via[:1]), axis=1))
         s = cum[q.row_at] / max(float(cum[-1]), 1e-9)
         return np.tanh(3 * s) + 0.3 * np.sin(n / 20 * s)
+
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * d), "")
 
 
@@ -149,6 +161,7 @@ def joint(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         s = unit_place(w, ax, q) + wide / 2 * -q.sgn[:, ax]
         return 1 / (1 + np.exp(-(s - c) / 0.01))
+
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * to), "")
 
 
@@ -166,6 +179,7 @@ def film(w: World, r: Rng, ax: int) -> Shape:
             s = s * np.exp(-gap[i] / tau) + min(move[i] / 50, 1.0) * (1 - s)
             y[i] = s
         return y
+
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * d), "")
 
 
@@ -176,7 +190,7 @@ def interlock(w: World, r: Rng, ax: int) -> Shape:
     q = pick(r, w.recs)
     at = np.sort(q.t[0] + span * r.uniform(0.05, 0.9, 3))
     size, d = r.uniform(0.4, 1, 3), span * r.uniform(0.05, 0.12)
-    return in_time(w, r, lambda t: sum(a * ((t > x) & (t < x + d)) for a, x in zip(size, at)))
+    return in_time(w, r, lambda t: sum(a * ((t > x) & (t < x + d)) for a, x in zip(size, at, strict=False)))
 
 
 @alien("air_bearing_hammer", "held")
@@ -188,6 +202,7 @@ def hammer(w: World, r: Rng, ax: int) -> Shape:
         on = unit_place(w, ax, q) > c
         t = q.t - q.t[0]
         return on * (0.6 + 0.4 * np.sign(np.sin(2 * np.pi * t / p * (1 + 0.2 * t / (t[-1] + 1)))))
+
     return tool_only(ax, f)
 
 
@@ -200,6 +215,7 @@ def cogging(w: World, r: Rng, ax: int) -> Shape:
         k = 0.4 + w.at(w.screw[ax], q.t) / max(float(w.screw[ax].max()), 1e-9)
         k = k * (0.5 + unit_place(w, other, q))
         return k * np.sin(2 * np.pi * q.pos[:, ax] / p) ** 3
+
     return tool_only(ax, f)
 
 
@@ -215,6 +231,7 @@ def memory(w: World, r: Rng, ax: int) -> Shape:
             s = x[i] + (s - x[i]) * np.exp(-dt[i] / tau)
             y[i] = s
         return (y - x)[q.row_at] / 100
+
     return tool_only(ax, f)
 
 
@@ -226,6 +243,7 @@ def counter(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         t = q.revt[:, ax]
         return np.cos(2 * np.pi * hz * t) * np.exp(-t / tau) * (0.3 + unit_place(w, ax, q))
+
     return tool_only(ax, f)
 
 

@@ -4,11 +4,13 @@ All places are slide positions (radius) in mm, all deviations are actual - comma
 (tool relative to workpiece, ISO 841), rotations in urad, times in s.  Vectors are always
 (X, Y, Z); a two-axis machine simply never moves Y.
 """
+
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 
@@ -56,6 +58,7 @@ class Rec:
     revt (s) say for every axis in which direction it last moved, how far and how long ago it
     turned.  For kind "features" there are two contact states (rows) for each reading.
     """
+
     name: str
     kind: str
     t: Array
@@ -73,7 +76,7 @@ class Rec:
     revt: Array = field(default_factory=lambda: np.zeros(0))
     activity: list[tuple[float, float, int, float]] = field(default_factory=list)
 
-    def finish(self) -> "Rec":
+    def finish(self) -> Rec:
         """Fill sgn, since, revt from the path."""
         s, d, u = history(self.via, self.via_t)
         self.sgn, self.since, self.revt = s[self.row_at], d[self.row_at], u[self.row_at]
@@ -81,7 +84,7 @@ class Rec:
             for a in range(3):
                 nz = np.flatnonzero(self.sgn[:, a])
                 if nz.size:
-                    self.sgn[:nz[0], a] = self.sgn[nz[0], a]
+                    self.sgn[: nz[0], a] = self.sgn[nz[0], a]
         return self
 
     @property
@@ -147,6 +150,7 @@ class Part:
     tool (n,3) um: the functional point moves so; scale (n,3) um: the axis's own sensor reports
     so; reading: added by the instrument itself (n_obs,) or (n,3) for a trace; rot (n,3) urad.
     """
+
     tool: Array | None = None
     scale: Array | None = None
     reading: Array | None = None
@@ -183,6 +187,7 @@ def observe(rec: Rec, part: Part) -> Array:
 @dataclass
 class Shape:
     """A drawn effect: `field(rec, amp)` for one file, `params(amp)` as the contract names them."""
+
     field: Callable[[Rec, float], Part]
     axis: str
     params: Callable[[float], dict[str, float]] = lambda amp: {}
@@ -194,6 +199,7 @@ class Shape:
 @dataclass
 class Case:
     """A drawn case: file texts, hidden truth, details for the report, follow-up files."""
+
     name: str
     files: dict[str, str]
     truth: list[dict]

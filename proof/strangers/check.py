@@ -1,8 +1,10 @@
 """Self-check: determinism, formats by the contracts, plausible truths, finite energies."""
+
 from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import time
 import tomllib
@@ -11,11 +13,27 @@ from .base import Case
 from .plans import EFFECTS
 from .tiers import TIERS, make
 
-NEED = {"targets": ["run", "t_s"], "trace": ["run", "t_s"], "ballbar": ["run", "t_s", "radial_um",
-                                                                       "sense"],
-        "features": ["feature", "kind", "axis", "nominal_mm", "measured_mm", "part", "reading"]}
-PARAMETERS = {"size_um", "period_mm", "amplitude_um", "tau_ms", "delta_tau_ms", "frequency_hz",
-              "urad", "arm_mm", "um_per_N", "diameter_um", "jump_um", "t_s", "delay_ms"}
+NEED = {
+    "targets": ["run", "t_s"],
+    "trace": ["run", "t_s"],
+    "ballbar": ["run", "t_s", "radial_um", "sense"],
+    "features": ["feature", "kind", "axis", "nominal_mm", "measured_mm", "part", "reading"],
+}
+PARAMETERS = {
+    "size_um",
+    "period_mm",
+    "amplitude_um",
+    "tau_ms",
+    "delta_tau_ms",
+    "frequency_hz",
+    "urad",
+    "arm_mm",
+    "um_per_N",
+    "diameter_um",
+    "jump_um",
+    "t_s",
+    "delay_ms",
+}
 
 
 def check_recording(body: str, axes: list[str], travel: dict[str, list[float]]) -> float:
@@ -48,7 +66,7 @@ def check_recording(body: str, axes: list[str], travel: dict[str, list[float]]) 
     if kind == "features":
         return -1.0
     t = [float(r["t_s"]) for r in rows]
-    assert all(b >= a for a, b in zip(t, t[1:]))
+    assert all(b >= a for a, b in itertools.pairwise(t))
     return t[0]
 
 

@@ -4,11 +4,12 @@ Target orders: ISO 230-2:2014 standard cycle with overrun, its step cycle, pilgr
 order, one direction only.  Diagonals: ISO 230-6; step diagonal (held): Wang 2000.  Circles:
 ISO 230-4.
 """
+
 from __future__ import annotations
 
 import numpy as np
 
-from .base import AX, Array, Rec, Rng, logu, pick
+from .base import Array, Rec, Rng, logu, pick
 from .machines import Machine
 
 
@@ -51,9 +52,18 @@ def order(r: Rng, p: Array, pattern: str, runs: int, over: float) -> list[tuple[
     return keep
 
 
-def captures(m: Machine, name: str, points: list[tuple[Array, int]], feed: float | Array,
-             t0: float, dwell: float, meta: dict, r: Rng, gaps: dict[int, float] | None = None,
-             cycle: tuple[int, float] | None = None) -> Rec:
+def captures(
+    m: Machine,
+    name: str,
+    points: list[tuple[Array, int]],
+    feed: float | Array,
+    t0: float,
+    dwell: float,
+    meta: dict,
+    r: Rng,
+    gaps: dict[int, float] | None = None,
+    cycle: tuple[int, float] | None = None,
+) -> Rec:
     """A targets file from places with run numbers; feed mm/min; gap s before a run starts.
 
     cycle = (axis, mm/s): the axis is exercised during those gaps (ISO 230-3, clause 7).
@@ -78,12 +88,33 @@ def captures(m: Machine, name: str, points: list[tuple[Array, int]], feed: float
         via_t.append(t)
     v, vt, idx = np.array(via), np.array(via_t), np.array(rows)
     n = len(idx)
-    return Rec(name, "targets", np.round(vt[idx], 2), v[idx], np.zeros((n, 3)), np.zeros((n, 3)),
-               np.array(run), v, vt, idx, np.array(feeds), meta, activity=activity).finish()
+    return Rec(
+        name,
+        "targets",
+        np.round(vt[idx], 2),
+        v[idx],
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.array(run),
+        v,
+        vt,
+        idx,
+        np.array(feeds),
+        meta,
+        activity=activity,
+    ).finish()
 
 
-def targets(r: Rng, m: Machine, ax: int, t0: float, name: str, quantity: str = "displacement",
-            held: bool = False, force: dict | None = None) -> Rec:
+def targets(
+    r: Rng,
+    m: Machine,
+    ax: int,
+    t0: float,
+    name: str,
+    quantity: str = "displacement",
+    held: bool = False,
+    force: dict | None = None,
+) -> Rec:
     """A run along one axis; `force` overrides draws (pattern, n, runs, gap, positions, at)."""
     o = force or {}
     lo, hi = m.travel[ax]
@@ -111,11 +142,20 @@ def targets(r: Rng, m: Machine, ax: int, t0: float, name: str, quantity: str = "
         sens[o.get("across", pick(r, others))] = 1.0
     else:
         rot[o.get("about", 1 if len(m.axes) == 2 else pick(r, [0, 1, 2]))] = 1.0
-    tool = {"displacement": ["laser interferometer", "laser tracer", "step gauge"],
-            "straightness": ["straightedge and probe", "laser straightness optics"],
-            "angle": ["autocollimator", "electronic level"]}[quantity]
-    meta = header_meta(m, quantity=quantity, sensitive=sens, rotvec=rot, along=ax,
-                       instrument=tool[0] if o.get("laser") else pick(r, tool), pattern=pattern)
+    tool = {
+        "displacement": ["laser interferometer", "laser tracer", "step gauge"],
+        "straightness": ["straightedge and probe", "laser straightness optics"],
+        "angle": ["autocollimator", "electronic level"],
+    }[quantity]
+    meta = header_meta(
+        m,
+        quantity=quantity,
+        sensitive=sens,
+        rotvec=rot,
+        along=ax,
+        instrument=tool[0] if o.get("laser") else pick(r, tool),
+        pattern=pattern,
+    )
     feed = logu(r, 300, m.vmax)
     f: float | Array = feed
     if held and r.random() < 0.5:
@@ -140,7 +180,7 @@ def diagonal(r: Rng, m: Machine, t0: float, name: str, step: bool = False) -> Re
         pts.append((np.round(base - 0.03 * d, 4), 0))
         if step:
             p = base.copy()
-            for i in range(n):
+            for _ in range(n):
                 for a in use:
                     p = p.copy()
                     p[a] += d[a] / n
@@ -152,14 +192,19 @@ def diagonal(r: Rng, m: Machine, t0: float, name: str, step: bool = False) -> Re
                 pts.append((np.round(base + 1.03 * d, 4), 0))
                 pts += [(np.round(base + x * d, 4), k) for x in s[::-1]]
     unit = d / np.linalg.norm(d)
-    meta = header_meta(m, quantity="displacement", sensitive=unit, rotvec=np.zeros(3),
-                       along=use[0], instrument="laser interferometer",
-                       pattern="step-diagonal" if step else "diagonal")
+    meta = header_meta(
+        m,
+        quantity="displacement",
+        sensitive=unit,
+        rotvec=np.zeros(3),
+        along=use[0],
+        instrument="laser interferometer",
+        pattern="step-diagonal" if step else "diagonal",
+    )
     return captures(m, name, pts, logu(r, 500, m.vmax), t0, r.uniform(2, 5), meta, r)
 
 
-def ballbar(r: Rng, m: Machine, t0: float, name: str, held: bool = False,
-            force: dict | None = None) -> Rec:
+def ballbar(r: Rng, m: Machine, t0: float, name: str, held: bool = False, force: dict | None = None) -> Rec:
     """A circular test in one plane, one or both senses, 1-3 repeats."""
     o = force or {}
     flat = [[0, 2]] if len(m.axes) == 2 else [[0, 1], [0, 1], [0, 2], [1, 2]]
@@ -181,16 +226,36 @@ def ballbar(r: Rng, m: Machine, t0: float, name: str, held: bool = False,
             tt = t + np.radians(np.linspace(0, arc, n)) * radius / speed
             rows.append((tt, phi, np.full(n, w), np.full(n, run), np.full(n, s)))
             t = tt[-1] + r.uniform(5, 30)
-    tt, phi, w, runs, sense = (np.concatenate(x) for x in zip(*rows))
+    tt, phi, w, runs, sense = (np.concatenate(x) for x in zip(*rows, strict=False))
     unit, tang = np.zeros((len(tt), 3)), np.zeros((len(tt), 3))
     unit[:, plane[0]], unit[:, plane[1]] = np.cos(phi), np.sin(phi)
     tang[:, plane[0]], tang[:, plane[1]] = -np.sin(phi), np.cos(phi)
     pos = centre + radius * unit
-    meta = header_meta(m, plane=plane, unit=unit, centre=centre, radius=radius, feed=feed,
-                       sense=sense.astype(int), instrument="ballbar", arc=arc)
-    return Rec(name, "ballbar", np.round(tt, 4), pos, radius * w[:, None] * tang,
-               -radius * w[:, None] ** 2 * unit, runs, pos, tt, np.arange(len(tt)),
-               np.full(len(tt), feed), meta).finish()
+    meta = header_meta(
+        m,
+        plane=plane,
+        unit=unit,
+        centre=centre,
+        radius=radius,
+        feed=feed,
+        sense=sense.astype(int),
+        instrument="ballbar",
+        arc=arc,
+    )
+    return Rec(
+        name,
+        "ballbar",
+        np.round(tt, 4),
+        pos,
+        radius * w[:, None] * tang,
+        -radius * w[:, None] ** 2 * unit,
+        runs,
+        pos,
+        tt,
+        np.arange(len(tt)),
+        np.full(len(tt), feed),
+        meta,
+    ).finish()
 
 
 def features(r: Rng, m: Machine, t0: float, name: str) -> Rec:
@@ -202,10 +267,10 @@ def features(r: Rng, m: Machine, t0: float, name: str) -> Rec:
     parts, reads = int(r.integers(2, 9)), int(r.integers(1, 4))
     use = m.axes[:2] if len(m.axes) == 3 else m.axes
     kinds = ["centre_distance", "pocket_size", "boss_diameter", "bore_diameter", "step"]
-    kinds = ["centre_distance"] + list(r.permutation(kinds[1:])[:int(r.integers(1, 4))])
+    kinds = ["centre_distance", *r.permutation(kinds[1:])[: int(r.integers(1, 4))]]
     plan = []
     for kind in kinds:
-        for a in (use if kind != "step" else [m.axes[-1]]):
+        for a in use if kind != "step" else [m.axes[-1]]:
             lo, hi = m.travel[a]
             for _ in range(int(r.integers(1, 4 if kind == "centre_distance" else 3))):
                 size = round((hi - lo) * r.uniform(0.05, 0.6), 0) or 10.0
@@ -240,9 +305,27 @@ def features(r: Rng, m: Machine, t0: float, name: str) -> Rec:
     d[np.arange(len(rows)), [i[2] for i in info]] = 1.0
     part_no = np.array([i[4] for i in info])
     change = int(r.integers(2, parts + 1)) if r.random() < 0.6 else parts + 1
-    meta = header_meta(m, info=info, direction=d, instrument="coordinate measuring machine",
-                       cut=cut, change=change, part=part_no,
-                       radial=np.array([i[6] for i in info], float))
-    return Rec(name, "features", np.round(vta[row_at], 1), v[row_at], np.zeros((n, 3)),
-               np.zeros((n, 3)), np.ones(n, int), v, vta, row_at, np.full(n, 800.0),
-               meta).finish()
+    meta = header_meta(
+        m,
+        info=info,
+        direction=d,
+        instrument="coordinate measuring machine",
+        cut=cut,
+        change=change,
+        part=part_no,
+        radial=np.array([i[6] for i in info], float),
+    )
+    return Rec(
+        name,
+        "features",
+        np.round(vta[row_at], 1),
+        v[row_at],
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.ones(n, int),
+        v,
+        vta,
+        row_at,
+        np.full(n, 800.0),
+        meta,
+    ).finish()

@@ -4,12 +4,13 @@ All are seen by outside instruments and by parts.  Squareness follows ISO 230-1 
 x travel) on top of the value in machine.toml.  Straightness and sag act across the moving axis.
 A load in + pushes the tool to +.
 """
+
 from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .base import AX, Array, Part, Rec, Rng, Shape, logu, pick, smooth, stream
+from .base import AX, Array, Part, Rec, Rng, Shape, logu, pick
 from .registry import along, form, tool_only, unit_place
 from .world import World
 
@@ -23,9 +24,9 @@ def _scale(kind: str, family: str) -> None:
         def shape(q: Rec) -> Array:
             x = q.pos[:, ax]
             s = (x - lo) / (hi - lo)
-            bend = {"linear": 0.0, "nearly_linear": 0.06 * s * (1 - s), "ramp_ends":
-                    -0.02 * np.exp(-s / 0.03)}[kind]
+            bend = {"linear": 0.0, "nearly_linear": 0.06 * s * (1 - s), "ramp_ends": -0.02 * np.exp(-s / 0.03)}[kind]
             return sign * ((x - lo) / 1e3 + bend * (hi - lo) / 1e3)
+
         return tool_only(ax, shape)
 
 
@@ -50,6 +51,7 @@ def _pitch(kind: str, family: str) -> None:
             if kind == "arch":
                 return sign * np.sin(np.pi * k * s + ph)
             return np.polynomial.legendre.legval(2 * s - 1, np.r_[0, 0, legs])
+
         return tool_only(ax, shape)
 
 
@@ -75,13 +77,12 @@ def _cyclic(kind: str, family: str) -> None:
             elif kind == "directional":
                 y = np.sin(2 * np.pi * x / p + ph[0] + drift * q.sgn[:, ax])
             return y
+
         full = kind in ("pure", "harmonics")
-        return tool_only(ax, shape, params=lambda a: {"period_mm": p, **(
-            {"amplitude_um": a} if full else {})})
+        return tool_only(ax, shape, params=lambda a: {"period_mm": p, **({"amplitude_um": a} if full else {})})
 
 
-for _k, _f in (("pure", "open"), ("harmonics", "open"), ("modulated", "open"),
-               ("directional", "held")):
+for _k, _f in (("pure", "open"), ("harmonics", "open"), ("modulated", "open"), ("directional", "held")):
     _cyclic(_k, _f)
 
 
@@ -97,19 +98,20 @@ def _encoder(kind: str, family: str) -> None:
             if kind == "lissajous":
                 y = y + lissajous * np.sin(4 * np.pi * x / p)
             v = along(q, ax, a * y)
-            if kind == "in_loop":          # the control follows the wrong scale
+            if kind == "in_loop":  # the control follows the wrong scale
                 return Part(tool=-v)
             if q.kind == "trace" and (kind == "instrument") == (q.meta["sees"] == "tool"):
                 return Part(reading=v)
             if kind == "instrument" and q.laser:
                 return Part(reading=v @ q.meta["sensitive"])
             return Part()
-        return Shape(field, AX[ax], lambda a: {"period_mm": p, "amplitude_um": a}
-                     if kind != "lissajous" else {"period_mm": p})
+
+        return Shape(
+            field, AX[ax], lambda a: {"period_mm": p, "amplitude_um": a} if kind != "lissajous" else {"period_mm": p}
+        )
 
 
-for _k, _f in (("own_sensor", "open"), ("instrument", "open"), ("in_loop", "open"),
-               ("lissajous", "held")):
+for _k, _f in (("own_sensor", "open"), ("instrument", "open"), ("in_loop", "open"), ("lissajous", "held")):
     _encoder(_k, _f)
 
 
@@ -118,7 +120,7 @@ def _square(kind: str, family: str) -> None:
     def f(w: World, r: Rng, ax: int) -> Shape:
         m = w.machine
         pair = pick(r, [p for p in m.pairs() if AX[ax] in p])
-        name, unit, lean = m.lean(pair)
+        _name, unit, lean = m.lean(pair)
         sign = pick(r, [-1.0, 1.0])
         lo, hi = m.travel[lean]
 
@@ -131,6 +133,7 @@ def _square(kind: str, family: str) -> None:
                 x = x * (0.7 + 0.6 * unit_place(w, other, q))
             own = along(q, lean, x)
             return Part(tool=np.cross(unit * sign * a, own) * 1e-3)
+
         return Shape(field, pair, lambda a: {"urad": sign * a} if kind == "lean" else {})
 
 
@@ -169,11 +172,11 @@ def _bow(kind: str, family: str) -> None:
             if kind == "kinked_joint":
                 y = np.minimum(s / c, (1 - s) / (1 - c))
             return sign * y
+
         return tool_only(to, shape, axis=AX[ax])
 
 
-for _k, _f in (("parabola", "open"), ("second_third", "open"), ("sine", "open"),
-               ("kinked_joint", "held")):
+for _k, _f in (("parabola", "open"), ("second_third", "open"), ("sine", "open"), ("kinked_joint", "held")):
     _bow(_k, _f)
 
 
@@ -183,7 +186,7 @@ def _abbe(kind: str, family: str) -> None:
         m, sign = w.machine, pick(r, [-1.0, 1.0])
         comps = [c for c in m.tables[ax] if c[1] in "ABC"]
         offset = np.zeros(3)
-        offset[pick(r, [a for a in m.axes])] = sign
+        offset[pick(r, list(m.axes))] = sign
         about = 1 if len(m.axes) == 2 else int(r.integers(0, 3))
         g, base = r.uniform(0.6, 1.6), r.uniform(0, 6.28)
         if kind in ("arm", "arm_with_drop") and not comps:
@@ -203,12 +206,16 @@ def _abbe(kind: str, family: str) -> None:
             y = np.sin(np.pi * g * s + base) if kind == "unmapped_pitch" else s * s
             rot[:, about] = y
             return Part(tool=np.cross(rot, m.arm(ax, q.pos)) * 1e-3 * a, rot=rot * a)
-        return Shape(field, AX[ax], lambda a: {"arm_mm": sign * a} if kind == "arm" else {},
-                     most=400.0 if kind in ("arm", "arm_with_drop") else 300.0)
+
+        return Shape(
+            field,
+            AX[ax],
+            lambda a: {"arm_mm": sign * a} if kind == "arm" else {},
+            most=400.0 if kind in ("arm", "arm_with_drop") else 300.0,
+        )
 
 
-for _k, _f in (("arm", "open"), ("unmapped_pitch", "open"), ("unmapped_parabola", "open"),
-               ("arm_with_drop", "held")):
+for _k, _f in (("arm", "open"), ("unmapped_pitch", "open"), ("unmapped_parabola", "open"), ("arm_with_drop", "held")):
     _abbe(_k, _f)
 
 
@@ -219,14 +226,18 @@ def _sag(kind: str, family: str) -> None:
 
         def shape(q: Rec) -> Array:
             s, u = unit_place(w, ax, q), unit_place(w, to, q)
-            y = {"cantilever": s * s * (3 - s) / 2, "simply_supported": 16 * (s * (1 - s)) ** 2,
-                 "column_tilt": s * u * 1.0, "settling_bed": s ** 1.5}[kind]
+            y = {
+                "cantilever": s * s * (3 - s) / 2,
+                "simply_supported": 16 * (s * (1 - s)) ** 2,
+                "column_tilt": s * u * 1.0,
+                "settling_bed": s**1.5,
+            }[kind]
             return -y
+
         return tool_only(to, shape, axis=AX[ax])
 
 
-for _k, _f in (("cantilever", "open"), ("simply_supported", "open"), ("column_tilt", "open"),
-               ("settling_bed", "held")):
+for _k, _f in (("cantilever", "open"), ("simply_supported", "open"), ("column_tilt", "open"), ("settling_bed", "held")):
     _sag(_k, _f)
 
 
@@ -238,16 +249,18 @@ def _force(kind: str, family: str) -> None:
         def shape(q: Rec) -> Array:
             n = w.force(q, ax)
             top = max(float(np.abs(w.load[ax]).max()), 1.0)
-            y = {"linear": n, "hertz": np.sign(n) * np.abs(n / top) ** (2 / 3) * top,
-                 "screw_length": n * (0.4 + 1.2 * unit_place(w, ax, q)),
-                 "preload_lost": np.where(np.abs(n) > gap * top, n, 0.35 * n)}[kind]
+            y = {
+                "linear": n,
+                "hertz": np.sign(n) * np.abs(n / top) ** (2 / 3) * top,
+                "screw_length": n * (0.4 + 1.2 * unit_place(w, ax, q)),
+                "preload_lost": np.where(np.abs(n) > gap * top, n, 0.35 * n),
+            }[kind]
             return y
-        return tool_only(ax, shape, params=lambda a: {"um_per_N": a} if kind == "linear" else {},
-                         most=2.0)
+
+        return tool_only(ax, shape, params=lambda a: {"um_per_N": a} if kind == "linear" else {}, most=2.0)
 
 
-for _k, _f in (("linear", "open"), ("hertz", "open"), ("screw_length", "open"),
-               ("preload_lost", "held")):
+for _k, _f in (("linear", "open"), ("hertz", "open"), ("screw_length", "open"), ("preload_lost", "held")):
     _force(_k, _f)
 
 
@@ -260,15 +273,18 @@ def _wear(kind: str, family: str) -> None:
             k = q.meta["part"] - 1.0
             k = np.where(q.meta["part"] >= q.meta["change"], k - q.meta["change"] + 1, k)
             s = (k + 0.5) / 8
-            y = {"linear": s, "taylor": s ** 0.6,
-                 "three_stage": 0.3 * (1 - np.exp(-s / 0.08)) + 0.4 * s
-                 + 0.6 * np.maximum(s - 0.7, 0), "chipping": s + 0.5 * (k >= 2)}[kind]
+            y = {
+                "linear": s,
+                "taylor": s**0.6,
+                "three_stage": 0.3 * (1 - np.exp(-s / 0.08)) + 0.4 * s + 0.6 * np.maximum(s - 0.7, 0),
+                "chipping": s + 0.5 * (k >= 2),
+            }[kind]
             return Part(reading=-2 * a * y * q.meta["radial"])
+
         return Shape(field, "")
 
 
-for _k, _f in (("linear", "open"), ("taylor", "open"), ("three_stage", "open"),
-               ("chipping", "held")):
+for _k, _f in (("linear", "open"), ("taylor", "open"), ("three_stage", "open"), ("chipping", "held")):
     _wear(_k, _f)
 
 
@@ -276,17 +292,18 @@ def _size(kind: str, family: str) -> None:
     @form("tool_size", kind, family)
     def f(w: World, r: Rng, ax: int) -> Shape:
         sign = pick(r, [-1.0, 1.0])
-        seed = int(r.integers(2 ** 62))
+        r.integers(2**62)  # a draw that keeps the ones after it as they are
 
         def field(q: Rec, a: float) -> Part:
             if q.kind != "features":
                 return Part()
             y = q.meta["radial"].copy()
-            if kind == "runout":       # bores come out larger than pockets by the run-out
+            if kind == "runout":  # bores come out larger than pockets by the run-out
                 y = y * np.where([i[1] == "bore_diameter" for i in q.meta["info"]], 1.25, 1.0)
             if kind == "regrind":
                 y = y * np.where(q.meta["part"] >= q.meta["change"], 0.5, 1.0)
             return Part(reading=sign * a * y)
+
         return Shape(field, "", lambda a: {"diameter_um": sign * a} if kind == "plain" else {})
 
 

@@ -1,4 +1,5 @@
 """Servo, inertia, vibration of a slide and lost steps; signs as in forms_motion."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -21,7 +22,7 @@ def lag_speed(q: Rec, ax: int, kind: str, t1: float, zeta: float) -> Array:
     if kind == "second":
         wn = min(1 / t1, 0.8 / dt)
         p = np.exp(-zeta * wn * dt)
-        c = -2 * p * np.cos(wn * np.sqrt(1 - zeta ** 2) * dt)
+        c = -2 * p * np.cos(wn * np.sqrt(1 - zeta**2) * dt)
         return lfilter([1 + c + p * p], [1, c, p * p], v)
     return v * (1 + 0.3 * np.abs(v) / max(np.abs(v).max(), 1e-9))
 
@@ -30,8 +31,9 @@ def _servo(kind: str, family: str) -> None:
     @form("servo_lag", kind, family)
     def f(w: World, r: Rng, ax: int) -> Shape:
         t1, zeta = logu(r, 0.002, 0.05), r.uniform(0.4, 0.9)
-        return both(ax, lambda q: -lag_speed(q, ax, kind, t1, zeta),
-                    params=lambda a: {"tau_ms": a} if kind != "bent" else {})
+        return both(
+            ax, lambda q: -lag_speed(q, ax, kind, t1, zeta), params=lambda a: {"tau_ms": a} if kind != "bent" else {}
+        )
 
     @form("servo_mismatch", kind, family)
     def g(w: World, r: Rng, ax: int) -> Shape | None:
@@ -43,8 +45,8 @@ def _servo(kind: str, family: str) -> None:
             v = along(q, pair[0], 0.5 * sign * a * lag_speed(q, pair[0], kind, t1, zeta))
             v -= along(q, pair[1], 0.5 * sign * a * lag_speed(q, pair[1], kind, t1, zeta))
             return Part(tool=v, scale=v)
-        return Shape(field, AX[pair[0]] + AX[pair[1]],
-                     lambda a: {"delta_tau_ms": sign * a} if kind != "bent" else {})
+
+        return Shape(field, AX[pair[0]] + AX[pair[1]], lambda a: {"delta_tau_ms": sign * a} if kind != "bent" else {})
 
 
 for _k, _f in (("direct", "open"), ("first", "open"), ("second", "open"), ("bent", "held")):
@@ -53,8 +55,7 @@ for _k, _f in (("direct", "open"), ("first", "open"), ("second", "open"), ("bent
 
 def pair_of(w: World, r: Rng, ax: int) -> list[int]:
     """A pair of axes that move in the experiment, with `ax` in it."""
-    live = sorted({a for q in w.recs for a in q.moving} - {ax}) or [a for a in w.machine.axes
-                                                                   if a != ax]
+    live = sorted({a for q in w.recs for a in q.moving} - {ax}) or [a for a in w.machine.axes if a != ax]
     return sorted([ax, pick(r, live)])
 
 
@@ -69,6 +70,7 @@ def _inertia(kind: str, family: str) -> None:
                 k = 1 - np.exp(-1 / q.meta["rate"] / t1)
                 a = lfilter([k], [1, k - 1], a)
             return sign * a
+
         return both(ax, shape)
 
 
@@ -79,7 +81,7 @@ for _k, _f in (("rigid", "open"), ("lagged", "open"), ("over_forward", "held")):
 def resonate(x: Array, dt: float, hz: float, zeta: float) -> Array:
     """Unit-gain second-order resonator driven by x."""
     w = 2 * np.pi * hz
-    p, c = np.exp(-zeta * w * dt), np.cos(w * np.sqrt(1 - zeta ** 2) * dt)
+    p, c = np.exp(-zeta * w * dt), np.cos(w * np.sqrt(1 - zeta**2) * dt)
     return lfilter([1.0], [1, -2 * p * c, p * p], x)
 
 
@@ -91,7 +93,7 @@ def _vibration(kind: str, family: str) -> None:
             return None
         top = min(float(min(rates)) / 2.6, 60.0)
         hz = logu(r, min(0.8, top / 2), top)
-        zeta, phase, seed = logu(r, 0.002, 0.03), r.uniform(0, 6.28), int(r.integers(2 ** 62))
+        zeta, phase, seed = logu(r, 0.002, 0.03), r.uniform(0, 6.28), int(r.integers(2**62))
         slide = r.random() < 0.7
 
         def shape(q: Rec) -> Array:
@@ -102,8 +104,7 @@ def _vibration(kind: str, family: str) -> None:
             if kind == "beating":
                 return np.sin(2 * np.pi * hz * t + phase) * np.cos(2 * np.pi * hz * 0.03 * t)
             if kind == "ring_down":
-                y = resonate(q.acc[:, ax] - np.convolve(q.acc[:, ax], np.ones(5) / 5, "same"),
-                             dt, hz, zeta * 4)
+                y = resonate(q.acc[:, ax] - np.convolve(q.acc[:, ax], np.ones(5) / 5, "same"), dt, hz, zeta * 4)
             else:
                 y = resonate(stream(seed, q.name).normal(size=len(t) + 500), dt, hz, zeta)[500:]
             return y / max(float(np.abs(y).max()), 1e-12)
@@ -115,8 +116,7 @@ def _vibration(kind: str, family: str) -> None:
         return out
 
 
-for _k, _f in (("forced", "open"), ("narrow_band", "open"), ("ring_down", "open"),
-               ("beating", "held")):
+for _k, _f in (("forced", "open"), ("narrow_band", "open"), ("ring_down", "open"), ("beating", "held")):
     _vibration(_k, _f)
 
 
@@ -130,8 +130,11 @@ def _jump(kind: str, family: str) -> None:
         size = np.r_[1.0, r.uniform(0.4, 1, n - 1)]
         if kind == "and_back":
             size = np.r_[1.0, -0.8, 0.5][:n]
-        return both(ax, lambda q: sign * ((q.t[:, None] >= t) @ size),
-                    params=lambda a: {"jump_um": sign * a, "t_s": float(t[0])} if n == 1 else {})
+        return both(
+            ax,
+            lambda q: sign * ((q.t[:, None] >= t) @ size),
+            params=lambda a: {"jump_um": sign * a, "t_s": float(t[0])} if n == 1 else {},
+        )
 
 
 for _k, _f in (("one", "open"), ("two", "open"), ("and_back", "held")):

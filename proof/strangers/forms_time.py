@@ -4,12 +4,13 @@ Heat moves the tool (outside instruments, parts), not the axis's own sensor.  Sc
 from the fixed bearing.  Air: dn/dT = -0.93e-6/K, dn/dp = +0.27e-6/hPa (Ciddor 1996, ISO 230-2
 annex); a beam that is not compensated reads short when the air is warm.  Cosine: reads short.
 """
+
 from __future__ import annotations
 
 import numpy as np
 
 from .base import AX, Array, Part, Rec, Rng, Shape, logu, pick
-from .registry import along, form, tool_only
+from .registry import form, tool_only
 from .world import World, lowpass
 
 
@@ -23,9 +24,8 @@ def screw_field(w: World, ax: int, flip: bool, nodes: int = 30) -> tuple[Array, 
     step = max(1, len(w.grid) // 600)
     t = w.grid[::step]
     dt, dx = t[1], (x[1] - x[0]) / 1e3
-    k = 1.3e-5 * dt / dx ** 2
-    lap = np.diag(np.full(nodes, 1 + 2 * k + dt / 1500)) - k * (np.eye(nodes, k=1)
-                                                                 + np.eye(nodes, k=-1))
+    k = 1.3e-5 * dt / dx**2
+    lap = np.diag(np.full(nodes, 1 + 2 * k + dt / 1500)) - k * (np.eye(nodes, k=1) + np.eye(nodes, k=-1))
     lap[0, 0] -= k
     lap[-1, -1] -= k
     inv = np.linalg.inv(lap)
@@ -34,7 +34,7 @@ def screw_field(w: World, ax: int, flip: bool, nodes: int = 30) -> tuple[Array, 
     nut = np.interp(t, via_t, via_x)
     span = max(float(np.ptp(via_x)), 0.15 * (hi - lo)) / 2
     rise, out = np.zeros(nodes), np.zeros((len(t), nodes))
-    duty = np.add.reduceat(w.duty[ax], np.arange(0, len(w.grid), step))[:len(t)]
+    duty = np.add.reduceat(w.duty[ax], np.arange(0, len(w.grid), step))[: len(t)]
     for i in range(len(t)):
         src = np.exp(-0.5 * ((x - nut[i]) / (0.6 * span)) ** 2)
         rise = inv @ (rise + duty[i] * src / src.sum())
@@ -60,8 +60,10 @@ def _screw(kind: str, family: str) -> None:
                 if not cache:
                     cache["t"], cache["g"] = screw_field(w, ax, flip)
                 from scipy.interpolate import RegularGridInterpolator
-                g = RegularGridInterpolator((cache["t"], np.linspace(lo, hi, 30)), cache["g"],
-                                            bounds_error=False, fill_value=None)
+
+                g = RegularGridInterpolator(
+                    (cache["t"], np.linspace(lo, hi, 30)), cache["g"], bounds_error=False, fill_value=None
+                )
                 return 0.0115 * g(np.c_[q.t, x])
             rise = w.at(w.screw[ax], q.t)
             if kind == "two_constants":
@@ -71,11 +73,16 @@ def _screw(kind: str, family: str) -> None:
                 s = (x - lo) / (hi - lo)
                 y = (hi - lo) * s * (1 - s) * 0.8 + 0.15 * y
             return 0.0115 * rise * y
+
         return tool_only(ax, shape, most=2.0)
 
 
-for _k, _f in (("lumped", "open"), ("moving_source", "open"), ("two_constants", "open"),
-               ("stretched_both_ends", "held")):
+for _k, _f in (
+    ("lumped", "open"),
+    ("moving_source", "open"),
+    ("two_constants", "open"),
+    ("stretched_both_ends", "held"),
+):
     _screw(_k, _f)
 
 
@@ -101,17 +108,27 @@ def _drift(kind: str, family: str) -> None:
         door, k = r.uniform(0.1, 0.8) * end, r.uniform(0.3, 0.9)
         cycle, ph = r.uniform(15, 40) * 60, r.uniform(0, 6.28)
         g = w.grid
-        series = {"frame": w.frame, "room_lagged": lowpass(w.air, dt, tau2),
-                  "warm_up": 3 * (1 - np.exp(-g / tau)),
-                  "hvac": np.sin(2 * np.pi * g / cycle + ph),
-                  "door": 2 * (g > door) * (1 - np.exp(-np.maximum(g - door, 0) / 700)),
-                  "two_lags": k * lowpass(w.air, dt, 600) - (1 - k) * lowpass(w.air, dt, 9000),
-                  "creep": 2 * np.log1p(g / 300)}[kind]
+        series = {
+            "frame": w.frame,
+            "room_lagged": lowpass(w.air, dt, tau2),
+            "warm_up": 3 * (1 - np.exp(-g / tau)),
+            "hvac": np.sin(2 * np.pi * g / cycle + ph),
+            "door": 2 * (g > door) * (1 - np.exp(-np.maximum(g - door, 0) / 700)),
+            "two_lags": k * lowpass(w.air, dt, 600) - (1 - k) * lowpass(w.air, dt, 9000),
+            "creep": 2 * np.log1p(g / 300),
+        }[kind]
         return Shape(lambda q, a: Part(tool=a * w.at(series, q.t)[:, None] * d), "", most=15.0)
 
 
-for _k, _f in (("frame", "open"), ("room_lagged", "open"), ("warm_up", "open"), ("hvac", "open"),
-               ("door", "open"), ("two_lags", "held"), ("creep", "held")):
+for _k, _f in (
+    ("frame", "open"),
+    ("room_lagged", "open"),
+    ("warm_up", "open"),
+    ("hvac", "open"),
+    ("door", "open"),
+    ("two_lags", "held"),
+    ("creep", "held"),
+):
     _drift(_k, _f)
 
 
@@ -125,9 +142,9 @@ def _spindle(kind: str, family: str) -> None:
         y = lowpass(s, dt, t1, 0.0)
         if kind == "two_constants":
             y = 0.6 * y + 0.4 * lowpass(s, dt, t1 * 4, 0.0)
-        if kind == "with_shift":            # balls move out at once, housing follows
+        if kind == "with_shift":  # balls move out at once, housing follows
             y = 0.25 * (w.rpm / 8000) ** 2 + 0.75 * y
-        if kind == "sink":                  # shaft grows, then the headstock gives way
+        if kind == "sink":  # shaft grows, then the headstock gives way
             y = y - 0.4 * lowpass(s, dt, t1 * 6, 0.0)
         d = np.array([0.25 * r.normal(), 0.0, -1.0])
         if len(w.machine.axes) == 2 and r.random() < 0.5:
@@ -135,8 +152,7 @@ def _spindle(kind: str, family: str) -> None:
         return Shape(lambda q, a: Part(tool=a * w.at(y, q.t)[:, None] * d), "", most=80.0)
 
 
-for _k, _f in (("one_constant", "open"), ("two_constants", "open"), ("with_shift", "open"),
-               ("sink", "held")):
+for _k, _f in (("one_constant", "open"), ("two_constants", "open"), ("with_shift", "open"), ("sink", "held")):
     _spindle(_k, _f)
 
 
@@ -163,8 +179,7 @@ def _light(effect: str, kind: str, family: str) -> None:
             warm = 0.27e-3 * w.pressure
         if kind == "late_sensor":
             warm = -0.93e-3 * (w.air - lowpass(w.air, dt, 1800)) + 0.27e-3 * w.pressure * k
-        seen = sorted({a for q in w.recs if q.laser for a in w.machine.axes
-                       if abs(q.meta["sensitive"][a]) > 0.1})
+        seen = sorted({a for q in w.recs if q.laser for a in w.machine.axes if abs(q.meta["sensitive"][a]) > 0.1})
 
         def field(q: Rec, a: float) -> Part:
             if not q.laser:
@@ -173,6 +188,7 @@ def _light(effect: str, kind: str, family: str) -> None:
             if effect == "dead_path":
                 return Part(reading=a * dead * (n - n[0]) * (-1 if far else 1))
             return Part(reading=a * n * beam(w, q, far))
+
         name = AX[seen[0]] if len(seen) == 1 and effect == "laser_air" else ""
         return Shape(field, name, most=3.0)
 
@@ -202,11 +218,11 @@ def _cosine(kind: str, family: str) -> None:
             if kind == "mirror_tilt":
                 y = y * 2 + 0.05 * np.sin(2 * np.pi * x / max(float(x.max()), 1e-6)) * y
             return Part(reading=a * y)
+
         return Shape(field, AX[ax])
 
 
-for _k, _f in (("one_setup", "open"), ("fixture", "open"), ("beam_walk", "open"),
-               ("mirror_tilt", "held")):
+for _k, _f in (("one_setup", "open"), ("fixture", "open"), ("beam_walk", "open"), ("mirror_tilt", "held")):
     _cosine(_k, _f)
 
 
@@ -215,7 +231,7 @@ def _late(effect: str, kind: str, family: str) -> None:
     def f(w: World, r: Rng, ax: int) -> Shape | None:
         if not any(q.kind == "trace" for q in w.recs):
             return None
-        first, per = float(w.recs[0].t[0]), logu(r, 0.5, 5)
+        per = logu(r, 0.5, 5)
 
         def field(q: Rec, a: float) -> Part:
             if q.kind != "trace":
@@ -224,15 +240,26 @@ def _late(effect: str, kind: str, family: str) -> None:
             if kind == "shift":
                 late = np.stack([np.interp(t - a / 1e3, t, q.pos[:, c]) for c in range(3)], 1)
                 return Part(reading=1e3 * (late - q.pos))
-            g = {"taylor": 1.0, "wobbling": 1 + 0.3 * np.sin(2 * np.pi * t / per), "rate":
-                 t / max(float(t[-1]), 1e-9), "stepwise": np.floor(5 * t / max(t[-1], 1e-9)) / 4,
-                 "bent_rate": (t / max(float(t[-1]), 1e-9)) ** 2}[kind]
+            g = {
+                "taylor": 1.0,
+                "wobbling": 1 + 0.3 * np.sin(2 * np.pi * t / per),
+                "rate": t / max(float(t[-1]), 1e-9),
+                "stepwise": np.floor(5 * t / max(t[-1], 1e-9)) / 4,
+                "bent_rate": (t / max(float(t[-1]), 1e-9)) ** 2,
+            }[kind]
             return Part(reading=-a * q.vel * np.reshape(g, (-1, 1) if np.ndim(g) else ()))
-        return Shape(field, "", lambda a: {"delay_ms": a} if kind in ("shift", "taylor") else {},
-                     linear=kind != "shift")
+
+        return Shape(
+            field, "", lambda a: {"delay_ms": a} if kind in ("shift", "taylor") else {}, linear=kind != "shift"
+        )
 
 
-for _e, _k, _f in (("delay", "shift", "open"), ("delay", "taylor", "open"),
-                   ("delay", "wobbling", "held"), ("clock_skew", "rate", "open"),
-                   ("clock_skew", "stepwise", "open"), ("clock_skew", "bent_rate", "held")):
+for _e, _k, _f in (
+    ("delay", "shift", "open"),
+    ("delay", "taylor", "open"),
+    ("delay", "wobbling", "held"),
+    ("clock_skew", "rate", "open"),
+    ("clock_skew", "stepwise", "open"),
+    ("clock_skew", "bent_rate", "held"),
+):
     _late(_e, _k, _f)

@@ -6,6 +6,7 @@ measured_at (Schwenke et al. 2008, CIRP Annals 57; contract's two-axis formula i
 Lean (squareness): rotation vector x own travel (ISO 230-1).  Workpiece-side axes get no angle
 tables, because the contract leaves their arm open.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -17,20 +18,26 @@ from .base import AX, Array, Rng, logu, pick, smooth
 CHAINS = {
     "lathe": ("XZ", ["w-b-Z-X-t"], ["fanuc-lathe", "haas"]),
     "grinder": ("XZ", ["w-b-Z-X-t"], ["fanuc-lathe", "siemens"]),
-    "mill": ("XYZ", ["w-X-Y-b-Z-t", "w-b-X-Y-Z-t", "w-X-b-Y-Z-t", "w-Y-b-X-Z-t"],
-             ["fanuc-mill", "haas", "siemens", "heidenhain-iso"]),
+    "mill": (
+        "XYZ",
+        ["w-X-Y-b-Z-t", "w-b-X-Y-Z-t", "w-X-b-Y-Z-t", "w-Y-b-X-Z-t"],
+        ["fanuc-mill", "haas", "siemens", "heidenhain-iso"],
+    ),
     "router": ("XYZ", ["w-b-X-Y-Z-t", "w-b-Y-X-Z-t", "w-Y-b-X-Z-t"], ["grbl", "linuxcnc"]),
 }
-TRAVEL = {"lathe": {"X": (110, 260), "Z": (250, 1600)},
-          "grinder": {"X": (100, 220), "Z": (150, 900)},
-          "mill": {"X": (300, 1300), "Y": (250, 800), "Z": (200, 600)},
-          "router": {"X": (600, 4000), "Y": (500, 2500), "Z": (100, 260)}}
+TRAVEL = {
+    "lathe": {"X": (110, 260), "Z": (250, 1600)},
+    "grinder": {"X": (100, 220), "Z": (150, 900)},
+    "mill": {"X": (300, 1300), "Y": (250, 800), "Z": (200, 600)},
+    "router": {"X": (600, 4000), "Y": (500, 2500), "Z": (100, 260)},
+}
 LEANS = {"XZ": ("B", 0), "XY": ("C", 1), "YZ": ("A", 2), "XZ3": ("B", 2)}
 
 
 @dataclass
 class Machine:
     """What the machine is and what is stated about it (tables), lengths mm, errors um/urad."""
+
     name: str
     kind: str
     chain: str
@@ -73,7 +80,7 @@ class Machine:
 
     def arm(self, ax: int, pos: Array) -> Array:
         """Arm (n,3) mm from the place where axis `ax` was measured to the functional point."""
-        later = self.order()[self.order().index(ax) + 1:]
+        later = self.order()[self.order().index(ax) + 1 :]
         arm = np.tile(self.tool, (len(pos), 1)).astype(float)
         for j in later:
             arm[:, j] += pos[:, j] - self.measured[ax][j]
@@ -115,8 +122,7 @@ def stated(m: Machine, pos: Array, sgn: Array) -> tuple[Array, Array]:
     return tool, rot
 
 
-def draw_machine(r: Rng, masked: bool = False, kind: str | None = None, flat: bool = False
-                 ) -> Machine:
+def draw_machine(r: Rng, masked: bool = False, kind: str | None = None, flat: bool = False) -> Machine:
     """A machine; `masked` makes the known geometry 20-80 um, `flat` leaves zero tables."""
     kind = kind or pick(r, ["lathe", "grinder", "mill", "mill", "router"])
     letters, chains, controls = CHAINS[kind]
@@ -125,10 +131,27 @@ def draw_machine(r: Rng, masked: bool = False, kind: str | None = None, flat: bo
     size = logu(r, 20, 80) if masked else logu(r, 0.7, 8)
     both = r.random() < 0.4
     chain = pick(r, chains)
-    m = Machine("m" + "%04d" % r.integers(10000), kind, chain, pick(r, controls), axes, travel,
-                {}, {}, {}, nodes, tables, {}, np.zeros(3), measured, logu(r, 0.1, 1.0),
-                bool(r.random() < 0.5), logu(r, 5e3, 3e4), logu(r, 800, 4000),
-                float(r.uniform(0.15, 0.4)))
+    m = Machine(
+        f"m{r.integers(10000):04d}",
+        kind,
+        chain,
+        pick(r, controls),
+        axes,
+        travel,
+        {},
+        {},
+        {},
+        nodes,
+        tables,
+        {},
+        np.zeros(3),
+        measured,
+        logu(r, 0.1, 1.0),
+        bool(r.random() < 0.5),
+        logu(r, 5e3, 3e4),
+        logu(r, 800, 4000),
+        float(r.uniform(0.15, 0.4)),
+    )
     for a in axes:
         lo, hi = TRAVEL[kind][AX[a]]
         span = round(logu(r, lo, hi), -1)

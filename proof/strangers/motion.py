@@ -3,6 +3,7 @@
 Rest-to-rest moves use a trapezoid of speed smoothed by the sampling (textbook: Biagiotti and
 Melchiorri, Trajectory Planning, 2008).
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -22,14 +23,13 @@ def ramp(dist: float, v: float, a: float, dt: float) -> Array:
     down = np.clip((t - (total - ta)) / ta, 0, 1)
 
     def area(u: Array) -> Array:
-        return ta * (u ** 3 - u ** 4 / 2)      # integral of the smooth step 3u^2 - 2u^3
+        return ta * (u**3 - u**4 / 2)  # integral of the smooth step 3u^2 - 2u^3
 
     s = v * (area(up) + np.maximum(t - ta, 0) - area(down) - np.maximum(t - total, 0))
     return np.clip(s * dist / max(s[-1], 1e-12), 0, dist)
 
 
-def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = False,
-          force: dict | None = None) -> Rec:
+def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = False, force: dict | None = None) -> Rec:
     """Samples in motion, 2000 to about 13000 rows."""
     o = force or {}
     fs = float(o.get("rate", pick(r, [20, 50, 100, 200, 500, 1000])))
@@ -65,14 +65,13 @@ def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = Fals
     else:
         i = int(fs * 0.5)
         here, step = at.copy(), 0
-        sides = {a: 1.0 for a in m.axes}
+        sides = dict.fromkeys(m.axes, 1.0)
         many = int(r.integers(4, 14))
         while i < n:
             goal = here.copy()
             if kind == "raster" and step % 2 and len(use) > 1:
                 goal[use[1]] += room[use[1]] * 0.25 / many * (1 if step < 2 * many else -1)
-                goal[use[1]] = np.clip(goal[use[1]], at[use[1]] - room[use[1]] * .2,
-                                       at[use[1]] + room[use[1]] * .2)
+                goal[use[1]] = np.clip(goal[use[1]], at[use[1]] - room[use[1]] * 0.2, at[use[1]] + room[use[1]] * 0.2)
             elif kind == "path":
                 for a in m.axes:
                     goal[a] = at[a] + room[a] * r.uniform(-0.2, 0.2)
@@ -85,18 +84,18 @@ def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = Fals
                 vv = v * (pick(r, [0.3, 0.6, 1.0]) if held else 1.0)
                 s = ramp(d, vv, acc, dt)
                 k = min(len(s), n - i)
-                pos[i:i + k] = here + np.outer(s[:k] / d, goal - here)
+                pos[i : i + k] = here + np.outer(s[:k] / d, goal - here)
                 i, here = i + k, pos[i + k - 1].copy()
             k = min(n - i, int(fs * r.uniform(0.05, 1.0)))
-            pos[i:i + k] = here
+            pos[i : i + k] = here
             i += k
     pos = np.round(pos, 6)
     vel = np.gradient(pos, dt, axis=0)
     win = max(1, int(0.02 * fs))
-    accel = np.gradient(np.apply_along_axis(np.convolve, 0, vel, np.ones(win) / win, "same"),
-                        dt, axis=0)
+    accel = np.gradient(np.apply_along_axis(np.convolve, 0, vel, np.ones(win) / win, "same"), dt, axis=0)
     tool = ["grid encoder", "R-test", "laser in motion"] if sees == "tool" else ["control"]
     meta = header_meta(m, sees=sees, instrument=pick(r, tool), rate=fs, path=kind, feed=feed)
     tt = np.round(t0 + t, 5)
-    return Rec(name, "trace", tt, pos, vel, accel, np.ones(n, int), pos, tt, np.arange(n),
-               np.full(n, feed), meta).finish()
+    return Rec(
+        name, "trace", tt, pos, vel, accel, np.ones(n, int), pos, tt, np.arange(n), np.full(n, feed), meta
+    ).finish()

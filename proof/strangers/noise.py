@@ -8,10 +8,12 @@ hum (narrow-band, unstable frequency), tempwander (follows the room), telegraph 
 A slow kind is given to the oracle as a kernel (FITC approximation on knots in time); kinds that
 are not Gaussian enter with their second moments.
 """
+
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
@@ -20,7 +22,7 @@ from .base import Array, Rec, Rng, logu, pick
 from .world import World, lowpass
 
 FAST = ["white", "student", "bursts"]
-FAST_TRACE = FAST + ["ar1", "ar1", "ar2"]
+FAST_TRACE = [*FAST, "ar1", "ar1", "ar2"]
 SLOW = ["ou", "ou", "walk", "iou", "flicker", "settle"]
 HELD_FAST, HELD_FAST_TRACE = ["modulated"], ["modulated", "arma"]
 HELD_SLOW = ["levy", "hum", "tempwander", "telegraph"]
@@ -32,6 +34,7 @@ Kernel = Callable[[Array, Array], Array]
 @dataclass
 class Noise:
     """A drawn noise: values (um), diagonal variance, whitening filter, slow kernels, columns."""
+
     values: Array
     var: Array
     spec: list[dict[str, Any]]
@@ -64,11 +67,12 @@ def k_ou(s2: float, tau: float, wt: Array | None = None) -> Kernel:
 
 def k_iou(s2: float, tau: float) -> Kernel:
     """Kernel of the integral of an OU process that starts at 0."""
+
     def k(a: Array, b: Array) -> Array:
         lo = np.minimum(a[:, None], b)
         e = np.exp
-        return s2 * (2 * lo / tau - 1 + e(-a / tau)[:, None] + e(-b / tau)
-                     - e(-np.abs(a[:, None] - b) / tau))
+        return s2 * (2 * lo / tau - 1 + e(-a / tau)[:, None] + e(-b / tau) - e(-np.abs(a[:, None] - b) / tau))
+
     return k
 
 
@@ -84,13 +88,13 @@ def fast(r: Rng, kind: str, s: float, t: Array, regular: bool) -> Noise:
         up, ratio = np.zeros(n, bool), r.uniform(2, 5)
         for _ in range(int(r.integers(1, 5))):
             i = int(r.integers(0, n))
-            up[i:i + max(2, int(n * r.uniform(0.02, 0.15)))] = True
+            up[i : i + max(2, int(n * r.uniform(0.02, 0.15)))] = True
         sd = np.where(up, s * ratio, s)
-        return Noise(r.normal(0, sd), sd ** 2, [{**spec, "ratio": round(ratio, 2)}])
+        return Noise(r.normal(0, sd), sd**2, [{**spec, "ratio": round(ratio, 2)}])
     if kind == "modulated":
         p = (t[-1] - t[0] + 1) / r.uniform(1.5, 12)
         sd = s * (1 + 0.8 * np.sin(2 * np.pi * t / p + r.uniform(0, 6.3)))
-        return Noise(r.normal(0, 1, n) * sd, sd ** 2, [{**spec, "period_s": round(p, 3)}])
+        return Noise(r.normal(0, 1, n) * sd, sd**2, [{**spec, "period_s": round(p, 3)}])
     if kind in ("ar1", "ar2", "arma"):
         rho = float(r.uniform(0.3, 0.99))
         a, b = [1.0, -rho], [1.0]
@@ -100,14 +104,13 @@ def fast(r: Rng, kind: str, s: float, t: Array, regular: bool) -> Noise:
         if kind == "arma":
             b = [1.0, float(r.uniform(-0.7, 0.7))]
         h = lfilter(b, a, np.r_[1.0, np.zeros(4000)])
-        q = s / np.sqrt((h ** 2).sum())
+        q = s / np.sqrt((h**2).sum())
         v = lfilter(b, a, r.normal(0, q, n + 2000))[2000:]
         return Noise(v, np.full(n, q * q), [{**spec, "rho": round(rho, 3)}], b, a)
     return Noise(r.normal(0, s, n), var, [spec])
 
 
-def add_slow(r: Rng, noise: Noise, kind: str, s: float, t: Array, world: World, t_abs: Array
-             ) -> None:
+def add_slow(r: Rng, noise: Noise, kind: str, s: float, t: Array, world: World, t_abs: Array) -> None:
     """Add a slow kind of size s (rms, or rms at the end of the file; um)."""
     span = max(t[-1], 1.0)
     spec: dict[str, Any] = {"kind": kind, "um": round(s, 4)}
@@ -172,9 +175,11 @@ def add_slow(r: Rng, noise: Noise, kind: str, s: float, t: Array, world: World, 
 
 def modulate(k: Kernel, trig: Array, t: Array) -> Kernel:
     """Kernel of a slow envelope times a sinusoid, the envelope at the knots."""
+
     def f(a: Array, b: Array) -> Array:
         return k(a, b)
-    f.trig = trig          # type: ignore[attr-defined]
+
+    f.trig = trig  # type: ignore[attr-defined]
     return f
 
 
@@ -192,8 +197,7 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     many = int(r.integers(1, 4)) if harsh else int(pick(r, [0, 1, 1, 2]))
     kinds += [pick(r, pool) for _ in range(many)] if rec.kind != "features" else []
     if held and not set(kinds) & set(HELD_KINDS):
-        kinds[1 if len(kinds) > 1 else 0:2] = [pick(r, HELD_SLOW)] if len(kinds) > 1 else \
-            ["modulated"]
+        kinds[1 if len(kinds) > 1 else 0 : 2] = [pick(r, HELD_SLOW)] if len(kinds) > 1 else ["modulated"]
     sizes = [logu(r, 0.1, 3.0 if harsh else 1.5) for _ in kinds[1:]]
     quant = float(pick(r, [0.01, 0.1, 0.1, 0.5, 1.0])) if r.random() < 0.35 else 0.0
     if rec.kind == "trace" and quant > 0.1:
@@ -203,17 +207,17 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     gross = r.random() < (0.5 if harsh else 0.2)
     for c in rec.channels:
         x = fast(r, kinds[0], sd * (r.uniform(0.7, 1.4) if trace else 1), t, trace)
-        for kind, s in zip(kinds[1:], sizes):
+        for kind, s in zip(kinds[1:], sizes, strict=False):
             add_slow(r, x, kind, s, t, world, rec.t_obs)
         x.quant = quant
         if quant:
             gain = (lfilter(x.white_a, x.white_b, np.r_[1.0, np.zeros(400)]) ** 2).sum()
-            x.var = x.var + gain * quant ** 2 / 12
+            x.var = x.var + gain * quant**2 / 12
             x.spec.append({"kind": "quant", "um": quant})
         if gross and c == rec.channels[0]:
             i = int(r.integers(0, len(t)))
             x.values[i] += pick(r, [-1, 1]) * (6 * sd + logu(r, 3, 30))
-            x.var[i:i + (25 if len(x.white_a) > 1 else 1)] += 1e6
+            x.var[i : i + (25 if len(x.white_a) > 1 else 1)] += 1e6
             x.spec.append({"kind": "outlier", "row": i + 1})
         out.append(x)
     return out

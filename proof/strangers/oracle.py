@@ -4,17 +4,18 @@ C = fast noise (whitened) + slow kinds (FITC on knots in time, Snelson and Ghahr
 error (Gaussian process over place, exact on its knots); zeros, set-ups, ballbar centres are free
 columns.  Everything is reduced to one Gram matrix of [effects, map knots].
 """
+
 from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.signal import lfilter
 
-from .base import AX, Array, Rec, observe, Part
+from .base import AX, Array, Part, Rec, observe
 from .machines import Machine, hat, map_prior, place
 from .noise import Noise
 
-FREE = 1e8          # um^2, variance of a free column
+FREE = 1e8  # um^2, variance of a free column
 
 
 def free_columns(rec: Rec) -> list[Array]:
@@ -39,10 +40,10 @@ def slow_columns(noise: Noise, t: Array, var: Array) -> tuple[list[Array], Array
         low = np.linalg.cholesky(kmm)
         phi = solve_triangular(low, k(knots, t), lower=True).T
         diag = full_diag(k, t)
-        rest = np.maximum(diag - (phi ** 2).sum(1), 0)
+        rest = np.maximum(diag - (phi**2).sum(1), 0)
         trig = getattr(k, "trig", None)
         if trig is not None:
-            phi, rest = phi * trig[:, None], rest * trig ** 2
+            phi, rest = phi * trig[:, None], rest * trig**2
         # between knots the rest is a bridge: its interval mean has half its variance
         cols.append(phi)
         var += rest * max(1.0, len(t) / len(knots) / 2)
@@ -53,7 +54,7 @@ def full_diag(k: object, t: Array) -> Array:
     """Diagonal of a kernel without forming the matrix (evaluated in blocks of 50)."""
     out = np.empty(len(t))
     grid = np.unique(np.linspace(0, len(t) - 1, 60).astype(int))
-    val = np.array([float(k(t[i:i + 1], t[i:i + 1])[0, 0]) for i in grid])   # type: ignore
+    val = np.array([float(k(t[i : i + 1], t[i : i + 1])[0, 0]) for i in grid])  # type: ignore
     out[:] = np.interp(t, t[grid], val)
     return out
 
@@ -72,8 +73,7 @@ def map_columns(m: Machine, rec: Rec, factor: float) -> dict[tuple[int, str], Ar
         if rec.kind == "features":
             two = np.zeros((len(rec.t), 12))
             h = hat(m, ax, rec.pos[:, ax])
-            two = np.stack([observe(rec, Part(tool=probe * h[:, j:j + 1]))[0] for j in range(12)],
-                           1)[None]
+            two = np.stack([observe(rec, Part(tool=probe * h[:, j : j + 1]))[0] for j in range(12)], 1)[None]
             out[key] = two @ root * m.u * factor
         elif np.abs(gain).max() > 1e-12:
             h = hat(m, ax, rec.pos[:, ax])
@@ -91,24 +91,29 @@ class Oracle:
         for c in cols:
             keys += [k for k in c if k not in keys]
         self.g = 12 * len(keys)
-        for q, c, ns in zip(recs, cols, noises):
+        for q, c, ns in zip(recs, cols, noises, strict=False):
             t = q.t_obs - q.t_obs[0]
             for ch, n in enumerate(ns):
                 slow, var = slow_columns(n, t, n.var)
                 free = [np.sqrt(FREE) * x[:, None] for x in free_columns(q)]
                 use = {k: v[ch] for k, v in c.items() if np.abs(v[ch]).max() > 1e-9}
-                self.parts.append((q, ch, n, np.hstack(slow + free) if slow + free else
-                                   np.zeros((len(t), 0)), var,
-                                   np.hstack(list(use.values())) if use else
-                                   np.zeros((len(t), 0)),
-                                   [12 * keys.index(k) + j for k in use for j in range(12)]))
+                self.parts.append(
+                    (
+                        q,
+                        ch,
+                        n,
+                        np.hstack(slow + free) if slow + free else np.zeros((len(t), 0)),
+                        var,
+                        np.hstack(list(use.values())) if use else np.zeros((len(t), 0)),
+                        [12 * keys.index(k) + j for k in use for j in range(12)],
+                    )
+                )
         self.ready = [self.prepare(*p) for p in self.parts]
 
-    def prepare(self, q: Rec, ch: int, n: Noise, low: Array, var: Array, mp: Array,
-                idx: list[int]) -> tuple:
+    def prepare(self, q: Rec, ch: int, n: Noise, low: Array, var: Array, mp: Array, idx: list[int]) -> tuple:
         """Whitened map columns with the local low-rank part factored."""
         sd = np.sqrt(var)[:, None]
-        if len(n.white_a) > 1:             # the filter's start is not stationary: drop it
+        if len(n.white_a) > 1:  # the filter's start is not stationary: drop it
             sd[:60] = 1e6
         wl = self.whiten(n, low) / sd
         wm = self.whiten(n, mp) / sd
@@ -120,7 +125,7 @@ class Oracle:
     @staticmethod
     def whiten(n: Noise, x: Array) -> Array:
         """Inverse filter of the fast noise (columns)."""
-        if x.shape[1] == 0 or len(n.white_a) == 1 and len(n.white_b) == 1:
+        if x.shape[1] == 0 or (len(n.white_a) == 1 and len(n.white_b) == 1):
             return x
         return lfilter(n.white_a, n.white_b, x, axis=0)
 

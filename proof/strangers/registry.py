@@ -1,7 +1,8 @@
 """Register of textbook forms: effect name -> list of (form, family, function)."""
+
 from __future__ import annotations
 
-from typing import Callable
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,9 +15,11 @@ FORMS: dict[str, list[tuple[str, str, Form]]] = {}
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
     """Decorator that files a form under its effect."""
+
     def add(f: Form) -> Form:
         FORMS.setdefault(effect, []).append((name, family, f))
         return f
+
     return add
 
 
@@ -30,8 +33,8 @@ def along(rec: Rec, ax: int, value: Array) -> Array:
 def tool_only(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
     """Linear shape that moves the tool along `ax` by amp * f(rec), unseen by the scale."""
     from .base import AX
-    return Shape(lambda rec, a: Part(tool=along(rec, ax, a * f(rec))),
-                 str(kw.pop("axis", AX[ax])), **kw)       # type: ignore[arg-type]
+
+    return Shape(lambda rec, a: Part(tool=along(rec, ax, a * f(rec))), str(kw.pop("axis", AX[ax])), **kw)  # type: ignore[arg-type]
 
 
 def both(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
@@ -41,6 +44,7 @@ def both(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
     def field(rec: Rec, a: float) -> Part:
         v = along(rec, ax, a * f(rec))
         return Part(tool=v, scale=v)
+
     return Shape(field, str(kw.pop("axis", AX[ax])), **kw)  # type: ignore[arg-type]
 
 

@@ -1,4 +1,5 @@
 """Draws a case: machine and experiment from one stream, what is hidden from another."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,27 +18,67 @@ from .world import World, draw_world
 from .write import machine_files, recording
 
 TIERS = ["null", "adversarial", "single", "pair", "triple", "masked", "withheld", "alien", "blind"]
-SEEN = 40.0         # energy from which the oracle calls an effect visible
-ALIKE = [("backlash", "windup"), ("scale", "screw_heat"), ("structure_drift", "spindle_growth"),
-         ("bow", "squareness"), ("servo_mismatch", "squareness"), ("servo_lag", "delay"),
-         ("pitch_shape", "cyclic"), ("cosine", "scale"), ("laser_air", "screw_heat"),
-         ("dead_path", "structure_drift"), ("backlash", "backlash_position"),
-         ("coulomb_friction", "backlash"), ("viscous_friction", "servo_lag"), ("sag", "bow"),
-         ("abbe", "pitch_shape"), ("tool_size", "tool_wear"), ("step_loss", "structure_drift"),
-         ("cyclic", "encoder_cyclic"), ("inertia", "vibration"), ("tool_size", "scale"),
-         ("reversal_spike", "backlash"), ("friction_asymmetry", "coulomb_friction"),
-         ("laser_air", "scale"), ("abbe", "scale"), ("clock_skew", "delay"),
-         ("servo_lag", "servo_mismatch"), ("stick_slip", "vibration")]
-HIDDEN = {"screw_heat": {"T"}, "structure_drift": {"T"}, "laser_air": {"T"}, "dead_path": {"T"},
-          "spindle_growth": {"rpm", "T"}, "force_compliance": {"load"}}
-MASKED = ["scale", "pitch_shape", "backlash", "backlash_position", "windup", "cyclic",
-          "squareness", "bow", "abbe", "sag", "screw_heat", "structure_drift", "force_compliance",
-          "step_loss", "servo_mismatch"]
+SEEN = 40.0  # energy from which the oracle calls an effect visible
+ALIKE = [
+    ("backlash", "windup"),
+    ("scale", "screw_heat"),
+    ("structure_drift", "spindle_growth"),
+    ("bow", "squareness"),
+    ("servo_mismatch", "squareness"),
+    ("servo_lag", "delay"),
+    ("pitch_shape", "cyclic"),
+    ("cosine", "scale"),
+    ("laser_air", "screw_heat"),
+    ("dead_path", "structure_drift"),
+    ("backlash", "backlash_position"),
+    ("coulomb_friction", "backlash"),
+    ("viscous_friction", "servo_lag"),
+    ("sag", "bow"),
+    ("abbe", "pitch_shape"),
+    ("tool_size", "tool_wear"),
+    ("step_loss", "structure_drift"),
+    ("cyclic", "encoder_cyclic"),
+    ("inertia", "vibration"),
+    ("tool_size", "scale"),
+    ("reversal_spike", "backlash"),
+    ("friction_asymmetry", "coulomb_friction"),
+    ("laser_air", "scale"),
+    ("abbe", "scale"),
+    ("clock_skew", "delay"),
+    ("servo_lag", "servo_mismatch"),
+    ("stick_slip", "vibration"),
+]
+HIDDEN = {
+    "screw_heat": {"T"},
+    "structure_drift": {"T"},
+    "laser_air": {"T"},
+    "dead_path": {"T"},
+    "spindle_growth": {"rpm", "T"},
+    "force_compliance": {"load"},
+}
+MASKED = [
+    "scale",
+    "pitch_shape",
+    "backlash",
+    "backlash_position",
+    "windup",
+    "cyclic",
+    "squareness",
+    "bow",
+    "abbe",
+    "sag",
+    "screw_heat",
+    "structure_drift",
+    "force_compliance",
+    "step_loss",
+    "servo_mismatch",
+]
 
 
 @dataclass
 class Hidden:
     """One effect as drawn: its shape and amplitude and what it does to each file."""
+
     effect: str
     form: str
     family: str
@@ -55,7 +96,7 @@ def effect_of(shape: Shape, recs: list[Rec], amp: float) -> list[Array]:
 def peak_of(mu: list[Array], recs: list[Rec]) -> float:
     """Largest reading after taking out each channel's mean (parts on a CMM: as they are)."""
     top = 0.0
-    for x, q in zip(mu, recs):
+    for x, q in zip(mu, recs, strict=False):
         if q.kind == "targets" and q.meta["quantity"] == "angle":
             continue
         y = x if q.kind == "features" else x - x.mean(1, keepdims=True)
@@ -63,8 +104,15 @@ def peak_of(mu: list[Array], recs: list[Rec]) -> float:
     return top
 
 
-def draw_effect(r: Rng, w: World, recs: list[Rec], effect: str, target: float,
-                axis: int | None = None, kinds: set[str] | None = None) -> Hidden | None:
+def draw_effect(
+    r: Rng,
+    w: World,
+    recs: list[Rec],
+    effect: str,
+    target: float,
+    axis: int | None = None,
+    kinds: set[str] | None = None,
+) -> Hidden | None:
     """A form of an effect scaled to a peak (um); None where it can not reach 60 % of it."""
     forms = [f for f in FORMS[effect] if w.family == "held" or f[1] == "open"]
     if kinds:
@@ -94,10 +142,35 @@ def alternatives(w: World, recs: list[Rec], h: Hidden, key: str) -> list[Hidden]
         ax = AX.index(h.shape.axis[0]) if h.shape.axis else None
         tries = [ax] if ax is not None else w.machine.axes
         for k in tries:
-            x = draw_effect(stream(key, e, k), w, recs, e, max(h.peak, 1.0), k,
-                            {"linear", "sign", "tanh", "dahl", "lumped", "frame", "lean", "pure",
-                             "parabola", "direct", "taylor", "fixture", "temperature", "plain",
-                             "one", "cantilever", "rigid", "one_constant", "own_sensor"})
+            x = draw_effect(
+                stream(key, e, k),
+                w,
+                recs,
+                e,
+                max(h.peak, 1.0),
+                k,
+                {
+                    "linear",
+                    "sign",
+                    "tanh",
+                    "dahl",
+                    "lumped",
+                    "frame",
+                    "lean",
+                    "pure",
+                    "parabola",
+                    "direct",
+                    "taylor",
+                    "fixture",
+                    "temperature",
+                    "plain",
+                    "one",
+                    "cantilever",
+                    "rigid",
+                    "one_constant",
+                    "own_sensor",
+                },
+            )
             if x:
                 out.append(x)
     return out
@@ -105,10 +178,16 @@ def alternatives(w: World, recs: list[Rec], h: Hidden, key: str) -> list[Hidden]
 
 def state(h: Hidden, energy: float, apart: float, twins: list[str]) -> dict[str, Any]:
     """One entry of the truth."""
-    out = {"effect": h.effect, "axis": h.shape.axis,
-           "parameters": {k: float(f"{v:.6g}") for k, v in h.shape.params(h.amp).items()},
-           "peak_um": round(h.peak, 4), "visible": bool(apart >= SEEN),
-           "energy": float(f"{energy:.5g}"), "apart": float(f"{apart:.5g}"), "form": h.form}
+    out = {
+        "effect": h.effect,
+        "axis": h.shape.axis,
+        "parameters": {k: float(f"{v:.6g}") for k, v in h.shape.params(h.amp).items()},
+        "peak_um": round(h.peak, 4),
+        "visible": bool(apart >= SEEN),
+        "energy": float(f"{energy:.5g}"),
+        "apart": float(f"{apart:.5g}"),
+        "form": h.form,
+    }
     if twins:
         out["twins"] = twins
     return out
@@ -116,9 +195,11 @@ def state(h: Hidden, energy: float, apart: float, twins: list[str]) -> dict[str,
 
 def plan_names(r: Rng, tier: str, suspect: str, held: bool) -> list[list[str]]:
     """For each hidden effect the names to try in turn."""
+
     def tries(first: str | None, pool: list[str], n: int) -> list[str]:
         names = [first] * 4 if first and r.random() < 0.6 else []
         return names + [pick(r, pool) for _ in range(n)] + [str(x) for x in r.permutation(pool)]
+
     if tier in ("null", "adversarial"):
         return []
     if tier == "single":
@@ -136,15 +217,13 @@ def plan_names(r: Rng, tier: str, suspect: str, held: bool) -> list[list[str]]:
     count = 2 if tier == "pair" else 3
     if r.random() < 0.5:
         mates = [b if a == suspect else a for a, b in ALIKE if suspect in (a, b)] or EFFECTS
-        out = [[suspect] * 6 + tries(None, EFFECTS, 4),
-               [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4)]
+        out = [[suspect] * 6 + tries(None, EFFECTS, 4), [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4)]
     else:
         out = [tries(suspect, EFFECTS, 10), tries(None, EFFECTS, 20)]
     return out + [tries(None, EFFECTS, 20) for _ in range(count - 2)]
 
 
-def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str]], tier: str
-         ) -> list[Hidden]:
+def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str]], tier: str) -> list[Hidden]:
     """Effects for a tier; each try must be seen by the oracle, the last one is kept anyway."""
     found: list[Hidden] = []
     lo, hi = (2.0, 8.0) if tier == "masked" else (2.0, 16.0)
@@ -152,7 +231,7 @@ def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str
         last, checks = None, 0
         lax = tier in ("pair", "triple") and r.random() < 0.1
         for i, e in enumerate(names * 2):
-            if i == len(names):          # nothing reached its size: once more, small
+            if i == len(names):  # nothing reached its size: once more, small
                 if last:
                     break
                 hi = lo * 1.2
@@ -160,11 +239,10 @@ def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str
             if not held:
                 continue
             h = draw_effect(r, w, recs, e, logu(r, lo, hi))
-            if h is None or any((h.effect, h.shape.axis) == (x.effect, x.shape.axis)
-                                for x in found):
+            if h is None or any((h.effect, h.shape.axis) == (x.effect, x.shape.axis) for x in found):
                 continue
             last, checks = h, checks + 1
-            gram = oracle.gram([x.mu for x in found + [h]])
+            gram = oracle.gram([x.mu for x in [*found, h]])
             if lax or alone(gram, len(found)) >= SEEN or checks >= 7:
                 break
         if last:
@@ -195,21 +273,21 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     draw_map_error(m, rn, factor)
     for q in recs + follow:
         q.meta["zero_by_run"] = bool(harsh and q.kind == "targets" and rn.random() < 0.15)
-    noises = [draw_noise(rn, q, w, held and (i == 0 or rn.random() < 0.5), harsh)
-              for i, q in enumerate(recs + follow)]
-    oracle = Oracle(m, recs, noises[:len(recs)], factor)
+    noises = [draw_noise(rn, q, w, held and (i == 0 or rn.random() < 0.5), harsh) for i, q in enumerate(recs + follow)]
+    oracle = Oracle(m, recs, noises[: len(recs)], factor)
     if tier == "blind":
         found = hide_blind(rh, w, recs + follow, suspects, ax)
     else:
         found = hide(rh, w, recs, oracle, plan_names(rh, tier, suspect, held), tier)
     truth = tell(w, recs, oracle, found, key) if found else []
     if follow:
-        after = Oracle(m, follow, noises[len(recs):], factor)
-        part = [Hidden(h.effect, h.form, h.family, h.shape, h.amp, h.mu[len(recs):],
-                       peak_of(h.mu[len(recs):], follow)) for h in found]
+        after = Oracle(m, follow, noises[len(recs) :], factor)
+        part = [
+            Hidden(h.effect, h.form, h.family, h.shape, h.amp, h.mu[len(recs) :], peak_of(h.mu[len(recs) :], follow))
+            for h in found
+        ]
         info["follow_up"] = tell(w, follow, after, part, key) if part else []
-    hidden = set().union(*(HIDDEN.get(h.effect, set()) for h in found)) if tier == "withheld" \
-        else set()
+    hidden = set().union(*(HIDDEN.get(h.effect, set()) for h in found)) if tier == "withheld" else set()
     if tier == "withheld":
         hidden |= HIDDEN[suspect]
     files, notes = machine_files(m), {}
@@ -217,17 +295,29 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     for i, q in enumerate(recs + follow):
         body, notes[q.name] = put(w, q, i, noises[i], found, rt, rn, hidden, drivers)
         (files if i < len(recs) else out_follow)[q.name + ".csv"] = body
-    details = {"seed": seed, "tier": tier, "number": number, "family": family,
-               "machine": m.kind, "chain": m.chain, "plan": plan, "noise": notes,
-               "map_u_um": round(m.u, 3), "map_factor": round(factor, 2), "hidden": sorted(hidden),
-               "files": {q.name: q.kind + (":" + str(q.meta.get("sees") or q.meta.get("quantity")
-                                                    or "")).rstrip(":") for q in recs + follow},
-               "targets": int(sum(len(np.unique(q.pos, axis=0)) for q in recs
-                                  if q.kind == "targets")),
-               "rows": int(sum(q.n_obs for q in recs)),
-               "held": sorted({h.form for h in found if h.family == "held"}
-                              | {s["kind"] for x in noises for n in x for s in n.spec
-                                 if s["kind"] in HELD_KINDS})}
+    details = {
+        "seed": seed,
+        "tier": tier,
+        "number": number,
+        "family": family,
+        "machine": m.kind,
+        "chain": m.chain,
+        "plan": plan,
+        "noise": notes,
+        "map_u_um": round(m.u, 3),
+        "map_factor": round(factor, 2),
+        "hidden": sorted(hidden),
+        "files": {
+            q.name: q.kind + (":" + str(q.meta.get("sees") or q.meta.get("quantity") or "")).rstrip(":")
+            for q in recs + follow
+        },
+        "targets": int(sum(len(np.unique(q.pos, axis=0)) for q in recs if q.kind == "targets")),
+        "rows": int(sum(q.n_obs for q in recs)),
+        "held": sorted(
+            {h.form for h in found if h.family == "held"}
+            | {s["kind"] for x in noises for n in x for s in n.spec if s["kind"] in HELD_KINDS}
+        ),
+    }
     if info:
         details["blind"] = info
     return Case("s" + key[:8], files, truth, details, out_follow)
@@ -239,8 +329,7 @@ def hide_blind(r: Rng, w: World, recs: list[Rec], suspects: list[str], ax: int) 
         return []
     for _ in range(12):
         name = pick(r, [s for s in suspects if "position" not in s]).split(":")[0]
-        kinds = {"abbe": {"unmapped_pitch", "unmapped_parabola"},
-                 "cyclic": {"pure", "harmonics"}}.get(name)
+        kinds = {"abbe": {"unmapped_pitch", "unmapped_parabola"}, "cyclic": {"pure", "harmonics"}}.get(name)
         h = draw_effect(r, w, recs, name, logu(r, 3, 16), ax, kinds)
         if h and f"{h.effect}:{h.shape.axis}" in suspects:
             return [h]
@@ -260,15 +349,16 @@ def tell(w: World, recs: list[Rec], oracle: Oracle, found: list[Hidden], key: st
                 g = oracle.gram([h.mu] + rest + [x.mu for x in other])
                 n = 1 + len(rest)
                 for j, x in enumerate(other):
-                    keep = list(range(n)) + [n + j]
+                    keep = [*range(n), n + j]
                     if alone(g[np.ix_(keep, keep)], 0) < 12:
                         twins.append(f"{x.effect}:{x.shape.axis}".rstrip(":"))
         out.append(state(h, max(float(gram[i, i]), 0.0), apart, sorted(set(twins))))
     return out
 
 
-def put(w: World, q: Rec, i: int, noise: list, found: list[Hidden], rt: Rng, rn: Rng,
-        hidden: set[str], drivers: dict) -> tuple[str, dict]:
+def put(
+    w: World, q: Rec, i: int, noise: list, found: list[Hidden], rt: Rng, rn: Rng, hidden: set[str], drivers: dict
+) -> tuple[str, dict]:
     """Text of one file: tables + map error + effects + noise + zero, rounded as it is read."""
     tool, rot = stated(w.machine, q.pos, q.sgn)
     more, rot2 = map_error(w.machine, q.pos)
@@ -295,9 +385,12 @@ def put(w: World, q: Rec, i: int, noise: list, found: list[Hidden], rt: Rng, rn:
                 if hasattr(h.shape, "current") and AX[a] == h.shape.axis:
                     c = c - h.shape.current(q, h.amp)
             current[a] = c
-    u = float(np.hypot(noise[0].spec[0]["sd_um"], noise[0].quant / 12 ** 0.5))
+    u = float(np.hypot(noise[0].spec[0]["sd_um"], noise[0].quant / 12**0.5))
     u = u if rn.random() < 0.5 else None
-    kinds = noise[0].spec + ([{"kind": "wide_zero"}] if wide else []) + (
-        [{"kind": "zero_by_run"}] if q.meta["zero_by_run"] else [])
+    kinds = (
+        noise[0].spec
+        + ([{"kind": "wide_zero"}] if wide else [])
+        + ([{"kind": "zero_by_run"}] if q.meta["zero_by_run"] else [])
+    )
     body, thermo = recording(q, w, y, u, rt, hidden, current)
     return body, {"signal": kinds, "thermometers": thermo}

@@ -4,6 +4,7 @@ Latent processes on a time grid: room and outside air, screw rises from the axes
 (lumped, ISO 230-3), frame, spindle speed programme, loads, air pressure.  They belong to the
 experiment, never to the hidden effect: an effect only couples to them.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from .machines import Machine
 @dataclass
 class World:
     """Machine, files and latent processes; temperatures are K above 20 C, load N, pressure hPa."""
+
     machine: Machine
     recs: list[Rec]
     grid: Array
@@ -54,6 +56,7 @@ class World:
 def lowpass(x: Array, dt: float, tau: float, start: float | None = None) -> Array:
     """First-order lag with time constant tau (s)."""
     from scipy.signal import lfilter
+
     a = 1 - np.exp(-dt / tau)
     s = x[0] if start is None else start
     return lfilter([a], [1, a - 1], x, zi=[(1 - a) * s])[0]
@@ -62,6 +65,7 @@ def lowpass(x: Array, dt: float, tau: float, start: float | None = None) -> Arra
 def slow_ou(r: Rng, n: int, dt: float, tau: float) -> Array:
     """Unit-variance Ornstein-Uhlenbeck series."""
     from scipy.signal import lfilter
+
     f = np.exp(-dt / tau)
     e = r.normal(0, np.sqrt(1 - f * f), n)
     e[0] = r.normal()
@@ -94,7 +98,7 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
                 if ax == a:
                     v[(grid >= s) & (grid < e)] += speed
         duty[a] = v
-        rise = lowpass(v ** 1.0, dt, logu(r, 600, 4000), 0.0)
+        rise = lowpass(v**1.0, dt, logu(r, 600, 4000), 0.0)
         top = logu(r, 0.6, 7) * min(1.0, float(v.mean()) / 20 + 0.15)
         screw[a] = top * rise / max(float(rise.max()), 1e-9)
     steps = np.sort(r.uniform(0, end, int(r.integers(2, 7))))
@@ -107,10 +111,29 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
         level = np.round(r.choice([-1, 0, 0.5, 1.0, 2.0], len(cuts) + 1) * logu(r, 40, 400), 0)
         load[a] = level[np.searchsorted(cuts, grid)] * bool(drivers.get("load"))
     pressure = logu(r, 0.5, 12) * (slow_ou(r, n, dt, 2e4) + grid / end * r.normal())
-    record = {"T": r.random() < 0.75 or bool(drivers.get("T")), "load": True, "rpm": True,
-              "feed": r.random() < 0.5, "frame": r.random() < 0.5}
-    return World(m, recs, grid, room, frame, duty, screw, rpm, spindle, load, pressure, record,
-                 family, "%016x" % int(r.integers(2 ** 62)))
+    record = {
+        "T": r.random() < 0.75 or bool(drivers.get("T")),
+        "load": True,
+        "rpm": True,
+        "feed": r.random() < 0.5,
+        "frame": r.random() < 0.5,
+    }
+    return World(
+        m,
+        recs,
+        grid,
+        room,
+        frame,
+        duty,
+        screw,
+        rpm,
+        spindle,
+        load,
+        pressure,
+        record,
+        family,
+        f"{int(r.integers(2**62)):016x}",
+    )
 
 
 def thermometer(r: Rng, true: Array, t: Array, held: bool) -> tuple[Array, dict]:
@@ -125,6 +148,6 @@ def thermometer(r: Rng, true: Array, t: Array, held: bool) -> tuple[Array, dict]
     out += r.normal(0, 0.15 if kind == "noise" else 0.01, len(t))
     if kind == "stuck":
         i = int(r.integers(0, max(1, len(t) - 1)))
-        out[i:i + len(t) // 3 + 1] = out[i]
+        out[i : i + len(t) // 3 + 1] = out[i]
     q = float(pick(r, [0.1, 0.2, 0.5])) if kind == "coarse" else 0.01
     return np.round(np.round(out / q) * q, 2), {"kind": kind, "lag_s": round(lag, 1), "step_K": q}

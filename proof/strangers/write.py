@@ -1,4 +1,5 @@
 """Texts of the machine folder and of the recordings, by the contracts."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,8 +13,13 @@ def machine_files(m: Machine) -> dict[str, str]:
     """machine/machine.toml and the tables, stated values only."""
     names = [AX[a] for a in m.axes]
     u = f"u (k=1) of the table values {m.u:.2g} um"
-    rows = ['format = "gcomp-machine/1"', f'name = "{m.name}"', f'title = "{m.kind}"',
-            f'control = "{m.control}"', f'chain = "{m.chain}"']
+    rows = [
+        'format = "gcomp-machine/1"',
+        f'name = "{m.name}"',
+        f'title = "{m.kind}"',
+        f'control = "{m.control}"',
+        f'chain = "{m.chain}"',
+    ]
     if m.kind in ("lathe", "grinder"):
         rows.append('diameter = ["X"]')
     rows += [f'source = "calibration report; {u}"', ""]
@@ -21,21 +27,27 @@ def machine_files(m: Machine) -> dict[str, str]:
     for a in m.axes:
         lo, hi = m.travel[a]
         at = ", ".join(f"{AX[j]} = {m.measured[a][j]:.1f}" for j in m.axes if j != a)
-        rows += [f"[axes.{AX[a]}]", f"travel = [{lo:.1f}, {hi:.1f}]", "least_increment = 0.0001",
-                 f'table = "{AX[a]}.csv"', f"measured_at = {{ {at} }}",
-                 f"max_velocity = {m.vmax:.1f}", f"max_acceleration = {m.amax:.1f}", ""]
+        rows += [
+            f"[axes.{AX[a]}]",
+            f"travel = [{lo:.1f}, {hi:.1f}]",
+            "least_increment = 0.0001",
+            f'table = "{AX[a]}.csv"',
+            f"measured_at = {{ {at} }}",
+            f"max_velocity = {m.vmax:.1f}",
+            f"max_acceleration = {m.amax:.1f}",
+            "",
+        ]
         head, cols = [f"{AX[a]}_mm"], [m.nodes[a]]
         for comp, (f, b) in m.tables[a].items():
             unit = "um" if comp[1] in AX else "urad"
             if np.array_equal(f, b):
-                head, cols = head + [f"{comp}_{unit}"], cols + [f]
+                head, cols = [*head, f"{comp}_{unit}"], [*cols, f]
             else:
                 head += [f"{comp}_{unit}_fwd", f"{comp}_{unit}_rev"]
                 cols += [f, b]
         files[f"machine/{AX[a]}.csv"] = csv(head, [col(c, 3) for c in cols])
         if m.u_file:
-            big = [col(m.nodes[a], 3)] + [col(np.full(len(m.nodes[a]), 2 * m.u), 3)] * (
-                len(cols) - 1)
+            big = [col(m.nodes[a], 3)] + [col(np.full(len(m.nodes[a]), 2 * m.u), 3)] * (len(cols) - 1)
             files[f"machine/{AX[a]}_uncertainty.csv"] = csv(head, big)
     rows.append("[squareness]")
     rows += [f"{k} = {v:.2f}" for k, v in m.square.items()]
@@ -56,7 +68,7 @@ def whole(x: Array) -> list[str]:
 
 def csv(head: list[str], cols: list[list[str]]) -> str:
     """Header and rows."""
-    return ",".join(head) + "\n" + "\n".join(map(",".join, zip(*cols))) + "\n"
+    return ",".join(head) + "\n" + "\n".join(map(",".join, zip(*cols, strict=False))) + "\n"
 
 
 def vec(v: Array, axes: list[int]) -> str:
@@ -64,12 +76,17 @@ def vec(v: Array, axes: list[int]) -> str:
     return "{ " + ", ".join(f"{AX[a]} = {v[a]:.9g}" for a in axes) + " }"
 
 
-def recording(rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: set[str],
-              current: dict[int, Array]) -> tuple[str, dict]:
+def recording(
+    rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: set[str], current: dict[int, Array]
+) -> tuple[str, dict]:
     """Text of one file from its channel values (um; channels x readings) and thermometer notes."""
     m, meta = w.machine, rec.meta
-    top = ['format = "gcomp-recording/1"', f'kind = "{rec.kind}"', f'machine = "{m.name}"',
-           f'instrument = "{meta["instrument"]}"']
+    top = [
+        'format = "gcomp-recording/1"',
+        f'kind = "{rec.kind}"',
+        f'machine = "{m.name}"',
+        f'instrument = "{meta["instrument"]}"',
+    ]
     if u is not None:
         top.append(f"u_um = {u:.3g}")
     head: list[str] = []
@@ -78,15 +95,18 @@ def recording(rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: s
     def add(name: str, c: list[str]) -> None:
         head.append(name)
         cols.append(c)
+
     if rec.kind == "features":
         info = meta["info"]
-        for name, c in (("feature", [f"f{i[0]}" for i in info]), ("kind", [i[1] for i in info]),
-                        ("axis", [AX[i[2]] for i in info]),
-                        ("nominal_mm", [f"{i[3]:.3f}" for i in info]),
-                        ("measured_mm", [f"{i[3] + v / 1e3:.6f}" for i, v in
-                                         zip(info, value[0])]),
-                        ("part", [str(i[4]) for i in info]),
-                        ("reading", [str(i[5]) for i in info])):
+        for name, c in (
+            ("feature", [f"f{i[0]}" for i in info]),
+            ("kind", [i[1] for i in info]),
+            ("axis", [AX[i[2]] for i in info]),
+            ("nominal_mm", [f"{i[3]:.3f}" for i in info]),
+            ("measured_mm", [f"{i[3] + v / 1e3:.6f}" for i, v in zip(info, value[0], strict=False)]),
+            ("part", [str(i[4]) for i in info]),
+            ("reading", [str(i[5]) for i in info]),
+        ):
             add(name, c)
         return text(top, head, cols), {}
     add("run", whole(rec.run))
@@ -94,8 +114,7 @@ def recording(rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: s
     if rec.kind == "targets":
         angle = meta["quantity"] == "angle"
         top.append(f'quantity = "{meta["quantity"]}"')
-        top.append("sensitive = " + (vec(meta["rotvec"], [0, 1, 2]) if angle else
-                                     vec(meta["sensitive"], rec.axes)))
+        top.append("sensitive = " + (vec(meta["rotvec"], [0, 1, 2]) if angle else vec(meta["sensitive"], rec.axes)))
         for a in rec.axes:
             add(f"{AX[a]}_mm", col(rec.pos[:, a], 4))
         for a in rec.axes:
@@ -105,8 +124,11 @@ def recording(rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: s
             add("feed_mm_min", col(rec.feed, 1))
     elif rec.kind == "ballbar":
         plane = meta["plane"]
-        top += ["centre = " + vec(meta["centre"], plane), f"radius_mm = {meta['radius']:.1f}",
-                f"feed_mm_min = {meta['feed']:.1f}"]
+        top += [
+            "centre = " + vec(meta["centre"], plane),
+            f"radius_mm = {meta['radius']:.1f}",
+            f"feed_mm_min = {meta['feed']:.1f}",
+        ]
         for a in plane:
             add(f"{AX[a]}_cmd_mm", col(rec.pos[:, a], 6))
         add("radial_um", col(value[0], 3))

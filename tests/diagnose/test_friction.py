@@ -1,4 +1,4 @@
-"""Friction that turns round after a reversal: its shape, and when an excursion beside it is a cause of its own."""
+"""Friction that turns round after a reversal: its shape, that it opposes motion, and where a pair of axes is compared."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from postproc import effects
-from postproc.diagnose import doubt, library
-from postproc.effects import State
+from postproc.diagnose import library
+from postproc.effects import State, friction_asymmetry
 
 
 def test_friction_turns_round_as_the_loop_settles():
@@ -21,30 +21,18 @@ def test_friction_turns_round_as_the_loop_settles():
     assert found[0] == pytest.approx([5e-3, 0.0, -5e-3])
 
 
-def findings(*named: tuple[str, str, dict[str, float]]) -> SimpleNamespace:
-    return SimpleNamespace(
-        findings=[
-            SimpleNamespace(block=SimpleNamespace(name=n, axis=a), value=v, status="accepted") for n, a, v in named
-        ]
-    )
-
-
 @pytest.mark.parametrize(
-    ("size", "slope", "axis", "own"),
-    [
-        (-10.0, 4.0, "X", False),  # from the old side: minus twice 5 um of friction in the turn
-        (-10.0, 30.0, "X", True),  # it rises to (-10 + 30 x 1.33) exp(-1.33) = 7.9 um above: more than friction holds
-        (6.0, 0.0, "X", True),
-        (-10.0, 4.0, "Y", True),  # of another axis
-    ],
+    ("size", "slope", "difference", "holds"),
+    [(6.7, 8.7, -4.2, True), (0.0, 10.0, 10.0, True), (0.1, 0.1, 20.0, False), (0.0, 10.0, 0.5, False)],
 )
-def test_an_excursion_that_friction_makes_is_no_second_cause(size, slope, axis, own):
-    """Beside 10 um of friction between the senses, 5 um each way."""
-    d = findings(
-        ("coulomb_friction", "X", {"size_um": 10.0}),
-        ("reversal_spike", axis, {"size_um": size, "slope_um": slope, "tau_ms": 10.0}),
+def test_friction_opposes_motion_in_both_directions(size, slope, difference, holds):
+    """A lag of 10 and none is friction of one direction; a push along one of them is none; and alike it has another name."""
+    assert (
+        friction_asymmetry.sensible(
+            size_um=size, slope_um=slope, difference_um=0.0, difference_slope_um=difference, tau_ms=0.0
+        )
+        is holds
     )
-    assert (doubt._turns(d) == []) is own
 
 
 def test_a_pair_is_compared_where_both_of_its_axes_move():

@@ -10,7 +10,7 @@ import pytest
 
 from postproc import effects, recordings
 from postproc.diagnose import library, rows
-from postproc.diagnose.analysis import Options, diagnose
+from postproc.diagnose.analysis import diagnose
 from postproc.effects import State, force_compliance, sag
 from postproc.machine.file import read_machine
 
@@ -38,7 +38,7 @@ def recording(column: str = "load_X_N"):
 
 @pytest.mark.parametrize("column", ["load_X_N", "force_X_N"])
 def test_a_load_is_a_driver_as_a_force_is(column):
-    d = diagnose([recording(column)], MILL, Options(draws=20))
+    d = diagnose([recording(column)], MILL)
     (finding,) = d.findings
     assert finding.block.key == "force_compliance:X"
     assert finding.value["um_per_N"] == pytest.approx(0.02, rel=0.1)

@@ -11,7 +11,7 @@ from pytest import approx
 
 from postproc import recordings
 from postproc.diagnose import drive, report, rounding
-from postproc.diagnose.analysis import Options, diagnose
+from postproc.diagnose.analysis import diagnose
 from postproc.machine.file import read_machine
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,7 +30,7 @@ def mill(number: str) -> recordings.Recording:
 
 @cache
 def found(numbers: tuple[str, ...]):
-    return diagnose([mill(k) for k in numbers], read_machine(ROOT / "machines" / "perfect"), Options(draws=50))
+    return diagnose([mill(k) for k in numbers], read_machine(ROOT / "machines" / "perfect"))
 
 
 def lags(d) -> dict[str, tuple[float, float, float]]:
@@ -98,7 +98,7 @@ def test_a_feed_drive_needs_friction_that_differs_with_the_sense():
 def test_the_feed_drive_lags_and_is_not_late():
     file = SHARED / "feed_drive_1.csv"
     read = recordings.read(recordings.Source(file.name, file.read_bytes()))
-    d = diagnose([read], read_machine(ROOT / "machines" / "perfect"), Options(draws=50))
+    d = diagnose([read], read_machine(ROOT / "machines" / "perfect"))
     assert lags(d)["X"][0] == approx(6.6, abs=0.3)
     assert "delay:" in next(f for f in d.findings if f.block.name == "servo_lag").equivalent
 

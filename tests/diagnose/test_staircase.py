@@ -10,7 +10,7 @@ import pytest
 from postproc import recordings
 from postproc.cli import main
 from postproc.diagnose import rows
-from postproc.diagnose.analysis import Options, diagnose
+from postproc.diagnose.analysis import diagnose
 from postproc.machine.file import read_machine
 
 STUDER = Path(__file__).parents[2] / "machines" / "studer-s36"
@@ -26,7 +26,7 @@ def staircase(tmp_path_factory):
 
 
 def test_the_test_that_is_for_windup_names_it(staircase):
-    d = diagnose([staircase], MACHINE, Options(draws=20))
+    d = diagnose([staircase], MACHINE)
     (finding,) = d.findings
     assert finding.block.key == "windup:X" and finding.status == "accepted"
     assert finding.value["size_um"] == pytest.approx(9.0, rel=0.06)

@@ -2,38 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from postproc.diagnose import fit, library, rows, slips, wander
+from postproc.diagnose import library, rows, slips
 from postproc.effects import State, structure_drift, tool_wear
-
-USUAL = 5e-4
-
-
-def runs(step: float, extra: np.ndarray, seed: int = 1):
-    """residual, run and place of 40 runs at five targets: noise 0.5 um, run zeros of `step`, and extra (40,)."""
-    rng = np.random.default_rng(seed)
-    number, place = np.repeat(np.arange(40), 5), np.tile(np.arange(5), 40)
-    zero = step * rng.normal(size=40) + extra
-    return 5e-4 * rng.normal(size=200) + zero[number] + 1e-2 * place, number, place
-
-
-def test_few_runs_tell_nothing_of_how_far_a_zero_wanders():
-    residual, run, place = runs(0.0, np.zeros(40))
-    few = run < 9
-    assert wander.of_runs(residual[few], run[few], place[few], USUAL) == USUAL
-
-
-@pytest.mark.parametrize("extra", [np.zeros(40), np.linspace(0, 0.05, 40), 0.02 * (np.arange(40) > 17)])
-def test_neither_a_drift_nor_a_jump_is_the_wander_of_a_zero(extra):
-    assert wander.of_runs(*runs(0.0, extra), USUAL) < 0.6 * USUAL
-    assert wander.of_runs(*runs(2e-3, extra), USUAL) == USUAL
 
 
 def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
@@ -113,22 +89,3 @@ def test_a_slip_at_the_end_of_a_passage_is_seen_by_another_run():
     assert times[1] > 20 and np.isclose(size[1], 0.04, atol=2e-3)
     assert (np.delete(times, 1) < 2).all()
     assert not slips.at_ends(place, value, np.full(10, np.nan), np.full(10, 1e-3))[0].any()
-
-
-def test_a_zero_has_no_form():
-    u = np.stack([np.ones(6), np.array([1, 1, 1, 0, 0, 0.0]), np.arange(6.0)], axis=1)
-    open_ = fit.set_ups(u, np.array([fit.FREE, fit.FREE, 1e-3]))
-    assert np.allclose(open_.T @ open_, np.eye(2))
-    step = np.array([5.0, 5.0, 5.0, 2.0, 2.0, 2.0])
-    assert np.allclose(step - open_ @ (open_.T @ step), 0.0)
-
-
-def with_jump(file: str, jump_um: float, run: int) -> None:
-    """A recording to which something is added from one of its runs on."""
-    lines = Path(file).read_text().splitlines()
-    head = [line for line in lines if line.startswith("#")]
-    table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    for row in table:
-        row["reading_um"] = f"{float(row['reading_um']) + jump_um * (int(row['run']) >= run):.3f}"
-    body = [",".join(table[0]), *(",".join(row.values()) for row in table)]
-    Path(file).write_text("\n".join(head + body) + "\n")

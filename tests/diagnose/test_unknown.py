@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from postproc.cli import main
-from postproc.diagnose import doubt, unknown
+from postproc.diagnose import unknown
 
 from .damage import cells, split
 
@@ -100,18 +99,3 @@ def test_a_map_says_what_its_cells_say():
     cells_ = unknown._cells(place, way, wanted)
     assert np.abs(unknown.predicted(cells_, place, way) - wanted).max() < 6e-4
     assert not unknown.predicted(cells_, place, np.zeros(400)).any()
-
-
-@pytest.mark.parametrize(
-    ("keys", "left", "holds"),
-    [(("bow:X",), 0.2, True), (("bow:X",), 0.6, False), (("bow:X", "step_loss:X"), 0.2, False)],
-)
-def test_one_name_that_takes_nearly_all_is_the_effect_and_what_is_left_is_told_beside_it(keys, left, holds):
-    n = 50
-    shape = np.sin(np.linspace(0, 9, n))
-    findings = [SimpleNamespace(block=SimpleNamespace(key=key), contribution=shape / len(keys)) for key in keys]
-    findings.append(
-        SimpleNamespace(block=SimpleNamespace(key="backlash:Z"), contribution=np.zeros(n))
-    )  # seen elsewhere
-    d = SimpleNamespace(findings=findings, before=shape, after=left * shape)
-    assert doubt._takes_nearly_all(d, np.ones(n, bool)) is holds

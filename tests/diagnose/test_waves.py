@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from postproc import recordings
-from postproc.diagnose import fit, intervals, library, rounding, spectra
-from postproc.diagnose.analysis import Options, diagnose
+from postproc.diagnose import intervals, library, rounding, spectra
+from postproc.diagnose.analysis import diagnose
 from postproc.effects import State, cyclic, waves_of
 from postproc.machine.file import read_machine
 
@@ -73,16 +73,6 @@ def test_a_shape_that_is_unlikely_widens_little():
     assert -1.97 < low < -1.95 and 1.96 <= high < 2.0
 
 
-def test_columns_that_say_the_same_are_one():
-    """Of two columns that differ by less than the rounding of numbers the fit is that of one, not one that is torn apart."""
-    column = RNG.normal(size=200)
-    columns = np.stack([column, column * (1 + 1e-13)], axis=1)
-    p = fit.Projector.of(np.ones(200), np.ones((200, 1)), np.array([fit.FREE]))
-    value, covariance = fit.solve(p, columns, 3.0 * column)
-    assert value == pytest.approx([1.5, 1.5], rel=1e-6)
-    assert np.abs(covariance).max() < 1.0
-
-
 def test_an_axis_that_stands_tells_no_rounding():
     """Commanded 205.0000 all the time is no log that is rounded to 1 mm; positions that change in whole mm are."""
     still, noisy = np.full(50, 205.0), 205.0 + RNG.integers(-9, 9, 50) * 1e-4
@@ -111,5 +101,5 @@ def test_targets_at_every_half_period_are_answered():
                 t += 5.0
                 lines.append(f"{run},{t},{20 * k},0,0,{way},1,1,{6.0 * (-1) ** k + noise.normal(0, 0.3):.2f}")
     read = [recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))]
-    d = diagnose(read, MILL, Options(draws=20))
+    d = diagnose(read, MILL)
     assert d.findings or d.unknown or d.places

@@ -1,4 +1,5 @@
 """Self-checks of the strangers: signs by hand-made noise-free cases, formats, determinism."""
+
 from __future__ import annotations
 
 import csv
@@ -39,13 +40,13 @@ def test_two_axis_formula_of_the_contract():
     r = stream("p")
     pos = np.c_[r.uniform(*m.travel[0], 50), np.zeros(50), r.uniform(*m.travel[2], 50)]
     tool, _ = stated(m, pos, np.ones((50, 3)))
-    t, x, z = m.tables, pos[:, 0], pos[:, 2]
+    t, x = m.tables, pos[:, 0]
 
     def e(ax, c):
         return np.interp(pos[:, ax], m.nodes[ax], t[ax][c][0])
+
     b = e(2, "EBZ") * 1e-3
-    want_z = e(2, "EZZ") + e(0, "EZX") - m.square["B0X"] * 1e-3 * x \
-        - b * (x + m.tool[0] - m.measured[2][0])
+    want_z = e(2, "EZZ") + e(0, "EZX") - m.square["B0X"] * 1e-3 * x - b * (x + m.tool[0] - m.measured[2][0])
     want_x = e(0, "EXX") + e(2, "EXZ") + b * m.tool[2]
     if "EBX" in t[0]:
         bx = e(0, "EBX") * 1e-3
@@ -138,8 +139,7 @@ def test_every_effect_has_forms():
 
 
 def test_screw_grows_away_from_its_bearing():
-    q = targets(stream("t"), LATHE, 2, 0.0, "r1", force={"n": 5, "runs": 8, "pattern": "iso",
-                                                        "gap": 900.0})
+    q = targets(stream("t"), LATHE, 2, 0.0, "r1", force={"n": 5, "runs": 8, "pattern": "iso", "gap": 900.0})
     w = world(LATHE, [q])
     for form in ("lumped", "moving_source", "two_constants"):
         y = observe(q, form_of("screw_heat", form)(w, stream("f"), 2).field(q, 1.0))[0]
@@ -170,7 +170,6 @@ def test_files_parse_as_toml_and_csv():
         if n.endswith(".csv") and not n.startswith("machine/"):
             head = "\n".join(x[2:] for x in body.splitlines() if x.startswith("# "))
             assert tomllib.loads(head)["format"] == "gcomp-recording/1"
-            rows = list(csv.reader(io.StringIO("\n".join(
-                x for x in body.splitlines() if not x.startswith("# ")))))
+            rows = list(csv.reader(io.StringIO("\n".join(x for x in body.splitlines() if not x.startswith("# ")))))
             assert len({len(x) for x in rows}) == 1
     assert AX == "XYZ"

@@ -1,0 +1,108 @@
+"""The evidence of a set of effects is the marginal likelihood that a dense normal distribution gives; rounding is no evidence."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from postproc.diagnose.evidence import SLAB, Evidence
+from postproc.diagnose.library import Block
+from postproc.diagnose.noise import Unit
+from postproc.diagnose.nuisances import FREE, WANDER, Group
+
+N = 80
+NOISE = 4e-4
+
+
+def unit(rows: np.ndarray, ar: tuple[float, ...] = ()) -> Unit:
+    n = len(rows)
+    return Unit(
+        rows, "laser", True, np.array([0, n]), np.arange(n) * 1.0, np.full(n, NOISE), np.array(ar), 1 - 0.25 * len(ar)
+    )
+
+
+def block(*columns: np.ndarray) -> Block:
+    return Block(ModuleType("some.effect"), "X", (), np.stack(columns, axis=1))
+
+
+def two_instruments(rng: np.random.Generator) -> tuple[Evidence, np.ndarray]:
+    """Their model, and the (2N, 2N) covariance of their readings without any effect."""
+    first, second = np.arange(N), np.arange(N, 2 * N)
+    units = [unit(first), unit(second, (0.5,))]
+    own = [
+        [Group("zero", np.ones((N, 1)), 0.1), Group("set-up", rng.normal(size=(N, 2)), 1e-3)],
+        [Group("zero", np.ones((N, 1)), 0.1)],
+    ]
+    shared = [Group("map", rng.normal(size=(2 * N, 3)), 3e-4)]
+    y = rng.normal(0, 1e-3, 2 * N)
+    evidence = Evidence(y, units, own, shared, np.ones(2 * N, bool))
+    covariance = (shared[0].columns * 3e-4**2) @ shared[0].columns.T
+    for u, groups in zip(units, own, strict=True):
+        back = np.linalg.inv(u.whitened(np.eye(N)))
+        at = np.ix_(u.rows, u.rows)
+        covariance[at] += back @ back.T
+        for g in groups:
+            covariance[at] += (g.columns * g.sd**2) @ g.columns.T
+    return evidence, covariance
+
+
+def twice_log_density(y: np.ndarray, covariance: np.ndarray) -> float:
+    return -float(np.linalg.slogdet(covariance)[1] + y @ np.linalg.solve(covariance, y))
+
+
+def test_it_is_the_marginal_likelihood_of_a_normal_distribution():
+    """Two instruments, one with an autoregression, a map that both share, and two effects of which the second shows in one of them."""
+    rng = np.random.default_rng(3)
+    evidence, without = two_instruments(rng)
+    both, alone = rng.normal(size=2 * N), np.r_[np.zeros(N), rng.normal(size=N)]
+    numbers = evidence.add([block(both), block(alone, alone**2)])
+    null = evidence.learn((), None, steps=0)
+    base = twice_log_density(evidence.y, without)
+    for chosen in ((0,), (1,), (0, 1)):
+        covariance = without.copy()
+        for k in chosen:
+            columns = evidence.blocks[numbers[k]].columns
+            columns = columns * SLAB / np.abs(columns).max(axis=0)
+            covariance += columns @ columns.T
+        wanted = twice_log_density(evidence.y, covariance) - base
+        found = evidence.learn(tuple(numbers[k] for k in chosen), null, steps=0).value - null.value
+        assert found == pytest.approx(wanted, rel=1e-6, abs=1e-6)
+
+
+def test_a_look_at_the_whole_dictionary_says_the_same_as_one_after_the_other():
+    rng = np.random.default_rng(4)
+    evidence, without = two_instruments(rng)
+    evidence.add([block(rng.normal(size=2 * N)), block(*rng.normal(size=(2, 2 * N)))])
+    null = evidence.learn((), None, steps=0)
+    scores, _, _ = evidence.scan(null)
+    base = twice_log_density(evidence.y, without)
+    for k, b in enumerate(evidence.blocks):
+        usual = b.columns * SLAB / np.abs(b.columns).max(axis=0)
+        wanted = max(twice_log_density(evidence.y, without + s**2 * usual @ usual.T) for s in (0.3, 1.0)) - base
+        assert scores[k] == pytest.approx(wanted, rel=1e-6, abs=1e-6)
+
+
+def test_columns_that_nuisances_make_alike_have_no_evidence_of_rounding():
+    """Two columns that differ by a nuisance of unknown size: together they are worth no more than one of them."""
+    rng = np.random.default_rng(2)
+    slope, bend = np.linspace(-1, 1, N), rng.normal(size=N)
+    nuisance = Group("zero", np.stack([np.ones(N), slope], axis=1), FREE)
+    y = 0.03 - 0.02 * slope + rng.normal(0, NOISE, N)
+    evidence = Evidence(y, [unit(np.arange(N))], [[nuisance]], [], np.ones(N, bool))
+    evidence.add([block(bend), block(bend, bend + 50 * slope), block(bend, bend * (1 + 1e-13))])
+    scores, *_ = evidence.scan(evidence.learn((), None, steps=0))
+    assert scores[1] < scores[0] + 0.1 and scores[2] < scores[0] + 3.0 and scores[0] < 10
+
+
+@pytest.mark.parametrize("size", [5e-5, 1e-3])
+def test_what_an_instrument_wanders_is_learned(size):
+    rng = np.random.default_rng(7)
+    columns = np.repeat(np.eye(20), N // 20, axis=0)
+    y = columns @ rng.normal(0, size, 20) + rng.normal(0, NOISE, N)
+    evidence = Evidence(y, [unit(np.arange(N))], [[Group("wander", columns, WANDER, 3e-3)]], [], np.ones(N, bool))
+    fit = evidence.learn((), None, steps=30)
+    learned = float(fit.parts[0].sd[0])
+    assert learned < 2.5e-4 if size < NOISE / 4 else learned == pytest.approx(size, rel=0.4)
+    assert np.sqrt(fit.parts[0].sigma2) * NOISE == pytest.approx(NOISE, rel=0.25)
