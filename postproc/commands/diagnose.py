@@ -32,6 +32,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         help="the run that takes no part (default: the middle one of three or more)",
     )
+    parser.add_argument(
+        "--accept",
+        action="append",
+        default=[],
+        metavar="EFFECT:AXIS",
+        help="write this effect although another name explains the readings as well (with --write-machine)",
+    )
     parser.add_argument("--force", action="store_true", help="overwrite files that exist")
     parser.add_argument("--quiet", action="store_true", help="no progress on standard error")
 
@@ -75,10 +82,10 @@ def run(options: argparse.Namespace) -> int:
             places.folder_of(options.machine),
             Path(options.write_machine),
             options.force,
-            report.effects_toml(found, Path(options.write_machine).name),
+            report.effects_toml(found, Path(options.write_machine).name, tuple(options.accept)),
         )
         if not options.quiet:
-            for text in report.not_told_apart(found):
+            for text in report.not_told_apart(found, tuple(options.accept)):
                 print(f"gcomp: {text}", file=sys.stderr)
         if found.unknown:
             _write(str(Path(options.write_machine) / f"{report.map_name(found)}.csv"), report.unknown_csv(found))

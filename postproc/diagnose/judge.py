@@ -12,6 +12,7 @@ from postproc.diagnose.unknown import Unknown, mapped
 LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}  # smaller is not worth a word
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
+FEWEST, FOLDS, FORETELLS = 6, 5, 0.95  # readings; parts into which targets are cut; of the squares without a curve
 FAR_OFF, NO_BETTER = 2.5, 0.7  # of the noise, of what it was before: then runs held out do not bear the names out
 
 
@@ -28,6 +29,7 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in left):
             f.status = "tentative"
     _borne_out(d)
+    _curves(d)
     if not left:
         return None
     _, rms, unit = left[0]
@@ -41,6 +43,40 @@ def _uncertain(f: Finding) -> bool:
     """Whether none of the sizes of an effect is told from zero."""
     ends = [f.ci95[name] for name in f.value if name.endswith(("_um", "_urad", "ppm", "ppm_K", "_ms", "rpm", "_s_mm", "_mm_s2", "per_N")) and f.value[name]]
     return bool(ends) and all(low <= 0.0 <= high for low, high in ends)
+
+
+def _curves(d: Diagnosis) -> None:
+    """A curve over the place is tentative where it does not foretell the places that are left out of its fit: as many terms as
+    targets go through all of them and say nothing of what lies between."""
+    for f in d.findings:
+        rest = d.rows.state.passage < 0
+        own = np.flatnonzero(np.any(f.block.columns != 0, axis=1) & rest & ~d.held)
+        if "degree" not in f.block.module.PARAMETERS or f.status != "accepted" or len(own) < FEWEST:
+            continue
+        place = d.rows.state.position[f.block.axis[0]][own]
+        target = np.unique(np.round(place, 2), return_inverse=True)[1]
+        with_it, without = _left_out(d, f, own, target)
+        if with_it > FORETELLS * without:
+            f.status = "tentative"
+
+
+def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> tuple[float, float]:
+    """Sums of squares (mm2, over the noise) at targets that were left out, each in its turn with a fifth of the others: with the curve
+    fitted to the rest, and without it. own: rows; target: their numbers."""
+    signals = (d.rows.signal[own][:, None] == np.unique(d.rows.signal[own])).astype(float)
+    curve = f.block.columns[own]
+    y, w = d.after[own] + f.contribution[own], 1.0 / d.noise[own]
+    slab = 3.0 * max(float(np.abs(f.contribution[own]).max()), 1e-6) / np.maximum(np.abs(curve).max(axis=0), 1e-12)
+    sums = [0.0, 0.0]
+    for fold in range(FOLDS):
+        out = target % FOLDS == fold
+        for k, columns in enumerate((np.column_stack([signals, curve]), signals)):
+            prior = np.concatenate([np.zeros(signals.shape[1]), 1.0 / slab**2])[: columns.shape[1]]
+            a = columns[~out] * w[~out, None]
+            normal = a.T @ a + np.diag(prior + 1e-12)
+            value = np.linalg.lstsq(normal, a.T @ (y * w)[~out], rcond=None)[0]
+            sums[k] += float((((y - columns @ value) * w)[out] ** 2).sum())
+    return sums[0], sums[1]
 
 
 def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float, int]]:

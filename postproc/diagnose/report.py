@@ -10,14 +10,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import showing
 from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
+from postproc import effects
 from postproc.effects import sizes
+from postproc.errors import UsageError
 
 FORMAT = "gcomp-diagnosis/1"
+SHORTEST = 1.0  # mm: of a range
 MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
 
 
@@ -179,13 +184,46 @@ def residual_rows(d: Diagnosis) -> Iterator[str]:
         )
 
 
-def not_told_apart(d: Diagnosis) -> list[str]:
-    """A sentence for each effect that goes into a written machine although other names explain the readings as well."""
-    return [
-        f"{f.block.key} is written, and {', '.join(f.equivalent)} would explain these readings as well: run the test that tells them apart before a part is cut"
-        for f in d.findings
-        if f.status == "accepted" and f.block.module.KIND == "machine" and f.equivalent
+def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], list[Finding]]:
+    """Effects of the machine that go into a written machine, and those that do not: another name explains the readings as well and
+    would do something else to a program. accept: names (effect:axis) that are written all the same. Raises UsageError for a name
+    that was not found."""
+    able = [
+        f for f in d.findings
+        if f.status == "accepted" and f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients")
     ]  # fmt: skip
+    for name in accept:
+        if name not in [f.block.key for f in able]:
+            known = ", ".join(f.block.key for f in able) or "none"
+            raise UsageError(f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}")
+    out = [f for f in able if f.block.key not in accept and not all(_same_use(f, name) for name in f.equivalent)]
+    return [f for f in able if f not in out], out
+
+
+def _same_use(f: Finding, name: str) -> bool:
+    """Whether another name for a finding would correct a program at the same axis, too."""
+    effect, _, axis = name.partition(":")
+    module = effects.load(effect) if effect in effects.names() else None
+    if f.block.module.USE != "compensate":
+        return True  # no program is corrected by it, whatever its name
+    places = module is not None and module.USE == "compensate" and (hasattr(module, "tables") or hasattr(module, "grids"))
+    return places and axis == f.block.axis
+
+
+def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
+    """A sentence for each effect that does not go into a written machine, or goes into it although other names explain the readings
+    as well."""
+    kept, out = written(d, accept)
+    said = [
+        f"{f.block.key} is NOT written: {', '.join(f.equivalent)} would explain these readings as well, and correct a program otherwise; "
+        f"run the test that tells them apart, or --accept {f.block.key}"
+        for f in out
+    ]
+    return said + [
+        f"{f.block.key} is written, and {', '.join(f.equivalent)} would explain these readings as well: run the test that tells them apart before a part is cut"
+        for f in kept
+        if f.equivalent
+    ]
 
 
 def _half_widths(f: Finding) -> dict[str, float]:
@@ -200,16 +238,27 @@ def _half_widths(f: Finding) -> dict[str, float]:
     return found
 
 
-def effects_toml(d: Diagnosis, name: str) -> Callable[[str], str]:
+def _range(d: Diagnosis, f: Finding) -> list[str]:
+    """From where to where of its axis readings told an effect that is a curve over it."""
+    module = f.block.module
+    if not hasattr(module, "tables") or "degree" not in module.PARAMETERS:
+        return []  # a line, a gap, a wave go on as they are
+    moving = module.moving(f.block.axis, **f.value) if module.PER == "pair" else f.block.axis
+    told = np.any(f.block.columns != 0, axis=1) & ~d.held
+    place = d.rows.state.position[moving][told]
+    low, high = float(place.min()), float(place.max())
+    return [f"measured_mm = [{low:.4f}, {high:.4f}]"] if high - low > SHORTEST else []
+
+
+def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Callable[[str], str]:
     """What makes a machine.toml that of the diagnosed machine: its name, and a section for every accepted effect of the
-    machine. Instruments' and data's effects are none of it."""
+    machine that is told apart from others (or in accept). Instruments' and data's effects are none of it."""
     sections = []
-    for f in d.findings:
-        if f.status != "accepted" or f.block.module.KIND != "machine" or not hasattr(f.block.module, "coefficients"):
-            continue
+    for f in written(d, accept)[0]:
         lines = ["", "[[effect]]", f'name = "{f.block.name}"', f'axis = "{f.block.axis}"']
         lines += [f"{key} = {value!r}" for key, value in f.value.items()]
         lines += [f"u_{key} = {u!r}" for key, u in _half_widths(f).items()]
+        lines += _range(d, f)
         files = ", ".join(Path(r.file).name for r in d.recordings)
         lines.append(f'source = "diagnosed from {files}"')
         if f.equivalent:

@@ -17,7 +17,7 @@ from postproc.machine.model import Axis, EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.machine.toml_file import TomlFile
 
-KEYS = {"name", "axis", "source"}
+KEYS = {"name", "axis", "source", "measured_mm"}
 Table = TypeVar("Table", AxisTable, GridTable)
 
 
@@ -39,7 +39,9 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         toml.check_keys("effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i)
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
-        term = EffectTerm(name, axis, parameters, module, *_applied(module, axis, axes, parameters))
+        measured = _measured(toml, entry, i)
+        found = _applied(module, axis, axes, parameters)
+        term = EffectTerm(name, axis, parameters, module, tuple(_held(t, measured) for t in found[0]), found[1], measured=measured)
         spread = [_spread(toml, entry, i, term, axes, p) for p in sizes if f"u_{p}" in entry]
         terms.append(replace(term, spread=tuple(spread)))
     return tuple(terms)
@@ -80,9 +82,35 @@ def _spread(toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dic
                 "effect", key, f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
                 "U (95 %) must leave the parameter what it is", index,
             ) from None  # fmt: skip
-        ends += [_times(table, share) for table in found[0]]
+        ends += [_times(_held(table, term.measured), share) for table in found[0]]
         grids += [_times(grid, share) for grid in found[1]]
     return EffectTerm(name, term.axis, {name: u}, None, tuple(ends), tuple(grids))
+
+
+def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | None:
+    """mm: from where to where of the axis the readings were that an effect was found in; None where nobody said."""
+    value = entry.get("measured_mm")
+    if value is None:
+        return None
+    good = isinstance(value, list) and len(value) == 2 and all(isinstance(v, int | float) and np.isfinite(v) for v in value)
+    if not good or value[0] >= value[1]:
+        raise toml.fault("effect", "measured_mm", f"measured_mm = {value!r} must be two ascending numbers, mm", index=index)
+    return float(value[0]), float(value[1])
+
+
+def _held(table: AxisTable, measured: tuple[float, float] | None) -> AxisTable:
+    """A table that stays, beyond what was measured, what it was at the last reading: a curve foretells nothing there."""
+    if measured is None:
+        return table
+    low, high = measured
+    inside = table.nodes[(table.nodes > low) & (table.nodes < high)]
+    nodes = np.unique(np.concatenate([[table.nodes[0], low], inside, [high, table.nodes[-1]]]))
+    at = np.clip(nodes, low, high)
+
+    def of(values: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(at, table.nodes, row) for row in values])
+
+    return replace(table, nodes=nodes, forward=of(table.forward), reverse=of(table.reverse))
 
 
 def _times(table: Table, share: float) -> Table:

@@ -68,7 +68,8 @@ class EffectTerm:
     """One accepted effect with its parameters. tables: axis to the errors that it adds where the
     slides stand, none for an effect that a place alone does not decide. spread: for each parameter
     whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
-    by how much U changes the tables."""
+    by how much U changes the tables. measured mm: from where to where readings told it; its tables stay beyond what they are at the
+    ends; None where nobody said."""
 
     name: str
     axis: str
@@ -77,6 +78,7 @@ class EffectTerm:
     tables: tuple[AxisTable, ...] = ()
     grids: tuple[GridTable, ...] = ()
     spread: tuple[EffectTerm, ...] = ()
+    measured: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
