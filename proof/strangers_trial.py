@@ -27,14 +27,25 @@ from typing import Any
 from proof import score, score_table, trial_run, trial_seal
 from proof.score_table import Line, number, share
 
-TIERS = {"null": 300, "adversarial": 60, "single": 160, "pair": 40, "triple": 20, "masked": 40, "withheld": 30, "alien": 60}
+TIERS = {
+    "null": 300,
+    "adversarial": 60,
+    "single": 160,
+    "pair": 40,
+    "triple": 20,
+    "masked": 40,
+    "withheld": 30,
+    "alien": 60,
+}
 SMALL = {"null": 6, "adversarial": 3, "single": 8, "pair": 2, "alien": 3}
 FAMILY = "held"
 
 
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m proof.strangers_trial", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m proof.strangers_trial",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--small", action="store_true", help="a trial of a minute")
     parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
@@ -129,7 +140,9 @@ def judged(out: Path, truth: dict[str, Any], details: dict[str, Any]) -> list[sc
     cost = json.loads((out / "run.json").read_text())
     found = []
     for case in sorted(truth):
-        outcome = score.judge(case, details[case]["tier"], truth[case], trial_run.read(out, case), cost[case]["seconds"])
+        outcome = score.judge(
+            case, details[case]["tier"], truth[case], trial_run.read(out, case), cost[case]["seconds"]
+        )
         outcome.failed = (outcome.failed and cost[case].get("said", "").strip()[-160:]) or ""
         found.append(outcome)
     return found
@@ -146,13 +159,19 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
         return f"{o.case} ({o.tier}) {o.truths[k]} of {o.peaks[k]:.1f} um: said {', '.join(o.names) or 'nothing'}{', unknown' if o.unknown else ''}"
 
     def each(cases: list[score.Outcome], what: str, low: float = 0.0, high: float = 1e9) -> list[tuple[bool, str]]:
-        return [(getattr(o, what)[k], told(o, k)) for o in cases for k in range(len(o.truths)) if low <= o.peaks[k] < high]
+        return [
+            (getattr(o, what)[k], told(o, k)) for o in cases for k in range(len(o.truths)) if low <= o.peaks[k] < high
+        ]
 
     def plain(o: score.Outcome) -> str:
         return f"{o.case} ({o.tier}) said {', '.join(o.names) or 'nothing'}"
 
     alien = [o for o in of["alien"] if o.truths]
-    ratios = [o.after / o.floor for o in (*single, *several, *of["masked"], *of["withheld"]) if o.after is not None and o.floor]
+    ratios = [
+        o.after / o.floor
+        for o in (*single, *several, *of["masked"], *of["withheld"])
+        if o.after is not None and o.floor
+    ]
     return [
         share("nulls with any name", [(bool(o.names), plain(o)) for o in of["null"]], most=0.01),
         share("adversarial nulls with any name", [(bool(o.names), plain(o)) for o in of["adversarial"]], most=0.03),
@@ -178,7 +197,9 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
     ]  # fmt: skip
 
 
-def page(laid: dict[str, Any], rows: dict[str, list[Line]], outcomes: list[score.Outcome], details: dict[str, Any]) -> str:
+def page(
+    laid: dict[str, Any], rows: dict[str, list[Line]], outcomes: list[score.Outcome], details: dict[str, Any]
+) -> str:
     counts = ", ".join(f"{n} {tier}" for tier, n in laid["tiers"].items())
     head = (
         f"Trial of commit `{laid['freeze'][:10]}` on cases of another world, kinds held back: {laid['cases']} cases ({counts}).  \n"

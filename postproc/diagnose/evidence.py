@@ -102,7 +102,9 @@ class Part:
         self.bd, self.zd, self.dy = np.zeros((len(b.T), 0)), np.zeros((self.z.shape[1], 0)), np.zeros(0)
         self._crossed: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}  # block to its columns here
-        self.processes = {kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES}
+        self.processes = {
+            kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES
+        }
         self.usually = ~np.any(list(self.processes.values()), axis=0)
 
     def add(self, numbers: list[int], blocks: list[np.ndarray], first: list[int]) -> None:
@@ -138,7 +140,9 @@ class Part:
 class Evidence:
     """The readings y (N,) mm and everything that may explain them."""
 
-    def __init__(self, y: np.ndarray, units: list[Unit], own: list[list[Group]], shared: list[Group], train: np.ndarray):
+    def __init__(
+        self, y: np.ndarray, units: list[Unit], own: list[list[Group]], shared: list[Group], train: np.ndarray
+    ):
         self.y, self.train = y, train
         self.shared = np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
         self.shared_of = np.repeat(np.arange(len(shared)), [g.columns.shape[1] for g in shared])
@@ -151,7 +155,8 @@ class Evidence:
         self.first: list[int] = []
         self.width = 0
         self.slab = np.zeros(0)
-        self.pairs = (np.zeros(0, int), np.zeros(0, int), np.zeros(0, int))
+        self.pairs = np.zeros((2, 0), int)  # columns of one block
+        self._indexed = 0
         self._pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
 
     # -- the dictionary ------------------------------------------------------------------------------------------------
@@ -177,32 +182,31 @@ class Evidence:
 
     def _index(self) -> None:
         """Pairs of columns of one block, and what each unit's own products of them are."""
-        i, j = [], []
-        for k, b in enumerate(self.blocks):
-            a, c = np.triu_indices(b.columns.shape[1])
-            i.append(a + self.first[k])
-            j.append(c + self.first[k])
-        first, second = (np.concatenate(v) if v else np.zeros(0, int) for v in (i, j))
-        self.pairs = (first, second, np.concatenate([np.full(len(v), k) for k, v in enumerate(i)]) if i else first)
+        done = self._indexed
+        pairs = [
+            np.stack(np.triu_indices(b.columns.shape[1])) + self.first[done + k]
+            for k, b in enumerate(self.blocks[done:])
+        ]
+        self._indexed = len(self.blocks)
+        first, second = self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
         known = len(self._pairs) == len(self.parts)
         for number, part in enumerate(self.parts):
             at = np.full(self.width, -1)
             at[part.columns] = np.arange(len(part.columns))
             here = np.flatnonzero(at[first] >= 0)
-            a, b = at[first[here]], at[second[here]]
-            if known:
-                old_here, *_, old = self._pairs[number]
-                done = len(old_here)  # blocks are only ever added behind
-                fresh = part.own_products(a[done:], b[done:])
-                self._pairs[number] = (here, a, b, np.concatenate([old, fresh]))
-            else:
-                self._pairs.append((here, a, b, part.own_products(a, b)))
+            one, other = at[first[here]], at[second[here]]
+            old = self._pairs[number][3] if known else np.zeros(0)  # blocks are only ever added behind
+            fresh = part.own_products(one[len(old) :], other[len(old) :])
+            pair = (here, one, other, np.concatenate([old, fresh]))
+            self._pairs[number : number + 1] = [pair]
 
     def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
         """Numbers of the columns of blocks."""
         if not chosen:
             return np.zeros(0, int)
-        return np.concatenate([np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1]) for k in chosen])
+        return np.concatenate(
+            [np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1]) for k in chosen]
+        )
 
     # -- one unit at given sizes ---------------------------------------------------------------------------------------
 
@@ -210,7 +214,11 @@ class Evidence:
         """The k-th unit with its own columns taken out; shown: blocks that show in it; kinds: of its processes."""
         part = self.parts[k]
         z = len(part.zy)
-        at = np.concatenate([np.arange(part.where[c].start, part.where[c].stop) for c in shown]) if shown else np.zeros(0, int)
+        at = (
+            np.concatenate([np.arange(part.where[c].start, part.where[c].stop) for c in shown])
+            if shown
+            else np.zeros(0, int)
+        )
         f = z + len(at)
         bf, fy, ff = np.empty((len(part.by), f)), np.empty(f), np.empty((f, f))
         bf[:, :z], fy[:z], ff[:z, :z] = part.bz, part.zy, part.zz
@@ -232,12 +240,16 @@ class Evidence:
         value -= 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd[part.of[use]]).sum())
         groups = np.unique(part.of[use])
         groups = groups[part.learned[groups]]
-        value -= float(np.sum(_surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)) + float(_surprise(np.sqrt(sigma2), 1.0))
+        value -= float(
+            np.sum(_surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)
+        ) + float(_surprise(np.sqrt(sigma2), 1.0))
         return Reduced(
             shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
         )  # fmt: skip
 
-    def _renewed(self, k: int, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float) -> tuple[float, np.ndarray]:
+    def _renewed(
+        self, k: int, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
+    ) -> tuple[float, np.ndarray]:
         """The k-th unit's variance and standard deviations, by MacKay's fixed point. mean, covariance: of its shared coefficients."""
         part, use, sd = self.parts[k], old.use, old.sd.copy()
         inverse = _inverted(old.root)
@@ -310,7 +322,9 @@ class Evidence:
         of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
         return np.concatenate([shared[self.shared_of], *of_blocks])
 
-    def _joined(self, chosen: tuple[int, ...], on: On, shared: np.ndarray, scale: dict[int, float], parts: list[Reduced]) -> Fit:
+    def _joined(
+        self, chosen: tuple[int, ...], on: On, shared: np.ndarray, scale: dict[int, float], parts: list[Reduced]
+    ) -> Fit:
         """All units together."""
         sd = self._sd(chosen, shared, scale)
         a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
@@ -369,7 +383,7 @@ class Evidence:
                 old.hd = _solved(old.root, part.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
                 crossed = np.concatenate([part.zd, *(part.crossed(c) for c in old.shown)])
-                here, i, j, own = self._pairs[k]
+                _, i, j, own = self._pairs[k]
                 old.fd = crossed / s2 - inside.T
                 old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])
             hy, y_f, y_d = old.hy[:, None], old.fy[:, None], part.dy[:, None]
@@ -429,7 +443,9 @@ class Evidence:
         one of its members."""
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         if but >= 0:
-            sd[len(self.shared_of) + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))] = NOTHING
+            sd[len(self.shared_of) + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))] = (
+                NOTHING
+            )
         f, many = len(sd), columns.shape[1]
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
@@ -479,7 +495,9 @@ class Evidence:
 
     def wandered(self, fit: Fit) -> bool:
         """Whether what is learned of some unit or of the map has grown far beyond what is usual."""
-        own = (np.any(old.sd[p.learned] > GROWN * p.usual[p.learned]) for p, old in zip(self.parts, fit.parts, strict=True))
+        own = (
+            np.any(old.sd[p.learned] > GROWN * p.usual[p.learned]) for p, old in zip(self.parts, fit.parts, strict=True)
+        )
         return any(own) or bool(np.any(fit.shared > 1.5 * self.shared_usual))
 
     def white(self, fit: Fit) -> np.ndarray:

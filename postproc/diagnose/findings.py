@@ -45,7 +45,9 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     own = search.worth(state, k)
     others = {search.blocks[search.new(c, rest)].key: c for c in search.children(rest, SETS, state)}
     enough = search.at_own_form(state).score - LIKELY - FORMS * own
-    alike = sorted((key for key, c in others.items() if key != block.key and c.score >= enough), key=lambda key: -others[key].score)
+    alike = sorted(
+        (key for key, c in others.items() if key != block.key and c.score >= enough), key=lambda key: -others[key].score
+    )
     # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
     alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
     contribution = block.columns @ value

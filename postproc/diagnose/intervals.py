@@ -29,7 +29,7 @@ def of(search: Search, state: Found, k: int, scores: np.ndarray) -> tuple[dict[s
     block = search.blocks[k]
     named, sd = _spread(search, state, k)
     parts = [(1.0, named, sd)]
-    if block.name not in FOUND:
+    if block.name not in FOUND and block.module.PER != "all":
         parts += _others(search, state, k, scores, sd)
     return named, {name: _ends([(w, v[name], s[name]) for w, v, s in parts]) for name in named}
 
@@ -42,13 +42,17 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
     columns = np.concatenate([block.columns, *(s[:, None] for s in slopes)], axis=1)
     power, _ = search.evidence.beside(state.fit, columns, but=k)
     first = search.evidence.first[k]
-    prior = np.concatenate([search.evidence.slab[first : first + len(value)], [UNKNOWN * dict(block.shape)[name] for name in free]])
+    prior = np.concatenate(
+        [search.evidence.slab[first : first + len(value)], [UNKNOWN * dict(block.shape)[name] for name in free]]
+    )
     covariance = np.linalg.inv(power + np.diag(1 / prior**2))
     named = block.module.parameters(value, dict(block.shape))
     by = _derivatives(block, value, free, np.sqrt(np.diag(covariance)))
     sd = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
     fitted = {name for name, d in by.items() if d[: len(value)].any()}
-    return named, {name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted)) for name, s in sd.items()}
+    return named, {
+        name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted)) for name, s in sd.items()
+    }
 
 
 def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool) -> float:
@@ -105,6 +109,7 @@ def _others(
 ) -> list[tuple[float, dict[str, float], dict[str, float]]]:  # fmt: skip
     """Weight, parameters and their standard deviations of other shapes of the same effect and axis."""
     block, own, result = search.blocks[k], float(scores[k]), []
+    chosen_now = block.module.parameters(search.value(state.fit, k), dict(block.shape))
     for number, (other, score) in enumerate(zip(search.blocks, scores, strict=True)):
         if other.key != block.key or number == k or not np.isfinite(score + own):
             continue
@@ -116,6 +121,8 @@ def _others(
         covariance = np.linalg.inv(power + np.diag(1 / search.evidence.slab[first : first + len(along)] ** 2))
         value = covariance @ along
         named = other.module.parameters(value, dict(other.shape))
+        if any(named[name] * chosen_now[name] < 0 for name in named if name not in dict(other.shape)):
+            continue  # of another sign it is another story
         by = _derivatives(other, value, [], np.sqrt(np.diag(covariance)))
         spread = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
         # What the shape states is a choice, no size: its interval is that of the chosen one.

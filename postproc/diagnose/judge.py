@@ -13,7 +13,8 @@ LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}  # smalle
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 FEWEST, FOLDS, FORETELLS = 6, 5, 0.95  # readings; parts into which targets are cut; of the squares without a curve
-FAR_OFF, NO_BETTER = 2.5, 0.7  # of the noise, of what it was before: then runs held out do not bear the names out
+NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
+NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
 def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
@@ -41,7 +42,11 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
 
 def _uncertain(f: Finding) -> bool:
     """Whether none of the sizes of an effect is told from zero."""
-    ends = [f.ci95[name] for name in f.value if name.endswith(("_um", "_urad", "ppm", "ppm_K", "_ms", "rpm", "_s_mm", "_mm_s2", "per_N")) and f.value[name]]
+    ends = [
+        f.ci95[name]
+        for name in f.value
+        if name.endswith(("_um", "_urad", "ppm", "ppm_K", "_ms", "rpm", "_s_mm", "_mm_s2", "per_N")) and f.value[name]
+    ]
     return bool(ends) and all(low <= 0.0 <= high for low, high in ends)
 
 
@@ -96,12 +101,12 @@ def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float
 
 
 def _borne_out(d: Diagnosis) -> None:
-    """Names are tentative where runs that took no part are no better off with them."""
-    for signal in np.unique(d.rows.signal[d.held]):
-        own = d.held & (d.rows.signal == signal)
-        before, after = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.before, d.after))
-        ground = float(np.sqrt(np.mean(floor(d)[own] ** 2)))
-        if after > FAR_OFF * ground and after > NO_BETTER * before:
-            for f in d.findings:
-                if f.block.name not in ("vibration", "step_loss") and float(np.std(f.contribution[own])) > 0.3 * after:
-                    f.status = "tentative"
+    """A name is tentative where runs that took no part are no better off with it, though it is larger there than their noise."""
+    ground = float(np.sqrt(np.mean(floor(d)[d.held] ** 2))) if d.held.any() else 0.0
+    for f in d.findings:
+        own = d.held & (f.contribution != 0)
+        if f.block.name in NOT_FORETOLD or not own.any() or float(np.std(f.contribution[own])) < ground:
+            continue
+        with_it, without = (float(np.mean((v[own] / d.noise[own]) ** 2)) for v in (d.after, d.after + f.contribution))
+        if with_it > NO_BETTER * without:
+            f.status = "tentative"

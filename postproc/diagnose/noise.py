@@ -79,7 +79,7 @@ def units(rows: Rows) -> list[Unit]:
         passage = rows.state.passage[order] if dense else rows.run[order]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [len(order)]])
         t = rows.state.time[order]
-        if np.ptp(t) == 0 or np.any(np.diff(t) < 0) and part[own[0]]:
+        if np.ptp(t) == 0 or (np.any(np.diff(t) < 0) and part[own[0]]):
             t = np.arange(len(order), dtype=float)
         unit = Unit(order, str(rows.sees[order[0]]), dense, edges, t, np.ones(len(order)))
         unit.r = _white(rows, rows.residual, unit)
@@ -208,7 +208,9 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
         far = np.where(near > TAIL / 2, 0.0, far)
         if len(left) > 64:
             parts = [scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()]
-            unit.ar, unit.innovation, total = autoregression([_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts])
+            unit.ar, unit.innovation, total = autoregression(
+                [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
+            )
             base = max(total, FLOOR[unit.sees])
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
 

@@ -24,7 +24,10 @@ STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference spher
 ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
 FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
 RUN, MOST_RUN = 3e-4, 1e-3  # mm: by how much the zero of an instrument differs from run to run, usually and at most
-WANDER, MOST_WANDER = 3e-4, 3e-3  # mm: by how much it wanders while it reads (lasers and probes in workshops: 0.1 to 3 um)
+WANDER, MOST_WANDER = (
+    3e-4,
+    3e-3,
+)  # mm: by how much it wanders while it reads (lasers and probes in workshops: 0.1 to 3 um)
 MOST_FEATURE = 1.5e-3  # mm
 PROCESS, MOST_PROCESS = 2e-3, 1.0  # mm: of what no name explains
 ZEROS = 1e-2  # mm: of an instrument that is set to zero anew before each run
@@ -130,20 +133,22 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
             if columns.shape[1] <= min(MOST_NODES, len(own) // 2):
                 found.append(Group("place", columns, PROCESS * scale, MOST_PROCESS * scale))
     if unit.dense:
-        columns = []
+        turns = []
         for x in moving:
             since = rows.state.since[x][own]
             near = (since < LONGEST) & (rows.state.velocity[x][own] != 0)
             if near.sum() > 8:
                 late = np.log(np.maximum(since, SHORTEST))
                 side = np.where(near, np.sign(rows.state.approach[x][own]), 0.0)
-                columns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
-        if columns:
-            found.append(Group("turn", np.concatenate(columns, axis=1), PROCESS, MOST_PROCESS))
+                turns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
+        if turns:
+            found.append(Group("turn", np.concatenate(turns, axis=1), PROCESS, MOST_PROCESS))
     found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in wander(unit)[:2]]
     numbers = np.unique(rows.run[own])
     if 1 < len(numbers) < len(own) / 2:
-        found.append(Group("zeros", (rows.run[own][:, None] == numbers).astype(float), ZEROS * scale, MOST_PROCESS * scale))
+        found.append(
+            Group("zeros", (rows.run[own][:, None] == numbers).astype(float), ZEROS * scale, MOST_PROCESS * scale)
+        )
     return found
 
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from postproc import effects
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import showing
 from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
-from postproc import effects
 from postproc.effects import sizes
 from postproc.errors import UsageError
 
@@ -195,7 +195,9 @@ def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], 
     for name in accept:
         if name not in [f.block.key for f in able]:
             known = ", ".join(f.block.key for f in able) or "none"
-            raise UsageError(f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}")
+            raise UsageError(
+                f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}"
+            )
     out = [f for f in able if f.block.key not in accept and not all(_same_use(f, name) for name in f.equivalent)]
     return [f for f in able if f not in out], out
 
@@ -206,7 +208,9 @@ def _same_use(f: Finding, name: str) -> bool:
     module = effects.load(effect) if effect in effects.names() else None
     if f.block.module.USE != "compensate":
         return True  # no program is corrected by it, whatever its name
-    places = module is not None and module.USE == "compensate" and (hasattr(module, "tables") or hasattr(module, "grids"))
+    places = (
+        module is not None and module.USE == "compensate" and (hasattr(module, "tables") or hasattr(module, "grids"))
+    )
     return places and axis == f.block.axis
 
 

@@ -18,7 +18,11 @@ from postproc.diagnose.library import Block, found
 from postproc.diagnose.rows import Rows
 
 MOST = 6  # members of a set
-WIDTH, CHILDREN, POLISHED = 2, 5, 3  # sets that are kept, members that are tried beside each, and of these with shapes of their own
+WIDTH, CHILDREN, POLISHED = (
+    2,
+    5,
+    3,
+)  # sets that are kept, members that are tried beside each, and of these with shapes of their own
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
@@ -103,7 +107,9 @@ class Search:
         fit = self.evidence.learn(chosen, like.fit, on, RENEWED, least)
         if not self.evidence.wandered(like.fit):
             return fit
-        return max(fit, self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True), key=lambda fit: fit.value)
+        return max(
+            fit, self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True), key=lambda fit: fit.value
+        )
 
     def _value(self, fit: Fit) -> float:
         members = self.members(fit)
@@ -129,13 +135,16 @@ class Search:
     def _forms(self, fit: Fit) -> list[int]:
         """Terms by which what is explained may be of another form, in all instruments alike: larger on one end of the travel, at one
         time, or a little later."""
-        made, whose = [], []
+        made: list[Block] = []
+        whose: list[int] = []
         for k in self.members(fit):
             block, value = self.blocks[k], self.value(fit, k)
             part = block.columns @ value
             if np.abs(part).max() < FORMED:
                 continue
-            terms = [part * np.clip(self.rows.state.share(x), -1.2, 1.2) for x in block.axis if x in self.rows.state.position]
+            terms = [
+                part * np.clip(self.rows.state.share(x), -1.2, 1.2) for x in block.axis if x in self.rows.state.position
+            ]
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
             terms.append(_later(self.rows, part))
@@ -282,7 +291,11 @@ class Search:
         state = state if like else self.at_own_form(state)
         like = like or state
         chosen, fit = state.members, state.fit
-        if like is state and state.members not in self._looked and len(state.members) not in {len(m) for m in self._looked}:
+        if (
+            like is state
+            and state.members not in self._looked
+            and len(state.members) not in {len(m) for m in self._looked}
+        ):
             self._looked.add(state.members)
             self._look(state)
         # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
@@ -377,7 +390,7 @@ def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
 
 def _swing(values: np.ndarray) -> float:
     """The size that so many readings have at least as there must be to show a short spike."""
-    few = min(len(values), max(3, len(values) // 2000))
+    few = min(len(values), max(2, len(values) // 2000))
     return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])
 
 
@@ -414,5 +427,3 @@ def plausible(block: Block, coefficients: np.ndarray) -> bool:
     if sensible is not None and not sensible(**named):
         return False
     return all(low <= named[name] <= high for name, (low, high) in limits.items())
-
-

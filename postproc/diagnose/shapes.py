@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     from postproc.diagnose.search import Search
 
 WORTH = 6.0  # that what comes with a wave must add
-FIRST, HALVINGS, FAR = 1.4, 4, 1.5  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
+FIRST, HALVINGS, FAR = (
+    1.4,
+    4,
+    1.5,
+)  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
@@ -83,7 +87,11 @@ def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
         for f in middle + within * np.linspace(-1.0, 1.0, TRIED):
             shape = {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} if f > 0 else None
             tried = at(search, block, shape) if shape else None
-            if tried is not None and tried.columns.shape == block.columns.shape and (now := worth(search, fit, tried)) > most:
+            if (
+                tried is not None
+                and tried.columns.shape == block.columns.shape
+                and (now := worth(search, fit, tried)) > most
+            ):
                 best, most = tried, now
         within /= (TRIED - 1) / 2
     return best

@@ -41,7 +41,9 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
         measured = _measured(toml, entry, i)
         found = _applied(module, axis, axes, parameters)
-        term = EffectTerm(name, axis, parameters, module, tuple(_held(t, measured) for t in found[0]), found[1], measured=measured)
+        term = EffectTerm(
+            name, axis, parameters, module, tuple(_held(t, measured) for t in found[0]), found[1], measured=measured
+        )
         spread = [_spread(toml, entry, i, term, axes, p) for p in sizes if f"u_{p}" in entry]
         terms.append(replace(term, spread=tuple(spread)))
     return tuple(terms)
@@ -92,9 +94,15 @@ def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | 
     value = entry.get("measured_mm")
     if value is None:
         return None
-    good = isinstance(value, list) and len(value) == 2 and all(isinstance(v, int | float) and np.isfinite(v) for v in value)
+    good = (
+        isinstance(value, list)
+        and len(value) == 2
+        and all(isinstance(v, int | float) and np.isfinite(v) for v in value)
+    )
     if not good or value[0] >= value[1]:
-        raise toml.fault("effect", "measured_mm", f"measured_mm = {value!r} must be two ascending numbers, mm", index=index)
+        raise toml.fault(
+            "effect", "measured_mm", f"measured_mm = {value!r} must be two ascending numbers, mm", index=index
+        )
     return float(value[0]), float(value[1])
 
 
