@@ -107,7 +107,9 @@ def _shown(blocks, train: np.ndarray) -> list:
 
 def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
     """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error and jumps."""
-    return sum((said[name] for name in ("zero", "set-up", "map", "feature") if name in said), np.zeros(len(said["noise"])))
+    return sum(
+        (said[name] for name in ("zero", "set-up", "map", "feature") if name in said), np.zeros(len(said["noise"]))
+    )
 
 
 def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, float]]]:
@@ -147,7 +149,9 @@ def _learned(rows: Rows, units: list[Unit], train: np.ndarray, jumps) -> Evidenc
     shared = [*nuisances.of_map(rows), *(Group("jump", columns, FREE) for _, columns in jumps)]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)
-        on = frozenset((k, kind) for k, p in enumerate(evidence.parts) for kind in ("place", "turn") if p.processes[kind].any())
+        on = frozenset(
+            (k, kind) for k, p in enumerate(evidence.parts) for kind in ("place", "turn") if p.processes[kind].any()
+        )
         said = evidence.explained(evidence.learn((), None, on, STEPS))
         left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
         for unit in units:
@@ -161,7 +165,9 @@ def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list
     columns, sd = [evidence.shared], [fit.shared[evidence.shared_of]]
     for k, part in enumerate(evidence.parts):
         slow = [g for g, kind in enumerate(part.kinds) if kind == "wander"][:1]
-        use = np.isin(part.of, slow) | (part.usually & ~np.isin(part.of, [g for g, kind in enumerate(part.kinds) if kind == "wander"]))
+        use = np.isin(part.of, slow) | (
+            part.usually & ~np.isin(part.of, [g for g, kind in enumerate(part.kinds) if kind == "wander"])
+        )
         wide = np.zeros((len(rows), int(use.sum())))
         wide[part.whole.rows] = part.raw[:, use]
         columns.append(wide)
@@ -176,4 +182,6 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
     worse = float(np.max((fit.shared / evidence.shared_usual)[evidence.shared_learned]))
     if worse < MAP_WORSE:
         return []
-    return [f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"]
+    return [
+        f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
+    ]

@@ -104,7 +104,9 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
-    group = np.where(rows.sees == "part", -1 - rows.file, rows.signal)  # features of a part stand at several places together
+    group = np.where(
+        rows.sees == "part", -1 - rows.file, rows.signal
+    )  # features of a part stand at several places together
     moving = [x for x, p in rows.state.position.items() if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))]
     if module.PER == "all":
         return [""]
