@@ -77,7 +77,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     state = search.run()
     options.told("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
-    alone, said = evidence.explained(search.null().fit), evidence.explained(state.fit)
+    said = evidence.explained(evidence.learn(state.fit.chosen, None, state.fit.on, STEPS))
+    alone = evidence.explained(evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)  # they stand behind the map's terms
     for jump, columns in jumps:

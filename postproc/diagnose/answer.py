@@ -29,6 +29,7 @@ class Finding:
     status: str = "accepted"
     text: str = ""  # where the effect's own sentence would say too little
     next_test: str = ""
+    foretells: bool = True  # whether a curve says what targets read that took no part in its fit
 
 
 @dataclass

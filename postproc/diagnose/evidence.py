@@ -23,8 +23,10 @@ SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the reco
 SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
 MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
-SCALES = (0.03, 10.0)  # of the usual size of an effect
-GROWN = 4.0  # times what is usual
+SCALES = (0.03, 1000.0)  # of the usual size of an effect
+TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
+MOST_WHITE = 6.0  # times the white noise that neighbours and repeats show: more is no noise
+GROWN, INFLATED = 4.0, 2.0  # times what is usual; the variance of white noise as it was found
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 LEAST = 1e-3  # of a usual standard deviation
@@ -241,8 +243,9 @@ class Evidence:
         groups = np.unique(part.of[use])
         groups = groups[part.learned[groups]]
         value -= float(
-            np.sum(_surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)
-        ) + float(_surprise(np.sqrt(sigma2), 1.0))
+            np.sum(surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)
+        ) + float(surprise(np.sqrt(sigma2), 1.0))
+        value -= float(sigma2) * (2 / MOST_WHITE) ** 2
         return Reduced(
             shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
         )  # fmt: skip
@@ -340,8 +343,8 @@ class Evidence:
         mean = covariance @ b
         value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
         learned = self.shared_learned
-        value -= float(np.sum(_surprise(shared[learned], self.shared_usual[learned])))
-        value -= sum(float(_surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
+        value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
+        value -= sum(float(surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
         return Fit(chosen, on, value, mean, covariance, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
@@ -425,13 +428,13 @@ class Evidence:
             m[:, i, j], m[:, j, i] = entries, entries
             at = first[which][:, None] + np.arange(w)
             result[which] = -np.inf
-            for scale in (0.3, 1.0):
+            for scale in TRIED:
                 slab = scale * self.slab[at]
                 scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
                 b = dy[at] * slab[:, :, None]
                 solved = np.linalg.solve(scaled, b)
                 _, logdet = np.linalg.slogdet(scaled)
-                now = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None]
+                now = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None] - surprise(scale, 1.0)
                 result[which] = np.maximum(result[which], now)
             if values:
                 coefficients[at] = solved[:, :, 0] * slab
@@ -527,7 +530,7 @@ def _size(power: float, dof: float, usual: float, most: float) -> float:
     return float(np.sqrt((np.sqrt(b * b + 4 * a * c) - b) / (2 * a)))
 
 
-def _surprise(sd: np.ndarray | float, usual: np.ndarray | float):
+def surprise(sd: np.ndarray | float, usual: np.ndarray | float):
     """Minus twice the logarithm of the prior density of a learned standard deviation, but for a constant (inverse gamma)."""
     ratio = (np.asarray(usual) / np.asarray(sd)) ** 2
     return SURE * (ratio - np.log(ratio) - 1.0)

@@ -13,6 +13,7 @@ from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import MATERIAL, Found, Search
 from postproc.machine.model import Machine
 
+CYCLE_MS = 5.0  # a control's position cycle is shorter: its own log is not later
 LIKELY = 6.0  # twice ln(20): a name with a twentieth of the probability stands in the set
 FORMS = 0.03  # of the worth: forms of textbooks are no better than that
 SETS = 6  # names of a set
@@ -51,8 +52,12 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
     alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
     contribution = block.columns @ value
+    if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
+        alike.insert(0, "delay:")  # of a log that is late by more than a control's cycle nobody can tell
     alike = alike + [n for n in unrecorded.names(search.rows, block, contribution) if n not in alike]
-    return Finding(block, named, ci, contribution, own, own + float(search.cost[k]), alike)
+    power, along = search.evidence.beside(state.fit, block.columns, but=k)
+    fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
+    return Finding(block, named, ci, contribution, own, fall, alike)
 
 
 def _needless(search: Search, rest: Found, other: int, k: int, own: float) -> bool:

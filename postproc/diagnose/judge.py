@@ -51,8 +51,8 @@ def _uncertain(f: Finding) -> bool:
 
 
 def _curves(d: Diagnosis) -> None:
-    """A curve over the place is tentative where it does not foretell the places that are left out of its fit: as many terms as
-    targets go through all of them and say nothing of what lies between."""
+    """A curve over the place that does not foretell the places that are left out of its fit is what it says at the targets, no more:
+    as many terms as targets go through all of them and say nothing of what lies between. It goes into no machine unasked."""
     for f in d.findings:
         rest = d.rows.state.passage < 0
         own = np.flatnonzero(np.any(f.block.columns != 0, axis=1) & rest & ~d.held)
@@ -61,8 +61,7 @@ def _curves(d: Diagnosis) -> None:
         place = d.rows.state.position[f.block.axis[0]][own]
         target = np.unique(np.round(place, 2), return_inverse=True)[1]
         with_it, without = _left_out(d, f, own, target)
-        if with_it > FORETELLS * without:
-            f.status = "tentative"
+        f.foretells = with_it <= FORETELLS * without
 
 
 def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> tuple[float, float]:

@@ -84,7 +84,7 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
                 late[which, k] = _share(unit.time[which]) / 2
         if late.any():
             found.append(Group("run", late, RUN * scale, MOST_RUN * scale))
-    if unit.sees != "part":
+    if unit.sees != "part" and np.ptp(rows.state.time[own]) > 0:  # without times nobody can tell what wanders
         found += [Group("wander", columns, WANDER * scale, MOST_WANDER * scale) for columns in wander(unit)]
     return found
 
@@ -143,7 +143,8 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
                 turns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
         if turns:
             found.append(Group("turn", np.concatenate(turns, axis=1), PROCESS, MOST_PROCESS))
-    found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in wander(unit)[:2]]
+    if np.ptp(rows.state.time[own]) > 0:
+        found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in wander(unit)[:2]]
     numbers = np.unique(rows.run[own])
     if 1 < len(numbers) < len(own) / 2:
         found.append(

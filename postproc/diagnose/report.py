@@ -198,20 +198,19 @@ def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], 
             raise UsageError(
                 f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}"
             )
-    out = [f for f in able if f.block.key not in accept and not all(_same_use(f, name) for name in f.equivalent)]
+    sure = [f for f in able if f.foretells and all(_same_use(f, name) for name in f.equivalent)]
+    out = [f for f in able if f.block.key not in accept and f not in sure]
     return [f for f in able if f not in out], out
 
 
 def _same_use(f: Finding, name: str) -> bool:
-    """Whether another name for a finding would correct a program at the same axis, too."""
+    """Whether it does a program no harm to take a finding for what another name says: not where the recording may be at fault and the
+    machine in order, nor where it may be the same effect of another axis."""
     effect, _, axis = name.partition(":")
-    module = effects.load(effect) if effect in effects.names() else None
     if f.block.module.USE != "compensate":
         return True  # no program is corrected by it, whatever its name
-    places = (
-        module is not None and module.USE == "compensate" and (hasattr(module, "tables") or hasattr(module, "grids"))
-    )
-    return places and axis == f.block.axis
+    at_fault = effect in effects.names() and effects.load(effect).KIND != "machine"
+    return not at_fault and (effect != f.block.name or axis == f.block.axis)
 
 
 def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
@@ -221,6 +220,9 @@ def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
     said = [
         f"{f.block.key} is NOT written: {', '.join(f.equivalent)} would explain these readings as well, and correct a program otherwise; "
         f"run the test that tells them apart, or --accept {f.block.key}"
+        if f.foretells
+        else f"{f.block.key} is NOT written: its curve does not foretell targets that are left out of its fit; "
+        f"measure at more targets, or --accept {f.block.key}"
         for f in out
     ]
     return said + [

@@ -24,11 +24,12 @@ WIDTH, CHILDREN, POLISHED = (
     3,
 )  # sets that are kept, members that are tried beside each, and of these with shapes of their own
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
+AHEAD = 3  # members
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
     "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
-    "scale": 1.4,
+    "scale": 1.4, "delay": 2.0,
 }  # fmt: skip
 UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
@@ -40,7 +41,7 @@ OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its e
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
 FORMED = 1e-3  # mm: the error of form of less is nothing
-TOLD = 0.5  # of the white noise
+TOLD = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
 
 
@@ -196,8 +197,10 @@ class Search:
     def run(self) -> Found:
         """The most probable set of which every member is worth its place. Names first; what comes back and has no name may take
         the place of some of them, or come before all of them."""
-        named = self._grown(self.null(), self.children)
         alone = self._grown(self.null(), self._processes)
+        # Something is there: two or three effects together may say it where none of them alone does.
+        something = bool(alone[-1].fit.on) or self.evidence.wandered(self.null().fit)
+        named = self._grown(self.null(), self.children, AHEAD if something else 0)
         ends = [*named, *alone[-1:]]
         ends.append(self._settled(self._grown(named[-1], self._processes)[-1]))
         if alone[-1].fit.on:
@@ -215,21 +218,23 @@ class Search:
 
         return max({state.key: state for state in states}.values(), key=worth)
 
-    def _grown(self, start: Found, children: Callable[[Found], list[Found]]) -> list[Found]:
-        """The best of the sets that grow from one, with each number of members."""
+    def _grown(self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0) -> list[Found]:
+        """The best of the sets that grow from one, with each number of members; up to `ahead` of them also where a member
+        is worth nothing yet."""
         beam, best = [start], [start]
-        for _ in range(MOST):
+        for level in range(MOST):
             grown = {}
             for state in beam:
                 for child in children(state):
-                    if child.score > state.score + self.least:
+                    if level < ahead or child.score > state.score + self.least:
                         grown[child.key] = child
             if not grown:
                 break
             beam = sorted(grown.values(), key=lambda c: -c.score)[:WIDTH]
-            if beam[0].score <= best[-1].score:
+            if beam[0].score > best[-1].score:
+                best.append(beam[0])
+            elif level >= ahead:
                 break
-            best.append(beam[0])
         return best
 
     def _processes(self, state: Found) -> list[Found]:

@@ -48,17 +48,18 @@ def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> i
 
 def worth(search: Search, fit: Fit, block: Block) -> float:
     """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible one."""
-    from postproc.diagnose.evidence import SLAB
+    from postproc.diagnose.evidence import SLAB, surprise
+    from postproc.diagnose.evidence import TRIED as TRIED_SIZES
     from postproc.diagnose.search import plausible
 
     a, b = search.evidence.beside(fit, block.columns)
     best = -np.inf
-    for scale in (0.3, 1.0):
+    for scale in TRIED_SIZES:
         slab = scale * SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
         scaled = a * np.outer(slab, slab) + np.eye(len(slab))
         value = np.linalg.solve(scaled, b * slab)
         if plausible(block, value * slab):
-            best = max(best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]))
+            best = max(best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]) - surprise(scale, 1.0))
     return best
 
 

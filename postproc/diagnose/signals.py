@@ -17,7 +17,7 @@ from postproc.recordings import Recording
 
 XYZ = "XYZ"
 OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
-MOST_ROWS = 3000  # per signal: traces are averaged down to it
+MOST_ROWS = 5000  # per signal: traces are averaged down to it
 MOST_INSIDE = 64  # samples of a row whose places are kept
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 RESTS = 2e-5  # mm from sample to sample

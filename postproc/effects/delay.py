@@ -7,7 +7,7 @@ from postproc.effects import State, along
 PARAMETERS = {
     "delay_ms": "ms, how late the recording is",
 }
-PLAUSIBLE = {"delay_ms": (0.0, 1000.0)}  # beyond, it is something else
+PLAUSIBLE = {"delay_ms": (0.0, 5.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("velocity",), ("scale", "trace")
 TEXT = (
