@@ -30,12 +30,12 @@ from proof.score_table import Line, number, share
 TIERS = {
     "null": 300,
     "adversarial": 60,
-    "single": 160,
-    "pair": 40,
-    "triple": 20,
-    "masked": 40,
-    "withheld": 30,
-    "alien": 60,
+    "single": 120,
+    "pair": 30,
+    "triple": 15,
+    "masked": 30,
+    "withheld": 20,
+    "alien": 40,
 }
 SMALL = {"null": 6, "adversarial": 3, "single": 8, "pair": 2, "alien": 3}
 FAMILY = "held"
