@@ -13,52 +13,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
 
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
-from postproc.diagnose.nuisances import FREE, PROCESSES, Group
+from postproc.diagnose.nuisances import FREE, Group
+from postproc.diagnose.parts import SURE, Part, Reduced, cholesky, inverted, solved, surprise
 
 SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to 50 um)
-SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
 MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
-MOST_WHITE = 6.0  # times the white noise that neighbours and repeats show: more is no noise
 GROWN, INFLATED = 4.0, 2.0  # times what is usual; the variance of white noise as it was found
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
-LEAST = 1e-3  # of a usual standard deviation
 
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
-
-
-@dataclass
-class Reduced:
-    """One unit with its own columns taken out. shown: blocks of the set that show in it; kinds: of its processes; sigma2 (1: as its
-    white noise was found), sd of each group; use (q,): own columns that count; root (q, q): Cholesky factor (lower) of 1/sd^2 +
-    B'B/sigma2; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence; bf, ff, fy: products.
-    hd, fd, dd: the same of the dictionary, when it was asked for."""
-
-    shown: tuple[int, ...]
-    kinds: frozenset[str]
-    sigma2: float
-    sd: np.ndarray
-    use: np.ndarray
-    root: np.ndarray
-    hf: np.ndarray
-    hy: np.ndarray
-    inside: np.ndarray
-    along: np.ndarray
-    value: float
-    bf: np.ndarray
-    ff: np.ndarray
-    fy: np.ndarray
-    hd: np.ndarray | None = None
-    fd: np.ndarray | None = None
-    dd: np.ndarray | None = None
 
 
 @dataclass
@@ -75,68 +46,6 @@ class Fit:
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
-
-
-class Part:
-    """What one unit contributes: its columns, whitened, and their products."""
-
-    def __init__(self, whole: Unit, keep: np.ndarray, groups: list[Group], shared: np.ndarray, y: np.ndarray):
-        self.whole = whole
-        unit = self.unit = whole.pick(keep)
-        self.use = use = keep[whole.rows]
-        self.groups = groups
-        self.kinds = [g.kind for g in groups]
-        width = [g.columns.shape[1] for g in groups]
-        self.of = np.repeat(np.arange(len(groups)), width)
-        self.usual = np.array([g.sd for g in groups])
-        self.learned = np.array([g.learned for g in groups], bool)
-        self.most = np.array([g.most for g in groups])
-        b = np.concatenate([g.columns for g in groups], axis=1) if groups else np.zeros((len(unit), 0))
-        self.raw = b
-        self.b = unit.whitened(b[use])
-        self.z = unit.whitened(shared[unit.rows])
-        self.y = unit.whitened(y[unit.rows])
-        self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y
-        self.bz, self.zz, self.zy = self.b.T @ self.z, self.z.T @ self.z, self.z.T @ self.y
-        self.yy = float(self.y @ self.y)
-        self.d = np.zeros((len(unit), 0))
-        self.columns = np.zeros(0, int)  # numbers of the dictionary's columns that show here
-        self.bd, self.zd, self.dy = np.zeros((len(b.T), 0)), np.zeros((self.z.shape[1], 0)), np.zeros(0)
-        self._crossed: dict[int, np.ndarray] = {}
-        self.where: dict[int, slice] = {}  # block to its columns here
-        self.processes = {
-            kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES
-        }
-        self.usually = ~np.any(list(self.processes.values()), axis=0)
-
-    def add(self, numbers: list[int], blocks: list[np.ndarray], first: list[int]) -> None:
-        """Blocks of the dictionary, (n, K) each, that show in this unit; first: number of the first column of each."""
-        if not blocks:
-            return
-        new = self.unit.whitened(np.concatenate(blocks, axis=1))
-        at = self.d.shape[1]
-        cols = []
-        for number, block, start in zip(numbers, blocks, first, strict=True):
-            self.where[number] = slice(at, at + block.shape[1])
-            cols.append(np.arange(start, start + block.shape[1]))
-            at += block.shape[1]
-        self.d = np.concatenate([self.d, new], axis=1)
-        self.columns = np.concatenate([self.columns, *cols])
-        self.bd = np.concatenate([self.bd, self.b.T @ new], axis=1)
-        self.zd = np.concatenate([self.zd, self.z.T @ new], axis=1)
-        self.dy = np.concatenate([self.dy, new.T @ self.y])
-
-    def crossed(self, k: int) -> np.ndarray:
-        """(w, K) products of a block's columns with all of the dictionary that show here."""
-        known = self._crossed.get(k, np.zeros((self.where[k].stop - self.where[k].start, 0)))
-        if known.shape[1] < self.d.shape[1]:
-            new = self.d[:, self.where[k]].T @ self.d[:, known.shape[1] :]
-            known = self._crossed[k] = np.concatenate([known, new], axis=1)
-        return known
-
-    def own_products(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """(P,) products of pairs of own columns of the dictionary."""
-        return np.einsum("np,np->p", self.d[:, first], self.d[:, second])
 
 
 class Evidence:
@@ -210,69 +119,6 @@ class Evidence:
             [np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1]) for k in chosen]
         )
 
-    # -- one unit at given sizes ---------------------------------------------------------------------------------------
-
-    def _reduced(self, k: int, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]) -> Reduced:
-        """The k-th unit with its own columns taken out; shown: blocks that show in it; kinds: of its processes."""
-        part = self.parts[k]
-        z = len(part.zy)
-        at = (
-            np.concatenate([np.arange(part.where[c].start, part.where[c].stop) for c in shown])
-            if shown
-            else np.zeros(0, int)
-        )
-        f = z + len(at)
-        bf, fy, ff = np.empty((len(part.by), f)), np.empty(f), np.empty((f, f))
-        bf[:, :z], fy[:z], ff[:z, :z] = part.bz, part.zy, part.zz
-        if len(at):
-            own = part.d[:, at]
-            bf[:, z:], fy[z:] = part.bd[:, at], part.dy[at]
-            ff[:z, z:] = part.zd[:, at]
-            ff[z:, :z], ff[z:, z:] = ff[:z, z:].T, own.T @ own
-        counts = part.usually
-        for kind in kinds:
-            counts = counts | part.processes[kind]
-        use = np.flatnonzero(counts)
-        m = part.bb[np.ix_(use, use)] / sigma2
-        m[np.diag_indices(len(use))] += 1.0 / sd[part.of[use]] ** 2
-        root = _root(m)
-        half = _solved(root, np.column_stack([bf[use], part.by[use]]) / sigma2)
-        hf, hy = half[:, :-1], half[:, -1]
-        value = -len(part.y) * np.log(sigma2) - part.yy / sigma2 + float(hy @ hy)
-        value -= 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd[part.of[use]]).sum())
-        groups = np.unique(part.of[use])
-        groups = groups[part.learned[groups]]
-        value -= float(
-            np.sum(surprise(sd[groups], part.usual[groups]) + (2 * sd[groups] / part.most[groups]) ** 2)
-        ) + float(surprise(np.sqrt(sigma2), 1.0))
-        value -= float(sigma2) * (2 / MOST_WHITE) ** 2
-        return Reduced(
-            shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
-        )  # fmt: skip
-
-    def _renewed(
-        self, k: int, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
-    ) -> tuple[float, np.ndarray]:
-        """The k-th unit's variance and standard deviations, by MacKay's fixed point. mean, covariance: of its shared coefficients."""
-        part, use, sd = self.parts[k], old.use, old.sd.copy()
-        inverse = _inverted(old.root)
-        own = inverse.T @ (old.hy - old.hf @ mean)
-        along = inverse.T @ old.hf
-        spread = (inverse**2).sum(axis=0) + ((along @ covariance) * along).sum(axis=1)
-        of, left = part.of[use], 0.0
-        for g in np.unique(of):
-            which = of == g
-            dof = max(int(which.sum()) - float(spread[which].sum()) / old.sd[g] ** 2, 0.0)
-            left += dof
-            if part.learned[g]:
-                usual = part.usual[g]
-                now = _size(float((own[which] ** 2).sum()), dof, usual, part.most[g])
-                sd[g] = float(np.clip(now, LEAST * usual, part.most[g]))
-        left += float(np.sum(covariance * old.inside))
-        e = part.yy - 2 * (own @ part.by[use] + mean @ old.fy) + own @ (part.bb[np.ix_(use, use)] @ own)
-        e += 2 * own @ (old.bf[use] @ mean) + mean @ old.ff @ mean
-        return float(np.clip((e + SURE) / max(len(part.y) - left + SURE, 1.0), least, 1e4)), sd
-
     # -- a set of blocks -----------------------------------------------------------------------------------------------
 
     def learn(
@@ -296,7 +142,7 @@ class Evidence:
                 parts.append(old)
                 continue
             sigma2, sd = (old.sigma2, old.sd) if old and not afresh else (1.0, part.usual)
-            parts.append(self._reduced(k, shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
+            parts.append(part.reduced(shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
             touched.append(k)
         fit = self._joined(chosen, on, shared, scale, parts)
         for _ in range(steps):
@@ -304,8 +150,10 @@ class Evidence:
             parts = list(fit.parts)
             for k in touched:
                 at = self._at(k, chosen, shown[k])
-                sigma2, sd = self._renewed(k, parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k]))
-                parts[k] = self._reduced(k, shown[k], sigma2, sd, kinds[k])
+                sigma2, sd = self.parts[k].renewed(
+                    parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
+                )
+                parts[k] = self.parts[k].reduced(shown[k], sigma2, sd, kinds[k])
             fit = self._joined(chosen, on, shared, scale, parts)
         return fit
 
@@ -337,8 +185,8 @@ class Evidence:
             a[np.ix_(at, at)] += part.inside
             b[at] += part.along
             value += part.value
-        root = _root(a)
-        inverse = _inverted(root)
+        root = cholesky(a)
+        inverse = inverted(root)
         covariance = inverse.T @ inverse
         mean = covariance @ b
         value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
@@ -383,7 +231,7 @@ class Evidence:
             s2 = old.sigma2
             at = self._at(k, fit.chosen, old.shown)
             if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
-                old.hd = _solved(old.root, part.bd[old.use] / s2)
+                old.hd = solved(old.root, part.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
                 crossed = np.concatenate([part.zd, *(part.crossed(c) for c in old.shown)])
                 _, i, j, own = self._pairs[k]
@@ -392,7 +240,7 @@ class Evidence:
             hy, y_f, y_d = old.hy[:, None], old.fy[:, None], part.dy[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
-                hy = _solved(old.root, (part.b.T @ white)[old.use] / s2)
+                hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate([part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)])
                 y_d = part.d.T @ white
             fy[at] += y_f / s2 - old.hf.T @ hy
@@ -400,8 +248,8 @@ class Evidence:
             fd[np.ix_(at, part.columns)] += old.fd
             dd[self._pairs[k][0]] += old.dd
         if f:
-            root = _root(self._precision(fit, sd))
-            half_d, half_y = _solved(root, fd), _solved(root, fy)
+            root = cholesky(self._precision(fit, sd))
+            half_d, half_y = solved(root, fd), solved(root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
         return self._factors(dy, dd, draws is None)
@@ -459,12 +307,12 @@ class Evidence:
                 continue
             x = part.unit.whitened(raw)
             crossed = np.concatenate([part.z.T @ x, *(part.d[:, part.where[c]].T @ x for c in old.shown)])
-            hx = _solved(old.root, (part.b.T @ x)[old.use] / s2)
+            hx = solved(old.root, (part.b.T @ x)[old.use] / s2)
             fx[at] += crossed / s2 - old.hf.T @ hx
             xx += x.T @ x / s2 - hx.T @ hx
             xy += x.T @ part.y / s2 - hx.T @ old.hy
         if f:
-            half = _solved(_root(self._precision(fit, sd)), np.column_stack([fy, fx]))
+            half = solved(cholesky(self._precision(fit, sd)), np.column_stack([fy, fx]))
             xx -= half[:, 1:].T @ half[:, 1:]
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy
@@ -485,7 +333,7 @@ class Evidence:
             at += w
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             own, use = part.whole.rows, old.use
-            mean = _inverted(old.root).T @ (old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)])
+            mean = inverted(old.root).T @ (old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)])
             variance = old.sigma2 * part.whole.r**2
             for g in np.unique(part.of[use]):
                 which = part.of[use] == g
@@ -523,19 +371,6 @@ class Evidence:
         return y
 
 
-def _size(power: float, dof: float, usual: float, most: float) -> float:
-    """The most probable standard deviation of dof coefficients whose squares sum to power: where its prior density is
-    inverse gamma at small sizes and normal at large ones, with half of `most` for its standard deviation."""
-    a, b, c = 4 / most**2, dof + SURE, power + SURE * usual**2
-    return float(np.sqrt((np.sqrt(b * b + 4 * a * c) - b) / (2 * a)))
-
-
-def surprise(sd: np.ndarray | float, usual: np.ndarray | float):
-    """Minus twice the logarithm of the prior density of a learned standard deviation, but for a constant (inverse gamma)."""
-    ratio = (np.asarray(usual) / np.asarray(sd)) ** 2
-    return SURE * (ratio - np.log(ratio) - 1.0)
-
-
 def colored(unit: Unit, e: np.ndarray) -> np.ndarray:
     """(n, R): innovations to an autoregression."""
     result = e * np.sqrt(unit.innovation) if len(unit.ar) else e
@@ -543,23 +378,3 @@ def colored(unit: Unit, e: np.ndarray) -> np.ndarray:
         for lag, a in enumerate(unit.ar[:k], 1):
             result[k] += a * result[k - lag]
     return result
-
-
-def _root(m: np.ndarray) -> np.ndarray:
-    """The lower Cholesky factor."""
-    if not len(m):
-        return m
-    root, info = dpotrf(m, lower=1, clean=1)
-    if info:
-        root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)
-    if info:
-        raise np.linalg.LinAlgError(f"the {info}. leading minor is not positive")
-    return root
-
-
-def _solved(root: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return dtrtrs(root, b, lower=1)[0] if len(root) and b.size else b
-
-
-def _inverted(root: np.ndarray) -> np.ndarray:
-    return dtrtri(root, lower=1)[0] if len(root) else root

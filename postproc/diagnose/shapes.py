@@ -48,8 +48,9 @@ def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> i
 
 def worth(search: Search, fit: Fit, block: Block) -> float:
     """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible one."""
-    from postproc.diagnose.evidence import SLAB, surprise
+    from postproc.diagnose.evidence import SLAB
     from postproc.diagnose.evidence import TRIED as TRIED_SIZES
+    from postproc.diagnose.parts import surprise
     from postproc.diagnose.search import plausible
 
     a, b = search.evidence.beside(fit, block.columns)
