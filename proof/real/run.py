@@ -65,7 +65,16 @@ def gcomp(*words: str) -> str:
 def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]:
     files = {"--json": f"answer{step}.json", "--residuals": f"residuals{step}.csv", "--write-machine": f"machine{step}"}
     words = [w for option, name in files.items() for w in (option, str(folder / name))]
-    call = ["diagnose", *map(str, job.recordings), "--machine", str(machine), *job.options, *words, "--force", "--quiet"]
+    call = [
+        "diagnose",
+        *map(str, job.recordings),
+        "--machine",
+        str(machine),
+        *job.options,
+        *words,
+        "--force",
+        "--quiet",
+    ]
     gcomp(*call)
     answer = json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
     # What is not told apart, or does not foretell targets between, is written only when it is asked for: here it is.

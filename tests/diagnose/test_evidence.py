@@ -7,10 +7,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from postproc.diagnose.evidence import SLAB, Evidence
+from postproc.diagnose.evidence import SLAB, TRIED, Evidence
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, WANDER, Group
+from postproc.diagnose.parts import surprise
 
 N = 80
 NOISE = 4e-4
@@ -80,7 +81,10 @@ def test_a_look_at_the_whole_dictionary_says_the_same_as_one_after_the_other():
     base = twice_log_density(evidence.y, without)
     for k, b in enumerate(evidence.blocks):
         usual = b.columns * SLAB / np.abs(b.columns).max(axis=0)
-        wanted = max(twice_log_density(evidence.y, without + s**2 * usual @ usual.T) for s in (0.3, 1.0)) - base
+        wanted = (
+            max(twice_log_density(evidence.y, without + s**2 * usual @ usual.T) - surprise(s, 1.0) for s in TRIED)
+            - base
+        )
         assert scores[k] == pytest.approx(wanted, rel=1e-6, abs=1e-6)
 
 

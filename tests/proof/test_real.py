@@ -18,7 +18,12 @@ PRINTED = {  # reversal error, um, as the reports have it
 }
 
 
-@pytest.mark.parametrize("name", NAMED)
+MISSED = pytest.mark.xfail(
+    strict=True, reason="a dial gauge of 10 um steps: what it shows is called unknown, lost motion is wanted"
+)
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=MISSED) if n == "chamber-z" else n for n in NAMED])
 def test_what_was_taken_out_is_named_and_the_fit_gets_better(name, tmp_path):
     case = BY_NAME[name]
     result = run(case, tmp_path)
