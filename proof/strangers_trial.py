@@ -167,6 +167,7 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
         return f"{o.case} ({o.tier}) said {', '.join(o.names) or 'nothing'}"
 
     alien = [o for o in of["alien"] if o.truths]
+    timed = [o.seconds for o in outcomes if o.seconds == o.seconds]  # a run that was ended has no times
     ratios = [
         o.after / o.floor
         for o in (*single, *several, *of["masked"], *of["withheld"])
@@ -191,8 +192,8 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
         number("held-out rms over noise floor: median", ratios, 0.5, most=1.10),
         number("held-out rms over noise floor: 90th percentile", ratios, 0.9, most=1.5),
         share("true parameters within their 95 % intervals", [(v, o.case) for o in outcomes for v in o.inside], 0.90),
-        number("seconds a case: median", [o.seconds for o in outcomes], 0.5, most=2.0),
-        number("seconds a case: 95th percentile", [o.seconds for o in outcomes], 0.95, most=8.0),
+        number("seconds a case: median", timed, 0.5, most=2.0),
+        number("seconds a case: 95th percentile", timed, 0.95, most=8.0),
         share("cases without an answer", [(bool(o.failed), f"{o.case} {o.failed}") for o in outcomes], most=0.0),
     ]  # fmt: skip
 
