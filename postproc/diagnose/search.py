@@ -15,6 +15,7 @@ import numpy as np
 from postproc.diagnose import shapes
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.library import Block, found
+from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
 
 MOST = 6  # members of a set
@@ -26,11 +27,6 @@ WIDTH, CHILDREN, POLISHED = (
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 AHEAD = 3  # members
 RENEWED = 3  # steps in which sizes are learned again beside a new member
-ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
-RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
-    "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
-    "scale": 1.4, "delay": 2.0,
-}  # fmt: skip
 UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
@@ -63,9 +59,8 @@ class Search:
     def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
         self.rows, self.evidence = rows, evidence
         evidence.add(blocks)
-        self.cost = np.array([_cost(b) for b in blocks])
+        self.cost = np.array([cost_of(b) for b in blocks])
         self.least = LEAST
-        self.signals = [np.flatnonzero(rows.signal == s) for s in np.unique(rows.signal)]
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[tuple, Found] = {}
         self._looked: set[tuple] = set()
@@ -80,7 +75,7 @@ class Search:
         for k, known in enumerate(self.blocks):
             if (known.key, known.shape) == (block.key, block.shape):
                 return k
-        self.cost = np.append(self.cost, _cost(block))
+        self.cost = np.append(self.cost, cost_of(block))
         return self.evidence.add([block])[0]
 
     # -- sets ----------------------------------------------------------------------------------------------------------
@@ -366,7 +361,7 @@ class Search:
         known = {(b.key, b.shape) for b in self.blocks}
         new = [b for b in found(self.rows, left / sigma**2, sigma) if (b.key, b.shape) not in known]
         if new:
-            self.cost = np.append(self.cost, [_cost(b) for b in new])
+            self.cost = np.append(self.cost, [cost_of(b) for b in new])
             self.evidence.add(new)
 
     def scores(self, state: Found) -> np.ndarray:
@@ -407,28 +402,3 @@ def _open(part) -> np.ndarray:
     q, r = np.linalg.qr(part.raw[part.use][:, which])
     size = np.abs(np.diag(r))
     return q[:, size > 1e-9 * size.max(initial=0.0)]
-
-
-def _cost(block: Block) -> float:
-    """What a block pays for its name and for the shapes that it was chosen from, twice the logarithm."""
-    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0)
-
-
-def unusual(block: Block, coefficients: np.ndarray) -> int:
-    """How many of the named parameters have another sign than they usually have."""
-    expected = getattr(block.module, "EXPECTED", None)
-    if not expected:
-        return 0
-    named = block.module.parameters(coefficients, dict(block.shape))
-    return sum(named[name] * sign < 0 for name, sign in expected.items())
-
-
-def plausible(block: Block, coefficients: np.ndarray) -> bool:
-    """Whether the named parameters are such as machines have, and such as the name says."""
-    limits, sensible = getattr(block.module, "PLAUSIBLE", {}), getattr(block.module, "sensible", None)
-    if not limits and sensible is None:
-        return True
-    named = block.module.parameters(coefficients, dict(block.shape))
-    if sensible is not None and not sensible(**named):
-        return False
-    return all(low <= named[name] <= high for name, (low, high) in limits.items())

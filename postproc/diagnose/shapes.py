@@ -10,6 +10,7 @@ import numpy as np
 
 from postproc.diagnose import library
 from postproc.diagnose.library import FOUND, Block
+from postproc.diagnose.prior import plausible
 
 if TYPE_CHECKING:
     from postproc.diagnose.evidence import Fit
@@ -51,7 +52,6 @@ def worth(search: Search, fit: Fit, block: Block) -> float:
     from postproc.diagnose.evidence import SLAB
     from postproc.diagnose.evidence import TRIED as TRIED_SIZES
     from postproc.diagnose.parts import surprise
-    from postproc.diagnose.search import plausible
 
     a, b = search.evidence.beside(fit, block.columns)
     best = -np.inf

@@ -1,0 +1,38 @@
+"""What is believed of an effect before the readings are looked at: how seldom its name is, which signs and sizes machines have."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose.library import Block
+
+ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
+RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
+    "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
+    "scale": 1.4, "delay": 2.0,
+}  # fmt: skip
+
+
+def cost_of(block: Block) -> float:
+    """What a block pays for its name and for the shapes that it was chosen from, twice the logarithm."""
+    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0)
+
+
+def unusual(block: Block, coefficients: np.ndarray) -> int:
+    """How many of the named parameters have another sign than they usually have."""
+    expected = getattr(block.module, "EXPECTED", None)
+    if not expected:
+        return 0
+    named = block.module.parameters(coefficients, dict(block.shape))
+    return sum(named[name] * sign < 0 for name, sign in expected.items())
+
+
+def plausible(block: Block, coefficients: np.ndarray) -> bool:
+    """Whether the named parameters are such as machines have, and such as the name says."""
+    limits, sensible = getattr(block.module, "PLAUSIBLE", {}), getattr(block.module, "sensible", None)
+    if not limits and sensible is None:
+        return True
+    named = block.module.parameters(coefficients, dict(block.shape))
+    if sensible is not None and not sensible(**named):
+        return False
+    return all(low <= named[name] <= high for name, (low, high) in limits.items())
