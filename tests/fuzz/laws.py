@@ -367,7 +367,8 @@ def kind(message: str) -> str:
     if head in ("crash", "hang"):
         return message[:40] + message.rpartition(" at ")[2]
     if head == "own error":
-        rest = rest.partition(":")[0]
+        first, _, reason = rest.partition(": ")
+        rest = reason if first == "the output can not be followed" else first  # each reason is a kind of its own
     return head + ": " + "".join(c for c in rest[:60] if not c.isdigit())
 
 
