@@ -19,7 +19,7 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
 }  # fmt: skip
 MOST_STEPS = 200
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
-FOUND = ("cyclic", "encoder_cyclic", "vibration")  # from the spectrum of what is left
+FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def blocks(rows: Rows) -> list[Block]:
 def _shapes(rows: Rows, name: str, module: ModuleType, axis: str) -> Iterator[dict[str, float]]:
     if name == "step_loss":
         yield from ({"t_s": t} for t in _steps(rows))
-    elif name not in FOUND:
+    else:
         yield from module.shapes(rows.state, axis)
 
 

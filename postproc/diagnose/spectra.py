@@ -14,12 +14,13 @@ TRIED = 600  # frequencies that could have been chosen by chance: what the score
 PEAKS = 3
 STILL, SMALL_STEPS = 1e-4, 0.1  # mm between samples: an axis stands; which share of them tells the finest wave
 FINEST, MOST_PAIRS = 0.02, 2_000_000  # mm, of a scale's signal; distances of samples that are looked at
-LOWEST_HZ = 2.0  # slower, it is drift
+LOWEST_HZ = 0.5  # slower, it is drift: machines on soft mounts swing at 1 to 3 Hz
 PLACES = 24  # of targets in all from which on steps that are no part of each other show what is finer than their gaps
 SHORTEST = 2.0  # mm: leads of machines' screws are longer
 MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-way
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 LEAST_PART = 0.05  # of a wave's power beyond the zeros
+FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
@@ -153,7 +154,7 @@ def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     highest = max(0.45 / float(np.median(np.diff(rows.state.time[w]))) for w in passages)
     if highest <= LOWEST_HZ or length <= 0:
         return []
-    grid = np.arange(LOWEST_HZ, highest, 0.4 / length)
+    grid = np.arange(max(LOWEST_HZ, FEWEST_SWINGS / length), highest, 0.4 / length)
     total = np.zeros(len(grid))
     for which in passages:
         t = rows.state.time[which] - rows.state.time[which].min()

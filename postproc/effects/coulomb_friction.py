@@ -1,7 +1,8 @@
 """Coulomb friction: the axis stays behind by the friction over the stiffness of its drive, in motion and after it.
 
-A drive without integral action does not make up for it. After a turn the friction is taken up over a little way (pre-sliding),
-or as fast as the position loop settles.
+A drive without integral action does not make up for it, and holds it at rest; one with it lets it go as soon as the axis stands. After
+a turn the friction is taken up over a little way (pre-sliding), or as fast as the position loop settles. At slow speeds, where the film
+of oil is thin, it is higher (Stribeck 1902; Armstrong-Helouvry et al., Automatica 30, 1994, 1083).
 """
 
 import numpy as np
@@ -12,8 +13,14 @@ PARAMETERS = {
     "size_um": "um, difference between the two directions",
     "play_mm": "mm, way after a turn over which the friction turns round",
     "settle_ms": "ms, time constant with which the loop settles after a turn",
+    "released": "1, at rest the axis does not lag; 0, it does",
+    "stribeck_um": "um, by how much the difference is larger at the slowest speeds",
+    "stribeck_mm_s": "mm/s, speed at which that has fallen to a third; 0, none",
 }
-OPTIONAL = {"play_mm": 0.0, "settle_ms": 0.0}
+OPTIONAL = {"play_mm": 0.0, "settle_ms": 0.0, "released": 0.0, "stribeck_um": 0.0, "stribeck_mm_s": 0.0}
+STRIBECK = (2.0, 6.0, 18.0)  # mm/s
+WITHOUT = {"play_mm": 0.0, "settle_ms": 0.0, "released": 0.0, "stribeck_mm_s": 0.0}
+MOST_STRIBECK = 1.0  # of the friction at speed: what breaks away is up to twice of it (Armstrong-Helouvry 1994)
 SMALL = 0.05  # mm
 SOON = 0.05  # s
 # Friction over the stiffness of a loop: what a belt gives, see windup.
@@ -26,19 +33,40 @@ TEXT = "Friction holds the axis back while it moves. Lubrication and preload; fr
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near, since = state.distance.get(axis), state.since.get(axis)
-    ways = (0.0, 0.01, 0.03, 0.1) if near is not None and np.any(near < SMALL) else (0.0,)
+    ways = (0.01, 0.03, 0.1) if near is not None and np.any(near < SMALL) else ()
     times = (4.0, 8.0, 16.0, 32.0) if since is not None and np.any(since < SOON) else ()
-    return [{"play_mm": v, "settle_ms": 0.0} for v in ways] + [{"play_mm": 0.0, "settle_ms": v} for v in times]
+    found = [{"play_mm": v} for v in (0.0, *ways)] + [{"settle_ms": v} for v in times]
+    stands = bool(np.any(sampled(state) & (state.velocity[axis] == 0)))
+    found += [{"released": r, "stribeck_mm_s": v} for r in (0.0, 1.0)[: 1 + stands] for v in (0.0, *STRIBECK) if r or v]
+    return [WITHOUT | shape for shape in found]
 
 
-def columns(state: State, axis: str, play_mm: float = 0.0, settle_ms: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, play_mm: float = 0.0, settle_ms: float = 0.0, released: float = 0.0, stribeck_mm_s: float = 0.0
+) -> np.ndarray:
     share = taken_up(state, axis, play_mm) if play_mm > 0 else settled(state, axis, settle_ms)
-    return along(axis, -state.approach[axis] / 2 * share * sampled(state))
+    v = state.velocity[axis]
+    side = np.sign(v) if released else state.approach[axis]
+    lag = -side / 2 * share * sampled(state)
+    if stribeck_mm_s <= 0:
+        return along(axis, lag)
+    return along(axis, lag, lag * np.exp(-((v / stribeck_mm_s) ** 2)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "play_mm": shape["play_mm"], "settle_ms": shape["settle_ms"]}
+    more = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return {"size_um": float(coefficients[0]), "stribeck_um": more} | {name: shape.get(name, 0.0) for name in WITHOUT}
 
 
-def coefficients(size_um: float, play_mm: float = 0.0, settle_ms: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"play_mm": play_mm, "settle_ms": settle_ms}
+def coefficients(
+    size_um: float, play_mm: float = 0.0, settle_ms: float = 0.0, released: float = 0.0, stribeck_um: float = 0.0,
+    stribeck_mm_s: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    values = [size_um, stribeck_um] if stribeck_mm_s > 0 else [size_um]
+    shape = {"play_mm": play_mm, "settle_ms": settle_ms, "released": released, "stribeck_mm_s": stribeck_mm_s}
+    return np.array(values), shape
+
+
+def sensible(size_um: float, stribeck_um: float, **others: float) -> bool:
+    """Whether it is friction at all speeds, and more at slow ones: the other way round it is another effect."""
+    return stribeck_um * size_um >= 0 and abs(stribeck_um) <= MOST_STRIBECK * abs(size_um)

@@ -1,7 +1,7 @@
 """Cyclic error: periodic in the position, of a screw's turn or a scale's grating.
 
-What turns gives a second wave per turn besides (a bent shaft's bearing, a coupling's joints), and a swing that grows with the
-distance of the nut from the bearing that wobbles.
+What turns gives a second wave per turn besides (a bent shaft's bearing, a coupling's joints), a swing that grows with the
+distance of the nut from the bearing that wobbles, and one that is another from the other side, where flanks do not run alike.
 """
 
 import numpy as np
@@ -16,11 +16,16 @@ PARAMETERS = {
     "second_deg": "degrees, its phase",
     "grows_um": "um, by how much the swing differs at the upper end of the travel",
     "grows_deg": "degrees, the phase of that difference",
+    "sided_um": "um, by how much the swing of either side of approach differs from their mean",
+    "sided_deg": "degrees, the phase of that difference, coming from -",
 }
-OPTIONAL = {"second_um": 0.0, "second_deg": 0.0, "grows_um": 0.0, "grows_deg": 0.0}
+MORE = ("second", "grows", "sided")
+OPTIONAL = {f"{name}_{unit}": 0.0 for name in MORE for unit in ("um", "deg")}
+LEADS = (1.0, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0)  # mm: ISO 3408-2, nominal leads
 # A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
-SECOND, GROWS = 0.5, 0.5  # of the amplitude: beyond, it is another wave
+MOST = 0.6  # of the amplitude: beyond, it is another wave
+TURNS = 1.5  # of the screw: fewer are a curve
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "part")
@@ -31,34 +36,41 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return []  # found from the spectrum of what is left, see diagnose
+    """What screws are made with; others are found from the spectrum of what is left, see diagnose."""
+    span = float(np.ptp(state.position[axis]))
+    return [{"period_mm": lead} for lead in LEADS if TURNS * lead < span]
 
 
 def fuller(shape: dict[str, float]) -> list[dict[str, float]]:
     """The same wave with what may come with it."""
-    plain = {"period_mm": shape["period_mm"]}
-    return [plain | {"second": s, "grows": g} for s, g in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
+    plain = {"period_mm": shape["period_mm"]} | dict.fromkeys(MORE, 0.0)
+    sets = (("second",), ("grows",), ("sided",), ("second", "grows"), ("second", "sided"))
+    return [plain | dict.fromkeys(names, 1.0) for names in sets]
 
 
-def sensible(amplitude_um: float, second_um: float, grows_um: float, **named: float) -> bool:
+def sensible(amplitude_um: float, second_um: float, grows_um: float, sided_um: float = 0.0, **named: float) -> bool:
     """Whether the rest is small beside the wave itself."""
-    return second_um <= SECOND * amplitude_um and grows_um <= GROWS * amplitude_um
+    return max(second_um, grows_um, sided_um) <= MOST * amplitude_um
 
 
-def columns(state: State, axis: str, period_mm: float, second: float = 0.0, grows: float = 0.0) -> np.ndarray:
-    waves = []
-    for number in (1, 2) if second else (1,):
-        waves += waves_of(state, axis, number / period_mm)
+def columns(
+    state: State, axis: str, period_mm: float, second: float = 0.0, grows: float = 0.0, sided: float = 0.0
+) -> np.ndarray:
+    waves = waves_of(state, axis, 1 / period_mm)
+    found = list(waves)
+    if second:
+        found += waves_of(state, axis, 2 / period_mm)
     if grows:
-        u = state.share(axis)
-        waves += [u * waves[0], u * waves[1]]
-    return along(axis, *waves)
+        found += [state.share(axis) * wave for wave in waves]
+    if sided:
+        found += [state.approach[axis] * wave for wave in waves]
+    return along(axis, *found)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     rest = list(np.asarray(coefficients)[2:].reshape(-1, 2))
     named = {"period_mm": shape["period_mm"]} | swing(coefficients[:2])
-    for name in ("second", "grows"):
+    for name in MORE:
         value = swing(rest.pop(0)) if shape.get(name) else {"amplitude_um": 0.0, "phase_deg": 0.0}
         named |= {f"{name}_um": value["amplitude_um"], f"{name}_deg": value["phase_deg"]}
     return named
@@ -66,13 +78,14 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 def coefficients(
     period_mm: float, amplitude_um: float, phase_deg: float, second_um: float = 0.0, second_deg: float = 0.0,
-    grows_um: float = 0.0, grows_deg: float = 0.0,
+    grows_um: float = 0.0, grows_deg: float = 0.0, sided_um: float = 0.0, sided_deg: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
     shape, value = {"period_mm": period_mm}, [swing_coefficients(amplitude_um, phase_deg)]
-    for name, size, phase in (("second", second_um, second_deg), ("grows", grows_um, grows_deg)):
+    sizes = ((second_um, second_deg), (grows_um, grows_deg), (sided_um, sided_deg))
+    for name, (size, phase) in zip(MORE, sizes, strict=True):
         if size:
             value.append(swing_coefficients(size, phase))
-        if second_um or grows_um:
+        if second_um or grows_um or sided_um:
             shape[name] = float(bool(size))
     return np.concatenate(value), shape
 
@@ -83,6 +96,8 @@ def tables(axis: str, travel: tuple[float, float], **named: float):
     finest = shape["period_mm"] / (2 if shape.get("second") else 1)
     number = min(int(np.ceil((travel[1] - travel[0]) / finest * 24)) + 1, 200_000)
     nodes = np.linspace(*travel, number)
-    state = State(position={axis: nodes}, approach={axis: np.ones(number)}, travel={axis: travel})
-    error = np.tensordot(value, columns(state, axis, **shape), axes=1)["XYZ".index(axis)]
-    return [(f"E{axis}", axis, nodes, error, error)]
+    errors = []
+    for side in (1.0, -1.0):
+        state = State(position={axis: nodes}, approach={axis: np.full(number, side)}, travel={axis: travel})
+        errors.append(np.tensordot(value, columns(state, axis, **shape), axes=1)["XYZ".index(axis)])
+    return [(f"E{axis}", axis, nodes, *errors)]

@@ -7,6 +7,7 @@ recording and no machine's file says on which sensor the loop is closed, so one 
 scale's signal alone, and where there is none it is never named. A loop that follows half-way shows both, of one period.
 """
 
+from postproc.effects import State
 from postproc.effects.cyclic import (
     CONTINUOUS,
     NEEDS,
@@ -17,11 +18,10 @@ from postproc.effects.cyclic import (
     fuller,
     parameters,
     sensible,
-    shapes,
 )
 
 __all__ = [  # the same shape, seen elsewhere
-    "CONTINUOUS", "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible", "shapes",
+    "CONTINUOUS", "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible",
 ]  # fmt: skip
 
 # Of a signal's period an unadjusted head is wrong by a few hundredths: of 2 mm, the longest, 100 um (unverified).
@@ -32,3 +32,7 @@ TEXT = (
     "The encoder's signal is periodic in the position. "
     "Clean or adjust the reading head; correct the recording, not the machine."
 )
+
+
+def shapes(state: State, axis: str) -> list[dict[str, float]]:
+    return []  # found from the spectrum of what is left, see diagnose

@@ -14,7 +14,10 @@ PARAMETERS = {
     "difference_um": "um, by how much it is higher in +",
     "difference_slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um per 100 mm/s",
+    "released": "1, at rest the axis does not lag, and what it lags more in one direction shows; 0, it does",
 }
+OPTIONAL = {"released": 0.0}
+CONTINUOUS = {"tau_ms": (4.0, 600.0)}
 UNLIKE = 0.15
 OPPOSES = 1.5  # of the mean: none in one direction is a difference as large as the mean; and some error
 LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
@@ -27,15 +30,19 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"tau_ms": v} for v in (0.0, *grid(6.0, 250.0, 9))]
+    found = [{"tau_ms": v, "released": 0.0} for v in (0.0, *grid(6.0, 400.0, 9))]
+    stands = np.any(sampled(state) & (state.velocity[axis] == 0))
+    return found + [{"tau_ms": 0.0, "released": 1.0}] if stands else found
 
 
-def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
+def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np.ndarray:
+    v = state.velocity[axis] / 100.0
+    if released:
+        return along(axis, -np.sign(v), -v, -np.sign(np.abs(v)), -np.abs(v))
     if tau_ms <= 0:  # how much more it lags in one direction whatever its speed is a zero that nobody knows
-        v = state.velocity[axis] / 100.0
         return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
-    fade = np.where(state.velocity[axis] != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
+    fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
     s = state.approach[axis]
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
 
@@ -46,8 +53,8 @@ def sensible(
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion in either of them."""
     if tau_ms > 0:
         return True
-    opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
-    return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
+    like, unlike = abs(slope_um) + LIKE_SLOPE * abs(size_um), abs(difference_slope_um) + LIKE_SLOPE * abs(difference_um)
+    return UNLIKE * abs(slope_um) < unlike <= OPPOSES * like
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
@@ -55,11 +62,13 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     if len(values) == 3:
         values.insert(2, 0.0)
     names = ("size_um", "slope_um", "difference_um", "difference_slope_um")
-    return dict(zip(names, values, strict=True)) | {"tau_ms": shape["tau_ms"]}
+    return dict(zip(names, values, strict=True)) | {"tau_ms": shape["tau_ms"], "released": shape.get("released", 0.0)}
 
 
 def coefficients(
-    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float
+    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float,
+    released: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, slope_um, difference_um, difference_slope_um]
-    return np.array(values if tau_ms > 0 else [*values[:2], values[3]]), {"tau_ms": tau_ms}
+    few = [*values[:2], values[3]]
+    return np.array(values if tau_ms > 0 or released else few), {"tau_ms": tau_ms, "released": released}

@@ -8,7 +8,11 @@ PARAMETERS = {
     "size_um": "um, height of the excursion",
     "slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts",
+    "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
 }
+OPTIONAL = {"rebounds": 0.0}
+SWINGS = 1 / 3  # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
+CONTINUOUS = {"tau_ms": (4.0, 600.0)}
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
@@ -19,18 +23,24 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"tau_ms": v} for v in grid(6.0, 250.0, 9)]
+    return [{"tau_ms": v, "rebounds": r} for r in (0.0, 1.0) for v in grid(6.0, 400.0, 9)]
 
 
-def columns(state: State, axis: str, tau_ms: float) -> np.ndarray:
-    q = state.since[axis] / (tau_ms * 1e-3)
-    fade = np.where(state.velocity[axis] != 0, np.exp(-np.minimum(q, 50.0)), 0.0) * state.approach[axis]
+def columns(state: State, axis: str, tau_ms: float, rebounds: float = 0.0) -> np.ndarray:
+    q = np.minimum(state.since[axis] / (tau_ms * 1e-3), 50.0)
+    fade = np.where(state.velocity[axis] != 0, np.exp(-q), 0.0) * state.approach[axis]
+    if rebounds:
+        angle = 2 * np.pi * SWINGS * q
+        return along(axis, -fade * np.cos(angle), -fade * np.sin(angle))
     return along(axis, -fade, -q * fade)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "slope_um": float(coefficients[1]), "tau_ms": shape["tau_ms"]}
+    named = {"size_um": float(coefficients[0]), "slope_um": float(coefficients[1]), "tau_ms": shape["tau_ms"]}
+    return named | {"rebounds": shape.get("rebounds", 0.0)}
 
 
-def coefficients(size_um: float, slope_um: float, tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um, slope_um]), {"tau_ms": tau_ms}
+def coefficients(
+    size_um: float, slope_um: float, tau_ms: float, rebounds: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([size_um, slope_um]), {"tau_ms": tau_ms, "rebounds": rebounds}

@@ -1,15 +1,25 @@
-"""Viscous friction: an error proportional to the speed, of a drive that gives under the grease's resistance."""
+"""Viscous friction: an error that grows with the speed, of a drive that gives under the grease's resistance.
+
+In proportion to the speed it is no other than a servo lag. Lubricated guideways and ball screws resist with a power of it below one
+(Bo and Pavelescu, The friction-speed relation and its influence on the critical velocity of stick-slip motion, Wear 82, 1982, 277;
+Armstrong-Helouvry et al., Automatica 30, 1994, 1083), which a lag never does.
+"""
 
 import numpy as np
 
 from postproc.effects import State, along
 
 PARAMETERS = {
-    "um_s_mm": "um per mm/s, deflection for a speed",
+    "um_s_mm": "um per mm/s, deflection for a speed; with a power below 1 at 10 mm/s",
+    "power": "1, of the speed that the friction goes with; below 1 for a film of grease",
 }
+OPTIONAL = {"power": 1.0}
 # It is a lag too, see servo_lag: um per mm/s are ms.
 PLAUSIBLE = {"um_s_mm": (-250.0, 250.0)}  # beyond, it is something else
 EXPECTED = {"um_s_mm": 1}
+USUAL = 10.0  # mm/s
+POWERS = (1.0, 0.8, 0.65, 0.5)
+CONTINUOUS = {"power": (0.4, 0.9)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
@@ -19,16 +29,17 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    return [{"power": v} for v in POWERS]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    return along(axis, -state.velocity[axis])
+def columns(state: State, axis: str, power: float = 1.0) -> np.ndarray:
+    v = state.velocity[axis]
+    return along(axis, -np.sign(v) * USUAL * (np.abs(v) / USUAL) ** power)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_s_mm": float(coefficients[0])}
+    return {"um_s_mm": float(coefficients[0]), "power": shape.get("power", 1.0)}
 
 
-def coefficients(um_s_mm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_s_mm]), {}
+def coefficients(um_s_mm: float, power: float = 1.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([um_s_mm]), {"power": power}
