@@ -30,7 +30,7 @@ from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows, of
-from postproc.diagnose.search import Search
+from postproc.diagnose.search import Found, Search
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 
@@ -58,21 +58,23 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     doubts = likeness.doubts(usable.recordings, rows, machine)
     rows, units, faults = _cleaned(rows)
     held, held_name = held_out.of(rows, options.held_out, recordings)
-    jumps = _jumps(rows, units, ~held)
+    # What was asked to be kept apart is not looked at; else all readings name, and a run that is left out of the fit judges the sizes.
+    train = ~held if options.held_out else np.ones(len(rows), bool)
+    jumps = _jumps(rows, units, train)
     options.told("building the dictionary")
-    blocks = _shown(library.blocks(rows), ~held)
+    blocks = _shown(library.blocks(rows), train)
     if not blocks and not np.any(rows.sees == "part"):
         raise RecordingError(
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
             "record at several places, from both sides; gcomp simulate --test writes such a program",
         )
     options.told("learning the noise")
-    evidence = _learned(rows, units, ~held, jumps)
+    evidence = _learned(rows, units, train, jumps)
     search = Search(rows, evidence, blocks)
     options.told("calibrating")
     search.calibrate(np.random.default_rng(SEED))
     options.told("locating")
-    places = _places(rows, evidence, search.null().fit, ~held)
+    places = _places(rows, evidence, search.null().fit, train)
     options.told("choosing")
     state = search.run()
     options.told("showing")
@@ -87,6 +89,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         before = before + columns @ search.null().fit.mean[own]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
+    if held.any() and train.all():
+        before[held], after[held] = _foretold(search, state, units, held)
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
@@ -99,6 +103,31 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("forces and currents")
     diagnosis.drives = drive.drives(usable.recordings)
     return diagnosis
+
+
+def _foretold(search: Search, state: Found, units: list[Unit], held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects that were found, everything fitted
+    to the others; what no other run foretells (its own jumps, the phase of an oscillation) as it was found."""
+    whole, fit = search.evidence, state.fit
+    y = whole.y.copy()
+    own = np.zeros(len(y))
+    for k in state.members:
+        if whole.blocks[k].name in judge.NOT_FORETOLD:
+            own += whole.blocks[k].columns @ search.value(fit, k)
+    parts = [p.whole for p in whole.parts]
+    groups = [p.groups for p in whole.parts]
+
+    def told(y: np.ndarray, chosen: tuple[int, ...]) -> np.ndarray:
+        rest = Evidence(y, parts, groups, whole.groups, ~held)
+        numbers = []
+        for k in chosen:
+            fixed = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
+            numbers += rest.add([whole.blocks[k]], fixed)
+        said = rest.explained(rest.learn(tuple(numbers), None, steps=STEPS if chosen else 0))
+        return (y - _fixed(said) - said["effects"])[held]
+
+    chosen = tuple(k for k in fit.chosen if whole.blocks[k].name not in judge.NOT_FORETOLD)
+    return told(y, ()), told(y - own, chosen)
 
 
 def _shown(blocks, train: np.ndarray) -> list:

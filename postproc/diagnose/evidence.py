@@ -54,7 +54,7 @@ class Evidence:
     def __init__(
         self, y: np.ndarray, units: list[Unit], own: list[list[Group]], shared: list[Group], train: np.ndarray
     ):
-        self.y, self.train = y, train
+        self.y, self.train, self.groups = y, train, shared
         self.shared = np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
         self.shared_of = np.repeat(np.arange(len(shared)), [g.columns.shape[1] for g in shared])
         self.shared_usual = np.array([g.sd for g in shared])

@@ -60,7 +60,7 @@ def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool
     resolve, a moment to the readings beside it."""
     rows = search.rows
     shown = np.any(block.columns != 0, axis=1)
-    if name == "t_s":
+    if name in ("t_s", "second_s", "third_s"):
         t = np.unique(rows.state.time)
         k = int(np.clip(np.searchsorted(t, value), 1, len(t) - 1))
         return float(t[k] - t[k - 1]) / 2

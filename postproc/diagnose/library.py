@@ -17,7 +17,7 @@ from postproc.diagnose.rows import XYZ, Rows, second_place
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",), "gauge": (),
 }  # fmt: skip
-MOST_STEPS = 200
+MOST_STEPS, MOST_JUMPS = 200, 60
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
@@ -134,7 +134,8 @@ def blocks(rows: Rows) -> list[Block]:
                 keep = np.abs(columns).max(axis=0) > 1e-9
                 if keep.all() and np.isfinite(columns).all():
                     found.append((shape, columns))
-            result += [Block(module, axis, tuple(sorted(s.items())), c, len(found)) for s, c in found]
+            number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
+            result += [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
     return result
 
 
@@ -146,17 +147,25 @@ def _shapes(rows: Rows, name: str, module: ModuleType, axis: str) -> Iterator[di
 
 
 def _steps(rows: Rows) -> list[float]:
-    """s: between two readings at rest, and at some moments of motions that were sampled."""
-    rest = rows.state.passage < 0
-    t = np.unique(rows.state.time[rest & (rows.sees != "part")])
+    """s: between two readings at rest, and at some moments of motions that were sampled. Of many the pauses, where most of the
+    time is, those over which readings differ most, and some of the others."""
+    rest = (rows.state.passage < 0) & (rows.sees != "part")
+    t = np.unique(rows.state.time[rest])
     middle, wait = (t[1:] + t[:-1]) / 2, np.diff(t)
     gaps = list(middle)
-    if len(gaps) > MOST_STEPS:  # every pause: most of the time is in them; of the others as many as are left
+    if len(gaps) > MOST_STEPS:
+        largest = np.zeros(len(middle))
+        for signal in np.unique(rows.signal[rest]):
+            own = np.flatnonzero(rest & (rows.signal == signal))
+            own = own[np.argsort(rows.state.time[own], kind="stable")]
+            y = np.abs(np.diff(rows.residual[own]))
+            at = np.clip(np.searchsorted(t, rows.state.time[own][1:]) - 1, 0, len(middle) - 1)
+            np.maximum.at(largest, at, y / max(float(np.median(y)), 1e-9))
         pause = wait > PAUSE * np.median(wait)
-        others = middle[~pause]
-        some = np.linspace(0, len(others) - 1, min(len(others), max(MOST_STEPS - int(pause.sum()), MOST_STEPS // 4)))
-        gaps = [*middle[pause], *others[some.astype(int)]]
-    for passage in np.unique(rows.state.passage[~rest]):
+        jumps = np.argsort(-np.where(pause, 0.0, largest))[:MOST_JUMPS]
+        some = np.linspace(0, len(middle) - 1, MOST_STEPS // 4).astype(int)
+        gaps = list(middle[np.unique(np.concatenate([np.flatnonzero(pause)[:MOST_STEPS], jumps, some]))])
+    for passage in np.unique(rows.state.passage[rows.state.passage >= 0]):
         moment = rows.state.time[rows.state.passage == passage]
         gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
     return [float(g) for g in gaps]

@@ -26,6 +26,7 @@ WIDTH, CHILDREN, POLISHED = (
 )  # sets that are kept, members that are tried beside each, and of these with shapes of their own
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 AHEAD = 3  # members
+SEVERAL = 2  # members up to which several jumps at once are looked for
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
@@ -300,8 +301,11 @@ class Search:
             self._look(state)
         # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
-        for now in (self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit):
+        for number, now in enumerate((self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit)):
             best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
+            if len(chosen) < SEVERAL:  # jumps that only together show
+                several = [k for k in shapes.jumps(self, now) if self._allowed(chosen, k)]
+                best |= {f"{self.blocks[k].key} {number}": (now, k) for k in several}
         result = []
         for number, (now, k) in enumerate(best.values()):
             tried = {shapes.polished(self, now, k), k} if number < POLISHED else {k}

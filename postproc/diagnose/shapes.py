@@ -4,6 +4,7 @@ second wave of half the period, a swing that grows along the travel."""
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from postproc.diagnose import library
 from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.prior import plausible
+from postproc.effects import UM
 
 if TYPE_CHECKING:
     from postproc.diagnose.evidence import Fit
@@ -22,6 +24,7 @@ FIRST, HALVINGS, FAR = (
     4,
     1.5,
 )  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
+FEWEST_MOMENTS = 4  # between which jumps are looked for
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
@@ -29,7 +32,7 @@ def polished(search: Search, fit: Fit, k: int) -> int:
     """The number of the block, or of one at a likelier shape, or with what comes with such a wave."""
     block = search.blocks[k]
     if "t_s" in dict(block.shape):
-        return _best(search, fit, k, _moment(search, fit, block), 0.0)
+        return _best(search, fit, k, _moment(search, fit, block), 0.0) if len(block.shape) == 1 else k
     if block.name not in FOUND:
         return _best(search, fit, k, _between(search, fit, block), 0.0)
     k = _best(search, fit, k, _nearby(search, fit, block), 0.0)
@@ -111,6 +114,44 @@ def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
             if tried is not None and (now := worth(search, fit, tried)) > most:
                 best, most = tried, now
     return best
+
+
+def jumps(search: Search, fit: Fit) -> list[int]:
+    """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments make: steps that are lost and found
+    again show in no single jump."""
+    result = []
+    single = [k for k, b in enumerate(search.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
+    for axis in sorted({search.blocks[k].axis for k in single}):
+        own = [k for k in single if search.blocks[k].axis == axis]
+        if len(own) < FEWEST_MOMENTS:
+            continue
+        columns = np.concatenate([search.blocks[k].columns for k in own], axis=1)
+        a, b = search.evidence.beside(fit, columns)
+        chosen: tuple[int, ...] = ()
+        for more in (2, 1):
+            tried = [(*chosen, *c) for c in combinations([k for k in range(len(own)) if k not in chosen], more)]
+            value = _values(a, b, np.array(tried)) - 2 * np.log(search.blocks[own[0]].siblings) * (len(tried[0]) - 1)
+            best = int(np.argmax(value))
+            if chosen and value[best] < now + WORTH:
+                break
+            chosen, now = tried[best], float(value[best])
+        moments = sorted(dict(search.blocks[own[k]].shape)["t_s"] for k in chosen)
+        names = ("t_s", "second_s", "third_s")
+        block = at(search, search.blocks[own[0]], dict(zip(names, moments, strict=False)))
+        if block is not None:
+            result.append(search.let_in(replace(block, siblings=search.blocks[own[0]].siblings ** len(moments))))
+    return result
+
+
+def _values(a: np.ndarray, b: np.ndarray, sets: np.ndarray) -> np.ndarray:
+    """(S,) twice the logarithm of the Bayes factor of sets (S, K) of columns of 1 um, of their products a (M, M) and b (M,)."""
+    from postproc.diagnose.evidence import SLAB
+
+    slab = SLAB / UM
+    scaled = a[sets[:, :, None], sets[:, None, :]] * slab**2 + np.eye(sets.shape[1])
+    along = b[sets] * slab
+    told = np.linalg.solve(scaled, along[:, :, None])[:, :, 0]
+    return np.einsum("sk,sk->s", along, told) - np.linalg.slogdet(scaled)[1]
 
 
 def continuous(block: Block) -> dict[str, tuple[float, float]]:

@@ -1,4 +1,4 @@
-"""Step loss: one jump that stays, of a lost step, a slipped coupling or belt."""
+"""Step loss: jumps that stay, of lost steps, a slipped coupling or belt; up to three in an experiment, some of them back."""
 
 import numpy as np
 
@@ -7,23 +7,43 @@ from postproc.effects import State, along
 PARAMETERS = {
     "jump_um": "um, the jump",
     "t_s": "s, when it happened",
+    "second_um": "um, a second jump",
+    "second_s": "s, when; 0, there was none",
+    "third_um": "um, a third jump",
+    "third_s": "s, when; 0, there was none",
 }
+OPTIONAL = {"second_um": 0.0, "second_s": 0.0, "third_um": 0.0, "third_s": 0.0}
+MOMENTS = ("t_s", "second_s", "third_s")
+SMALLEST = 1.5  # um: instruments jump by less (a fringe miscounted, a probe that settles), and no full step is so short
 KIND, USE, PER = "machine", "simulate", "axis"
-NEEDS, SEES = ("time",), ("tool",)
-TEXT = "The axis has lost its place by one jump. Home the machine again; look at load, acceleration, coupling and belt."
+NEEDS, SEES = ("time",), ("tool", "scale")
+TEXT = "The axis has lost its place by a jump. Home the machine again; look at load, acceleration, coupling and belt."
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return []  # between any two readings, see diagnose
 
 
-def columns(state: State, axis: str, t_s: float) -> np.ndarray:
-    return along(axis, (state.time > t_s).astype(float))
+def columns(state: State, axis: str, t_s: float, second_s: float = 0.0, third_s: float = 0.0) -> np.ndarray:
+    moments = [t_s, *(t for t in (second_s, third_s) if t)]
+    return along(axis, *((state.time > t).astype(float) for t in moments))
+
+
+def sensible(jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float) -> bool:
+    """Whether the largest of them is more than an instrument's own."""
+    return max(abs(jump_um), abs(second_um), abs(third_um)) >= SMALLEST
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"jump_um": float(coefficients[0]), "t_s": shape["t_s"]}
+    jumps = [*(float(c) for c in coefficients), 0.0, 0.0][:3]
+    named = {}
+    for name, jump, moment in zip(("jump_um", "second_um", "third_um"), jumps, MOMENTS, strict=True):
+        named |= {name: jump, moment: shape.get(moment, 0.0)}
+    return named
 
 
-def coefficients(jump_um: float, t_s: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([jump_um]), {"t_s": t_s}
+def coefficients(
+    jump_um: float, t_s: float, second_um: float = 0.0, second_s: float = 0.0, third_um: float = 0.0, third_s: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    shape = {"t_s": t_s} | {name: t for name, t in (("second_s", second_s), ("third_s", third_s)) if t}
+    return np.array([jump_um, second_um, third_um][: len(shape)]), shape
