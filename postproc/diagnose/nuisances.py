@@ -26,7 +26,7 @@ FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its t
 RUN, MOST_RUN = 3e-4, 1e-3  # mm: by how much the zero of an instrument differs from run to run, usually and at most
 WANDER, MOST_WANDER = (
     3e-4,
-    3e-3,
+    1.5e-3,
 )  # mm: by how much it wanders while it reads (lasers and probes in workshops: 0.1 to 3 um)
 MOST_FEATURE = 1.5e-3  # mm
 PROCESS, MOST_PROCESS = 2e-3, 1.0  # mm: of what no name explains
@@ -36,7 +36,8 @@ SQUARE = 1.5e-6  # rad
 COARSE, FINE = 6, 24  # nodes of a process over the place, for each combination of directions
 MOST_NODES = 120
 TURNS, SHORTEST, LONGEST = 12, 1e-3, 1.0  # nodes of a process after a turn; s
-PROCESSES = ("place", "turn", "drift", "zeros")
+SPEEDS, SLOWEST = 6, 0.05  # nodes of a process over the speed; mm/s
+PROCESSES = ("place", "turn", "speed", "drift", "lever", "zeros")
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,8 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
 
 def processes(rows: Rows, unit: Unit) -> list[Group]:
     """What is there and no name explains: smooth functions of the place, one for each combination of the directions of
-    approach ("place"), of the time since a turn, one for each axis and direction ("turn"), and of time, larger than an instrument
-    wanders ("drift"); and a zero of its own of each run ("zeros")."""
+    approach ("place"), of the time since a turn, one for each axis and direction ("turn"), of the speed ("speed"), of time, larger than an
+    instrument wanders ("drift"), and of time in proportion to the place ("lever"); and a zero of its own of each run ("zeros")."""
     own = unit.rows
     if len(own) < 8:
         return []
@@ -143,14 +144,29 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
                 turns.append(_nodes(late, side, TURNS, only=(-1.0, 1.0)))
         if turns:
             found.append(Group("turn", np.concatenate(turns, axis=1), PROCESS, MOST_PROCESS))
+    if unit.dense and moving:
+        found.append(Group("speed", _of_speed(rows, own, main), PROCESS, MOST_PROCESS))
     if np.ptp(rows.state.time[own]) > 0:
-        found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in wander(unit)[:2]]
+        slow = wander(unit)[:2]
+        found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in slow]
+        if moving and slow:  # what tilts or stretches for a while
+            place = rows.state.position[main][own]
+            lever = 2 * (place - place.mean()) / np.ptp(place)
+            found.append(Group("lever", slow[0] * lever[:, None], PROCESS * scale, MOST_PROCESS * scale))
     numbers = np.unique(rows.run[own])
     if 1 < len(numbers) < len(own) / 2:
         found.append(
             Group("zeros", (rows.run[own][:, None] == numbers).astype(float), ZEROS * scale, MOST_PROCESS * scale)
         )
     return found
+
+
+def _of_speed(rows: Rows, own: np.ndarray, axis: str) -> np.ndarray:
+    """(n, M): smooth functions of the speed of an axis, for each direction, alike everywhere and more at one end."""
+    v = rows.state.velocity[axis][own]
+    place = rows.state.position[axis][own]
+    columns = _nodes(np.log(np.maximum(np.abs(v), SLOWEST)), np.sign(v), SPEEDS)
+    return np.concatenate([columns, columns * (2 * (place - place.mean()) / np.ptp(place))[:, None]], axis=1)
 
 
 def _nodes(value: np.ndarray, side: np.ndarray, number: int, only: tuple[float, ...] = ()) -> np.ndarray:

@@ -162,7 +162,8 @@ def _motion(
         a[part] = _slope(v[part], t)
         jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
         still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
-        sign = np.sign(v[part]) * ~still
+        v[part] = np.where(still, 0.0, v[part])
+        sign = np.sign(v[part])
         held = np.maximum.accumulate(np.where(sign != 0, np.arange(len(part)), -1))
         s[part] = np.where(held >= 0, sign[np.maximum(held, 0)], 0)
         turn = np.concatenate([[False], (s[part][1:] != s[part][:-1]) & (s[part][:-1] != 0)])
@@ -256,11 +257,11 @@ def _trace(recording: Recording, machine: Machine):
 
 
 def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples whose directions of approach are known."""
+    """(N,) bool: samples whose directions of approach are known, and that are no start and no stop."""
     result = np.ones(len(run), bool)
     for x in letters:
-        side = columns[f"{x} approach"]
-        turn = np.flatnonzero((np.diff(side) != 0) & (np.diff(run) == 0))
+        side, moves = columns[f"{x} approach"], columns[f"{x} velocity"] != 0
+        turn = np.flatnonzero(((np.diff(side) != 0) | (np.diff(moves) != 0)) & (np.diff(run) == 0))
         result &= side != 0
         result[turn] = False
         result[turn + 1] = False
@@ -305,11 +306,14 @@ def _averaged(columns: dict) -> dict:
 
 
 def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
-    """(N,) bool: the first sample, and those before which a run ends or an axis turns."""
+    """(N,) bool: the first sample, and those before which a run ends or an axis turns, starts or stops."""
     cut = np.diff(run, prepend=run[:1]) != 0
     for name, value in columns.items():
         if name.endswith("approach"):
             cut = cut | (np.diff(value, prepend=value[:1]) != 0)
+        if name.endswith(" velocity"):
+            moves = value != 0
+            cut = cut | (moves != np.concatenate([moves[:1], moves[:-1]]))
     cut[:1] = True
     return cut
 
