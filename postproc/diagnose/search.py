@@ -198,7 +198,7 @@ class Search:
         something = bool(alone[-1].fit.on) or self.evidence.wandered(self.null().fit)
         named = self._grown(self.null(), self.children, AHEAD if something else 0)
         ends = [*named, *alone[-1:]]
-        ends.append(self._settled(self._grown(named[-1], self._processes)[-1]))
+        ends += [self._settled(self._grown(state, self._processes)[-1]) for state in named[-2:]]
         if alone[-1].fit.on:
             ends.append(self._settled(self._grown(alone[-1], self.children)[-1]))
         return self._dropped(self._likeliest(ends))
@@ -278,7 +278,7 @@ class Search:
     def _exchanged(self, state: Found) -> list[Found]:
         """Sets in which another name stands in the place of one of the members."""
         result = []
-        for k in state.members if len(state.members) > 1 else ():
+        for k in state.members if len(state.members) > 1 or state.fit.on else ():
             rest = self.without(state, k)
             for other in self._best(rest.fit, EXCHANGED).values():
                 if other != k:

@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from postproc.effects import State
+from postproc.effects import State, begun, late
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
     "file": "number of the recording, 0 the first; -1: all",
+    "late_s": "s, by which the sensor that compensates for the air is late; 0, the air is not compensated for",
 }
-OPTIONAL = {"file": -1.0}
+OPTIONAL = {"file": -1.0, "late_s": 0.0}
+LATE = 1800.0  # s: a sensor in a heavy housing
 # 0.93 ppm/K of air (Edlen), and 10 m of it.
 PLAUSIBLE = {"um_K": (-10.0, 10.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
@@ -20,18 +22,23 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"file": float(f)} for f in np.unique(state.file[state.beam > 0])]
+    lit = np.unique(state.file[state.beam > 0])
+    files = [float(f) for f in lit] + ([-1.0] if len(lit) > 1 else [])
+    return [{"file": f, "late_s": v} for f in files for v in (0.0, LATE)]
 
 
-def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
+def columns(state: State, axis: str, file: float = -1.0, late_s: float = 0.0) -> np.ndarray:
     air = state.channels["T_air_C"]
     own = (state.file == file) | (file < 0)
-    return ((air - air[0]) * own * 1e-3)[None]
+    changed = air - air[begun(state)]
+    if late_s > 0:
+        changed = changed - late(state, changed, late_s)
+    return (changed * own * 1e-3)[None]
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_K": float(coefficients[0]), "file": shape["file"]}
+    return {"um_K": float(coefficients[0]), "file": shape["file"], "late_s": shape.get("late_s", 0.0)}
 
 
-def coefficients(um_K: float, file: float = -1.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_K]), {"file": file}
+def coefficients(um_K: float, file: float = -1.0, late_s: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([um_K]), {"file": file, "late_s": late_s}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, along, begun, late
+from postproc.effects import State, along, begun, grid, late, swing, swing_coefficients
 
 PARAMETERS = {
     "size_um": "um per K, drift over the temperature of bed or room; where none is recorded um at the end",
@@ -10,11 +10,19 @@ PARAMETERS = {
     "from_s": "s, when it begins, for what comes with time",
     "file": "number of the one recording in which it goes with its time, 0 the first; -1: all",
     "bend_um": "um, its share with the square of that time",
+    "creep": "1, with the logarithm of 1 + time over tau_s, as castings and clamps settle; 0, not so",
+    "cycle_s": "s, period of a room's heating or cooling that switches; 0, none; size_um is then half of the swing",
+    "phase_deg": "degrees, of a cosine at t = 0",
 }
-OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0}
+OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0, "creep": 0.0, "cycle_s": 0.0, "phase_deg": 0.0}
+CYCLES = (600.0, 3600.0, 12)  # s: rooms' heating and cooling switch every 10 min to 1 h (ISO/TR 16015: variations of the room)
+CONTINUOUS = {"cycle_s": CYCLES[:2]}
+SWINGS = 1.5  # of a cycle: fewer are a drift
+CREEPS = (300.0, 3000.0)  # s
 # 2 m of steel grow by 23 um for 1 K, of aluminium by 46; what comes with time is that of some K.
 MOST_K = 50.0  # um per K
 PLAUSIBLE = {"size_um": (-300.0, 300.0), "bend_um": (-300.0, 300.0)}  # beyond, it is something else
+NONE = {"tau_s": 1.0, "from_s": -1.0, "file": -1.0, "creep": 0.0, "cycle_s": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time",), ("tool", "part")
 TEXT = (
@@ -35,7 +43,10 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         ways += [(-v, -1.0, -1.0) for v in (1.0, 1000.0, 3000.0, 9000.0)]
     ways += [(v, b, -1.0) for b in begins for v in (900.0, 2700.0, 8100.0, 1e6)]
     ways += [(1e6, -1.0, float(f)) for f in files if len(files) > 1]
-    return [{"tau_s": tau, "from_s": begin, "file": file} for tau, begin, file in ways]
+    found = [NONE | {"tau_s": tau, "from_s": begin, "file": file} for tau, begin, file in ways]
+    found += [NONE | {"tau_s": v, "creep": 1.0} for v in CREEPS]
+    lasts = float(np.ptp(state.time))
+    return found + [NONE | {"cycle_s": v} for v in grid(*CYCLES) if SWINGS * v < lasts]
 
 
 def sensible(size_um: float, tau_s: float, file: float = -1.0, **_: float) -> bool:
@@ -43,7 +54,12 @@ def sensible(size_um: float, tau_s: float, file: float = -1.0, **_: float) -> bo
     return abs(size_um) <= MOST_K or tau_s > 0 or file >= 0
 
 
-def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: float = -1.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, tau_s: float, from_s: float = -1.0, file: float = -1.0, creep: float = 0.0, cycle_s: float = 0.0
+) -> np.ndarray:
+    if cycle_s > 0:
+        angle = 2 * np.pi * state.time / cycle_s
+        return along(axis, np.cos(angle) * _timed(state), np.sin(angle) * _timed(state))
     bed, air = state.channel("T_bed_C"), state.channel("T_air_C")
     if file >= 0:
         own = state.file == file
@@ -60,6 +76,8 @@ def columns(state: State, axis: str, tau_s: float, from_s: float = -1.0, file: f
         return along(axis, (bed - bed[begun(state)]) * _timed(state))
     tau = max(tau_s, 1.0)
     gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
+    if creep:
+        return along(axis, np.log1p(gone / tau) / np.log1p(max(float(gone.max()), 1.0) / tau))
     return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))
 
 
@@ -76,12 +94,19 @@ def _turned(state: State) -> np.ndarray:
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     named = {"size_um": float(coefficients[0]), "tau_s": shape["tau_s"], "from_s": shape.get("from_s", -1.0)}
-    bend = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return named | {"file": shape.get("file", -1.0), "bend_um": bend}
+    named |= {"file": shape.get("file", -1.0), "bend_um": 0.0, "creep": shape.get("creep", 0.0)}
+    named |= {"cycle_s": shape.get("cycle_s", 0.0), "phase_deg": 0.0}
+    if named["cycle_s"] > 0:
+        found = swing(coefficients)
+        return named | {"size_um": found["amplitude_um"], "phase_deg": found["phase_deg"]}
+    return named | {"bend_um": float(coefficients[1]) if len(coefficients) > 1 else 0.0}
 
 
 def coefficients(
-    size_um: float, tau_s: float, from_s: float = -1.0, file: float = -1.0, bend_um: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    value = np.array([size_um, bend_um] if file >= 0 else [size_um])
-    return value, {"tau_s": tau_s, "from_s": from_s, "file": file}
+    size_um: float, tau_s: float, from_s: float = -1.0, file: float = -1.0, bend_um: float = 0.0, creep: float = 0.0,
+    cycle_s: float = 0.0, phase_deg: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    shape = {"tau_s": tau_s, "from_s": from_s, "file": file, "creep": creep, "cycle_s": cycle_s}
+    if cycle_s > 0:
+        return swing_coefficients(size_um, phase_deg), shape
+    return np.array([size_um, bend_um] if file >= 0 else [size_um]), shape
