@@ -127,7 +127,7 @@ def jumps(search: Search, fit: Fit) -> list[int]:
             continue
         columns = np.concatenate([search.blocks[k].columns for k in own], axis=1)
         a, b = search.evidence.beside(fit, columns)
-        chosen: tuple[int, ...] = ()
+        chosen, now = (), -np.inf
         for more in (2, 1):
             tried = [(*chosen, *c) for c in combinations([k for k in range(len(own)) if k not in chosen], more)]
             value = _values(a, b, np.array(tried)) - 2 * np.log(search.blocks[own[0]].siblings) * (len(tried[0]) - 1)

@@ -17,6 +17,7 @@ from postproc.recordings import Recording, RecordingError
 
 XYZ = "XYZ"
 FEWEST = {"targets": 8, "ballbar": 32, "trace": 32, "features": 2}  # rows
+BESIDE = 2  # rows of a recording beside others: what it shows they can bear out
 LOST = 1 / 3  # of the rows may be left out
 LONGEST = 1e5  # mm: no slide goes farther
 LARGEST = 1e5  # um: no machine is off by more
@@ -55,7 +56,8 @@ def checked(recordings: list[Recording], machine: Machine) -> Sound:
                     f"{recording.file} holds the same {len(recording)} rows as {earlier.file}",
                     "name each recording once",
                 )
-        result.recordings.append(_Check(recording, number, machine, result).whole())
+        check = _Check(recording, number, machine, result, least=FEWEST[recording.kind] if len(recordings) == 1 else BESIDE)
+        result.recordings.append(check.whole())
     return result
 
 
@@ -70,8 +72,8 @@ def _same(one: Recording, other: Recording) -> bool:
 class _Check:
     """One recording on its way through the checks."""
 
-    def __init__(self, recording: Recording, number: int, machine: Machine, told: Sound):
-        self.r, self.number, self.machine, self.told = recording, number, machine, told
+    def __init__(self, recording: Recording, number: int, machine: Machine, told: Sound, least: int):
+        self.r, self.number, self.machine, self.told, self.least = recording, number, machine, told, least
         if len(recording.lines) != len(recording):
             self.r = replace(recording, lines=np.arange(1, len(recording) + 1))
 
@@ -289,7 +291,7 @@ class _Check:
             )  # fmt: skip
 
     def _enough(self) -> Recording:
-        n, least = len(self.r), FEWEST[self.r.kind]
+        n, least = len(self.r), self.least
         if n < least:
             raise RecordingError(
                 f"{n} {'row' if n == 1 else 'rows'} can be used, and {least} at least tell an effect from noise",

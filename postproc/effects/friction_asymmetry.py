@@ -32,7 +32,7 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     found = [{"tau_ms": v, "released": 0.0} for v in (0.0, *grid(6.0, 400.0, 9))]
     stands = np.any(sampled(state) & (state.velocity[axis] == 0))
-    return found + [{"tau_ms": 0.0, "released": 1.0}] if stands else found
+    return [*found, {"tau_ms": 0.0, "released": 1.0}] if stands else found
 
 
 def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np.ndarray:

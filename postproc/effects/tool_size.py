@@ -6,31 +6,39 @@ from postproc.effects import State
 
 PARAMETERS = {
     "diameter_um": "um, how much larger the tool is",
+    "change": "number of the part before which it was ground or changed, 0: never",
+    "then_um": "um, how much larger it is from that part on",
 }
+OPTIONAL = {"change": 0.0, "then_um": 0.0}
 # A cutter that was ground again; beyond, it is another tool (unverified).
-PLAUSIBLE = {"diameter_um": (-1000.0, 1000.0)}
+PLAUSIBLE = {"diameter_um": (-1000.0, 1000.0), "then_um": (-1000.0, 1000.0)}
 KIND, USE, PER = "machine", "compensate", "all"
 NEEDS, SEES = ("material",), ("part",)
 TEXT = "The tool's diameter is not what the control believes. Measure the tool and set its radius."
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    parts = np.unique(state.channels.get("part", np.zeros(1))[state.channels["material"] != 0])
+    return [{"change": float(p)} for p in (0.0, *parts[1:])]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
+def columns(state: State, axis: str, change: float = 0.0) -> np.ndarray:
     """Half a diameter towards the wall: of a pocket it grows, of a boss it shrinks; on a lathe the same by the tool's nose."""
     walls = state.channels["material"].copy()
     turned = (walls == 0) & (state.channels.get("wall", walls) != 0)
     walls[turned] = np.where(state.channels.get("bore", walls)[turned] > 0, 0.5, -0.5)
-    value = np.zeros((1, 3, len(state)))
-    value[:] = walls * 1e-3
-    return value
+    if not change:
+        return np.broadcast_to(walls * 1e-3, (1, 3, len(state))).copy()
+    then = state.channels.get("part", walls) >= change
+    return np.repeat(np.stack([walls * ~then, walls * then])[:, None] * 1e-3, 3, axis=1)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"diameter_um": float(coefficients[0])}
+    then = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return {"diameter_um": float(coefficients[0]), "change": shape.get("change", 0.0), "then_um": then}
 
 
-def coefficients(diameter_um: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([diameter_um]), {}
+def coefficients(
+    diameter_um: float, change: float = 0.0, then_um: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    return np.array([diameter_um, then_um] if change else [diameter_um]), {"change": change}

@@ -16,8 +16,10 @@ PARAMETERS = {
     "bores": "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does",
     "life": "runs of the gauge after which the tool is changed every time; 0, it is seen on parts",
     "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
+    "cut": "parts that a new tool has cut when the walls of its first part are finished: 0, or half of one",
 }
-OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0}
+OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0}
+HALF = 0.5  # walls are finished, one with the other, when half of the part is cut
 # A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by 74 um; a grinding wheel between two
 # dressings by less.
 PLAUSIBLE = {
@@ -41,11 +43,14 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     parts = np.unique(_channel(state, "part")[_channel(state, "wall") != 0])
     if len(parts) > 1:
         ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
-        result += [{"change": float(p), "bores": w, "life": 0.0, "older": 0.0} for p in (0.0, *parts[1:]) for w in ways]
+        changes = (0.0, *map(float, parts[1:]))
+        result += [
+            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c} for p in changes for w in ways for c in (0.0, HALF)
+        ]
     most = max((len(np.unique(state.run[own])) for own in _gauged(state)), default=0)
     if most >= FEWEST_RUNS:
         lives = range(SHORTEST, most - AFTER + 1)
-        result += [{"change": 0.0, "bores": 1.0, "life": float(n), "older": old} for n in lives for old in (0.0, 1.0)]
+        result += [{"change": 0.0, "bores": 1.0, "life": float(n), "older": old, "cut": 0.0} for n in lives for old in (0.0, 1.0)]
     return result
 
 
@@ -59,24 +64,24 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
     """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
-    return {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
+    return {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
 
 
 def columns(
-    state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0
+    state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0, cut: float = 0.0
 ) -> np.ndarray:
     if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
         return along(axis, age, quick, old) if older else along(axis, age, quick)
     if not axis:  # of all axes alike: an edge that cuts on all sides
-        each = [columns(state, x, change, bores, life, older) for x in state.position]
+        each = [columns(state, x, change, bores, life, older, cut) for x in state.position]
         return np.sum(each, axis=0)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
-    cut = np.where((part >= change) & (change > 0), part - change, part - first)
-    parts = [wall * cut, wall * (1.0 - np.exp(-cut))]
+    gone = np.where((part >= change) & (change > 0), part - change, part - first) + cut
+    parts = [wall * gone, wall * (1.0 - np.exp(-gone))]
     return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
 
 
@@ -111,7 +116,7 @@ def _channel(state: State, name: str) -> np.ndarray:
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [*(float(c) for c in coefficients), 0.0][:3]
     named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {"bores": 1.0, "life": 0.0, "older": 0.0} | shape
+    return named | {"bores": 1.0, "life": 0.0, "older": 0.0, "cut": 0.0} | shape
 
 
 def coefficients(
@@ -122,6 +127,7 @@ def coefficients(
     bores: float = 1.0,
     life: float = 0.0,
     older: float = 0.0,
+    cut: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [rate_um, start_um, worn_um] if change > 0 or older else [rate_um, start_um]
-    return np.array(values), {"change": change, "bores": bores, "life": life, "older": older}
+    return np.array(values), {"change": change, "bores": bores, "life": life, "older": older, "cut": cut}
