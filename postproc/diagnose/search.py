@@ -27,6 +27,7 @@ WIDTH, CHILDREN, POLISHED = (
 EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how often
 AHEAD = 3  # members
 SEVERAL = 2  # members up to which several jumps at once are looked for
+LOOKED_AT = 6  # sets of all that were tried that are compared at one error of form
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 UNNAMED = 14.0  # of something that has no name: twenty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
@@ -201,7 +202,8 @@ class Search:
         ends += [self._settled(self._grown(state, self._processes)[-1]) for state in named[-2:]]
         if alone[-1].fit.on:
             ends.append(self._settled(self._grown(alone[-1], self.children)[-1]))
-        return self._dropped(self._likeliest(ends))
+        best = sorted((f for f in self.seen.values() if f.members or f.fit.on), key=lambda f: -f.score)[:LOOKED_AT]
+        return self._dropped(self._likeliest([*ends, *best]))
 
     def _likeliest(self, states: list[Found]) -> Found:
         """Of several sets, all at the same error of form: the largest that any of them has. What many explain a little better than
@@ -234,14 +236,17 @@ class Search:
         return best
 
     def _processes(self, state: Found) -> list[Found]:
-        """Sets with one more process."""
+        """Sets with one more process, the most promising ones."""
         state = self.at_own_form(state)
-        return [
-            self.of(state.members, state.fit.on | {(u, kind)}, state)
+        tried = [
+            state.fit.on | {(u, kind)}
             for u, part in enumerate(self.evidence.parts)
             for kind, columns in part.processes.items()
             if columns.any() and (u, kind) not in state.fit.on
         ]
+        worth = [self.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value for on in tried]
+        best = sorted(range(len(tried)), key=lambda k: -worth[k])[:CHILDREN]
+        return [self.of(state.members, tried[k], state) for k in best]
 
     def _settled(self, best: Found) -> Found:
         """Members dropped that are not worth their place, and exchanged for others that are worth more there."""
