@@ -194,7 +194,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 shapes = [{"frequency_hz": f, "passages": 1.0} for f in peaks]
             else:
                 peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
-                shapes = [{"period_mm": p} for p in peaks]
+                shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
             for shape in shapes:
                 columns = read(rows, module, axis, shape)
                 columns = columns[:, swings(columns)]

@@ -7,6 +7,7 @@ import numpy as np
 from postproc.diagnose.library import Block
 
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
+AGAIN = 4.0  # of a further jump of the same axis
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
     "servo_mismatch": -3.0, "viscous_friction": 2.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 2.0, "stick_slip": 8.0,
     "scale": 1.4, "delay": 2.0,
@@ -15,7 +16,8 @@ RARE = {  # further cost, twice the logarithm of how much seldomer it is than it
 
 def cost_of(block: Block) -> float:
     """What a block pays for its name and for the shapes that it was chosen from, twice the logarithm."""
-    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0)
+    again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
+    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0) + again
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

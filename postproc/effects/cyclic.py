@@ -21,6 +21,7 @@ PARAMETERS = {
 }
 MORE = ("second", "grows", "sided")
 OPTIONAL = {f"{name}_{unit}": 0.0 for name in MORE for unit in ("um", "deg")}
+PLAIN = dict.fromkeys(MORE, 0.0)
 LEADS = (1.0, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0)  # mm: ISO 3408-2, nominal leads
 # A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
@@ -38,12 +39,12 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     """What screws are made with; others are found from the spectrum of what is left, see diagnose."""
     span = float(np.ptp(state.position[axis]))
-    return [{"period_mm": lead} for lead in LEADS if TURNS * lead < span]
+    return [{"period_mm": lead} | PLAIN for lead in LEADS if TURNS * lead < span]
 
 
 def fuller(shape: dict[str, float]) -> list[dict[str, float]]:
     """The same wave with what may come with it."""
-    plain = {"period_mm": shape["period_mm"]} | dict.fromkeys(MORE, 0.0)
+    plain = {"period_mm": shape["period_mm"]} | PLAIN
     sets = (("second",), ("grows",), ("sided",), ("second", "grows"), ("second", "sided"))
     return [plain | dict.fromkeys(names, 1.0) for names in sets]
 
@@ -85,8 +86,7 @@ def coefficients(
     for name, (size, phase) in zip(MORE, sizes, strict=True):
         if size:
             value.append(swing_coefficients(size, phase))
-        if second_um or grows_um or sided_um:
-            shape[name] = float(bool(size))
+        shape[name] = float(bool(size))
     return np.concatenate(value), shape
 
 

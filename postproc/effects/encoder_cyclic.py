@@ -13,6 +13,7 @@ from postproc.effects.cyclic import (
     NEEDS,
     OPTIONAL,
     PARAMETERS,
+    PLAIN,
     coefficients,
     columns,
     fuller,
@@ -21,7 +22,7 @@ from postproc.effects.cyclic import (
 )
 
 __all__ = [  # the same shape, seen elsewhere
-    "CONTINUOUS", "NEEDS", "OPTIONAL", "PARAMETERS", "coefficients", "columns", "fuller", "parameters", "sensible",
+    "CONTINUOUS", "NEEDS", "OPTIONAL", "PARAMETERS", "PLAIN", "coefficients", "columns", "fuller", "parameters", "sensible",
 ]  # fmt: skip
 
 # Of a signal's period an unadjusted head is wrong by a few hundredths: of 2 mm, the longest, 100 um (unverified).

@@ -1,7 +1,9 @@
-"""Sag: a structure bends with the place of a mass on another axis.
+"""Sag: a structure bends with the place of a mass on it.
 
-Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at one end gives with the square of the mass' reach. A beam on two supports is lowered at s by a mass at a by the
-sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko, Vibration Problems in Engineering, simply supported beam).
+Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at one end gives at its end with
+s^2 (3 - s) / 2 of the mass' reach s. A beam on two supports is lowered at s by a mass at a by the sum over n of
+sin(n pi a) sin(n pi s) / n^4 (Timoshenko, Vibration Problems in Engineering, simply supported beam); where the tool stands over the
+mass, a is s.
 """
 
 import numpy as np
@@ -13,7 +15,7 @@ PARAMETERS = {
     "size_um": "um, at the end of the other axis' travel; of a beam at the middle of both",
     "along": "0, 1, 2: X, Y, Z, the direction of the error",
     "lever": "1, it grows with the place of the next axis too; 0, it does not",
-    "beam": "0, 1, 2: X, Y, Z, the axis that runs along the beam; -1, what gives is held at one end",
+    "beam": "0, 1, 2: X, Y, Z, the axis that runs along the beam, be it the mass' own; -1, what gives is held at one end",
     "overhang": "1, by how much of the travel the beam is longer at each end",
     "usual_N": "N, the recorded load at which it sags so, and elsewhere in proportion; 0, alike at every load",
 }
@@ -31,10 +33,10 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    # Without a second axis what is held at one end is a bow and an angle: those names say as much.
-    held = [{"along": a, "lever": 1.0, "beam": -1.0, "overhang": 0.0} for a in others if len(others) > 1]
+    held = [{"along": a, "lever": v, "beam": -1.0, "overhang": 0.0} for a in others for v in (0.0, 1.0)[: len(others)]]
+    beams = (*others, float(XYZ.index(axis)))
     ways = held + [
-        {"along": a, "lever": 0.0, "beam": b, "overhang": o} for a in others for b in others for o in (0.05, 0.2)
+        {"along": a, "lever": 0.0, "beam": b, "overhang": o} for a in others for b in beams for o in (0.0, 0.05, 0.2)
     ]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = float(np.median(np.abs(load[load != 0]))) if np.ptp(load) > 0 else 0.0
@@ -55,7 +57,7 @@ def columns(
     heavy = load / usual_N if load is not None and usual_N > 0 else np.ones(len(reach))
     other = _other(axis, tuple(state.position), along, lever, beam)
     if not other:
-        return towards(XYZ[int(along)], heavy * reach**2 if beam < 0 else np.zeros(len(reach)))
+        return towards(XYZ[int(along)], heavy * _held(reach) if beam < 0 else np.zeros(len(reach)))
     return towards(XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang))
 
 
@@ -67,10 +69,15 @@ def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam
     return rest[0] if rest and lever else ""
 
 
+def _held(reach: np.ndarray) -> np.ndarray:
+    """(N,) what a beam that is held at one end gives at its other end by a mass at a reach of 0 to 1; 1 at 1."""
+    return reach**2 * (3 - reach) / 2
+
+
 def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> np.ndarray:
     """For a size of 1: by the places of the mass and of what it bends, both 0 to 1 over the travel."""
     if beam < 0:
-        return mass**2 * place
+        return _held(mass) * place
     a, s = ((overhang + u) / (1 + 2 * overhang) for u in (mass, place))
     bent = np.zeros(np.broadcast_shapes(np.shape(a), np.shape(s)))
     for n in range(1, 5):
@@ -92,12 +99,14 @@ def coefficients(
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
     """(component, axis, other, nodes, others, values (K, L) mm), at the usual load; where no second axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
-    shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, NODES if named["beam"] >= 0 else 2)
-    if other:
+    alone = other == axis or named["beam"] < 0
+    shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 2 if alone else NODES)
+    if other and other != axis:
         value = _bent(shares[0][:, None], shares[1][None], named["beam"], named["overhang"])
-    elif named["beam"] < 0:
+    elif alone:
+        one = _bent(shares[0], shares[0], named["beam"], named["overhang"]) if other else _held(shares[0])
         other = next((x for x in travel if x != axis and x in XYZ), "")
-        value = np.repeat(shares[0][:, None] ** 2, 2, axis=1)
+        value = np.repeat(one[:, None], 2, axis=1)
     if not other:
         return []
     places = (

@@ -22,6 +22,7 @@ OPTIONAL = {"housing_um": 0.0, "housing_s": 0.0, "power": 1.0, "fastest_rpm": 10
 # 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do not turn ten times as fast.
 MOST_UM = 300.0  # at the fastest
 PLAUSIBLE = {"um_per_1000_rpm": (-50.0, 50.0), "housing_um": (-50.0, 50.0)}  # beyond, it is something else (unverified)
+CONTINUOUS = {"tau_s": (200.0, 7200.0), "power": (1.0, 2.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
 TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed and time."

@@ -41,8 +41,8 @@ STATE = State(
     lines={"X": "YZ", "Y": "XZ", "Z": "XY"},
 )  # fmt: skip
 FOUND = {
-    "cyclic": {"period_mm": 7.3, "second": 1.0, "grows": 1.0},
-    "encoder_cyclic": {"period_mm": 7.3},
+    "cyclic": {"period_mm": 7.3, "second": 1.0, "grows": 1.0, "sided": 0.0},
+    "encoder_cyclic": {"period_mm": 7.3, "second": 0.0, "grows": 0.0, "sided": 0.0},
     "vibration": {"frequency_hz": 11.0, "passages": 0.0},
     "step_loss": {"t_s": 3000.0},
     "outlier": {"t_s": 3000.0},
