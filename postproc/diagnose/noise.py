@@ -15,12 +15,15 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
+AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
+CHANCE = 0.4  # of the logarithm: two standard deviations of a median of 31 absolute values
 ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
 LINE = 25.0  # times the power around: an oscillation, no noise
 TAIL = 4.0  # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom does so too)
@@ -201,6 +204,10 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
     train (n,) bool: rows that may be looked at."""
     relative = np.clip(unit.r / np.median(unit.r), 0.2, 20.0)
     scaled = np.where(train, left, 0.0) / relative
+    if train.sum() > 2 * AROUND:  # noise comes and goes: a burst, a compressor that runs
+        local = _locally(scaled[train])
+        relative[train] *= local
+        scaled[train] /= local
     base = max(spread(scaled[train]), FLOOR[unit.sees])
     far = np.abs(scaled) / base
     if unit.dense:  # of neighbours that lie off together each is real
@@ -213,6 +220,14 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
             )
             base = max(total, FLOOR[unit.sees])
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
+
+
+def _locally(values: np.ndarray) -> np.ndarray:
+    """(n,) by how much the readings around each scatter more or less than all of them, by medians; 1 where that is chance."""
+    size = np.abs(values)
+    usual = max(float(np.median(size)), 1e-12)
+    around = median_filter(size, AROUND, mode="nearest") / usual
+    return np.where(np.abs(np.log(np.maximum(around, 1e-3))) > CHANCE, np.clip(around, *LOCAL), 1.0)
 
 
 def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:

@@ -25,6 +25,7 @@ FIRST, HALVINGS, FAR = (
     1.5,
 )  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
 FEWEST_MOMENTS = 4  # between which jumps are looked for
+FEWEST_BETWEEN = 6  # readings between two jumps: fewer are readings that are off
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
@@ -127,14 +128,20 @@ def jumps(search: Search, fit: Fit) -> list[int]:
             continue
         columns = np.concatenate([search.blocks[k].columns for k in own], axis=1)
         a, b = search.evidence.beside(fit, columns)
+        later = (columns != 0).sum(axis=0)
         chosen, now = (), -np.inf
         for more in (2, 1):
             tried = [(*chosen, *c) for c in combinations([k for k in range(len(own)) if k not in chosen], more)]
+            tried = [c for c in tried if np.min(np.diff(np.sort(later[list(c)]))) >= FEWEST_BETWEEN]
+            if not tried:
+                break
             value = _values(a, b, np.array(tried)) - 2 * np.log(search.blocks[own[0]].siblings) * (len(tried[0]) - 1)
             best = int(np.argmax(value))
             if chosen and value[best] < now + WORTH:
                 break
             chosen, now = tried[best], float(value[best])
+        if not chosen:
+            continue
         moments = sorted(dict(search.blocks[own[k]].shape)["t_s"] for k in chosen)
         names = ("t_s", "second_s", "third_s")
         block = at(search, search.blocks[own[0]], dict(zip(names, moments, strict=False)))
