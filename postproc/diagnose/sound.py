@@ -56,7 +56,9 @@ def checked(recordings: list[Recording], machine: Machine) -> Sound:
                     f"{recording.file} holds the same {len(recording)} rows as {earlier.file}",
                     "name each recording once",
                 )
-        check = _Check(recording, number, machine, result, least=FEWEST[recording.kind] if len(recordings) == 1 else BESIDE)
+        check = _Check(
+            recording, number, machine, result, least=FEWEST[recording.kind] if len(recordings) == 1 else BESIDE
+        )
         result.recordings.append(check.whole())
     return result
 

@@ -42,7 +42,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(
-    state: State, axis: str, play_mm: float = 0.0, settle_ms: float = 0.0, released: float = 0.0, stribeck_mm_s: float = 0.0
+    state: State,
+    axis: str,
+    play_mm: float = 0.0,
+    settle_ms: float = 0.0,
+    released: float = 0.0,
+    stribeck_mm_s: float = 0.0,
 ) -> np.ndarray:
     share = taken_up(state, axis, play_mm) if play_mm > 0 else settled(state, axis, settle_ms)
     v = state.velocity[axis]

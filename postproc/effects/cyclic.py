@@ -22,7 +22,23 @@ PARAMETERS = {
 MORE = ("second", "grows", "sided")
 OPTIONAL = {f"{name}_{unit}": 0.0 for name in MORE for unit in ("um", "deg")}
 PLAIN = dict.fromkeys(MORE, 0.0)
-LEADS = (1.0, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0)  # mm: ISO 3408-2, nominal leads
+LEADS = (
+    1.0,
+    2.0,
+    2.5,
+    3.0,
+    4.0,
+    5.0,
+    6.0,
+    8.0,
+    10.0,
+    12.0,
+    16.0,
+    20.0,
+    25.0,
+    32.0,
+    40.0,
+)  # mm: ISO 3408-2, nominal leads
 # A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
 MOST = 0.6  # of the amplitude: beyond, it is another wave

@@ -66,7 +66,11 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float,
+    size_um: float,
+    slope_um: float,
+    difference_um: float,
+    difference_slope_um: float,
+    tau_ms: float,
     released: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, slope_um, difference_um, difference_slope_um]

@@ -43,7 +43,12 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    jump_um: float, t_s: float, second_um: float = 0.0, second_s: float = 0.0, third_um: float = 0.0, third_s: float = 0.0
+    jump_um: float,
+    t_s: float,
+    second_um: float = 0.0,
+    second_s: float = 0.0,
+    third_um: float = 0.0,
+    third_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shape = {"t_s": t_s} | {name: t for name, t in (("second_s", second_s), ("third_s", third_s)) if t}
     return np.array([jump_um, second_um, third_um][: len(shape)]), shape

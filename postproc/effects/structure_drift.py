@@ -15,7 +15,11 @@ PARAMETERS = {
     "phase_deg": "degrees, of a cosine at t = 0",
 }
 OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0, "creep": 0.0, "cycle_s": 0.0, "phase_deg": 0.0}
-CYCLES = (600.0, 3600.0, 12)  # s: rooms' heating and cooling switch every 10 min to 1 h (ISO/TR 16015: variations of the room)
+CYCLES = (
+    600.0,
+    3600.0,
+    12,
+)  # s: rooms' heating and cooling switch every 10 min to 1 h (ISO/TR 16015: variations of the room)
 CONTINUOUS = {"cycle_s": CYCLES[:2]}
 SWINGS = 1.5  # of a cycle: fewer are a drift
 CREEPS = (300.0, 3000.0)  # s
@@ -55,7 +59,13 @@ def sensible(size_um: float, tau_s: float, file: float = -1.0, **_: float) -> bo
 
 
 def columns(
-    state: State, axis: str, tau_s: float, from_s: float = -1.0, file: float = -1.0, creep: float = 0.0, cycle_s: float = 0.0
+    state: State,
+    axis: str,
+    tau_s: float,
+    from_s: float = -1.0,
+    file: float = -1.0,
+    creep: float = 0.0,
+    cycle_s: float = 0.0,
 ) -> np.ndarray:
     if cycle_s > 0:
         angle = 2 * np.pi * state.time / cycle_s

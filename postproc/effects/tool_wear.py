@@ -45,12 +45,19 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
         changes = (0.0, *map(float, parts[1:]))
         result += [
-            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c} for p in changes for w in ways for c in (0.0, HALF)
+            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c}
+            for p in changes
+            for w in ways
+            for c in (0.0, HALF)
         ]
     most = max((len(np.unique(state.run[own])) for own in _gauged(state)), default=0)
     if most >= FEWEST_RUNS:
         lives = range(SHORTEST, most - AFTER + 1)
-        result += [{"change": 0.0, "bores": 1.0, "life": float(n), "older": old, "cut": 0.0} for n in lives for old in (0.0, 1.0)]
+        result += [
+            {"change": 0.0, "bores": 1.0, "life": float(n), "older": old, "cut": 0.0}
+            for n in lives
+            for old in (0.0, 1.0)
+        ]
     return result
 
 
@@ -64,7 +71,11 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
     """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
-    return {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0} if 0 < shape.get("life", 0.0) < NEVER else None
+    return (
+        {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0}
+        if 0 < shape.get("life", 0.0) < NEVER
+        else None
+    )
 
 
 def columns(
