@@ -4,7 +4,6 @@ second wave of half the period, a swing that grows along the travel."""
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from postproc.diagnose import library
 from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.prior import plausible
 from postproc.effects import UM
+from postproc.effects.step_loss import MOMENTS
 
 if TYPE_CHECKING:
     from postproc.diagnose.evidence import Fit
@@ -120,34 +120,42 @@ def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
 def jumps(search: Search, fit: Fit) -> list[int]:
     """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments make: steps that are lost and found
     again show in no single jump."""
-    result = []
+    result: list[int] = []
     single = [k for k, b in enumerate(search.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
     for axis in sorted({search.blocks[k].axis for k in single}):
         own = [k for k in single if search.blocks[k].axis == axis]
         if len(own) < FEWEST_MOMENTS:
             continue
-        columns = np.concatenate([search.blocks[k].columns for k in own], axis=1)
-        a, b = search.evidence.beside(fit, columns)
-        later = (columns != 0).sum(axis=0)
-        chosen, now = (), -np.inf
-        for more in (2, 1):
-            tried = [(*chosen, *c) for c in combinations([k for k in range(len(own)) if k not in chosen], more)]
-            tried = [c for c in tried if np.min(np.diff(np.sort(later[list(c)]))) >= FEWEST_BETWEEN]
-            if not tried:
-                break
-            value = _values(a, b, np.array(tried)) - 2 * np.log(search.blocks[own[0]].siblings) * (len(tried[0]) - 1)
-            best = int(np.argmax(value))
-            if chosen and value[best] < now + WORTH:
-                break
-            chosen, now = tried[best], float(value[best])
-        if not chosen:
-            continue
+        first = search.blocks[own[0]]
+        chosen = _jumps(search, fit, np.concatenate([search.blocks[k].columns for k in own], axis=1), first.siblings)
         moments = sorted(dict(search.blocks[own[k]].shape)["t_s"] for k in chosen)
-        names = ("t_s", "second_s", "third_s")
-        block = at(search, search.blocks[own[0]], dict(zip(names, moments, strict=False)))
+        block = at(search, first, dict(zip(MOMENTS, moments, strict=False))) if moments else None
         if block is not None:
-            result.append(search.let_in(replace(block, siblings=search.blocks[own[0]].siblings ** len(moments))))
+            result.append(search.let_in(replace(block, siblings=first.siblings ** len(moments))))
     return result
+
+
+def _jumps(search: Search, fit: Fit, columns: np.ndarray, tried: int) -> list[int]:
+    """Numbers of the likeliest two or three of columns (N, K), that stand so far apart that no few readings are off; tried: moments
+    that there are."""
+    a, b = search.evidence.beside(fit, columns)
+    later = (columns != 0).sum(axis=0)
+    sets = np.stack(np.triu_indices(len(later), 1), axis=1)
+    chosen: list[int] = []
+    now = -np.inf
+    while len(sets):
+        apart = np.diff(np.sort(later[sets], axis=1), axis=1).min(axis=1) >= FEWEST_BETWEEN
+        if not apart.any():
+            break
+        sets = sets[apart]
+        value = _values(a, b, sets) - 2 * np.log(tried) * (sets.shape[1] - 1)
+        best = int(np.argmax(value))
+        if value[best] < now + WORTH or len(chosen) == len(MOMENTS):
+            break
+        chosen, now = sets[best].tolist(), float(value[best])
+        rest = np.setdiff1d(np.arange(len(later)), chosen)
+        sets = np.column_stack([np.repeat([chosen], len(rest), axis=0), rest])
+    return chosen
 
 
 def _values(a: np.ndarray, b: np.ndarray, sets: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ def sensible(jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **mo
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     jumps = [*(float(c) for c in coefficients), 0.0, 0.0][:3]
-    named = {}
+    named: dict[str, float] = {}
     for name, jump, moment in zip(("jump_um", "second_um", "third_um"), jumps, MOMENTS, strict=True):
         named |= {name: jump, moment: shape.get(moment, 0.0)}
     return named
