@@ -53,7 +53,8 @@ def written_out(filter_: Filter, source, options: argparse.Namespace, keeps: boo
     program = Program(filter_.name, text, Library(folders, filter_.notices).text)
     # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
     tracked, limits = Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth)
-    return Written(program, tracked, limits, filter_.compensator.keeps if keeps else None)
+    compensator = filter_.compensator
+    return Written(program, tracked, limits, compensator.keeps if keeps else None, compensator.tolerance)
 
 
 def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:

@@ -61,6 +61,7 @@ def code_number(word: str) -> int:
 EXPAND = "--expand writes it out as plain blocks"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
 FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
+SPLINE = "corrected points do not lie on such a curve: --expand writes it out as straight lines"
 CALL = f"the same text runs at several places: {EXPAND}"
 LENGTH = "tool lengths come with the T word here: program with G49"
 CUTTER = "it leads the tool beside the words by a radius: let the CAM program write the tool centre path"

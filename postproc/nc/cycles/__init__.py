@@ -19,8 +19,11 @@ from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
+from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.spline_marlin import SPLINE, MarlinSpline
+from postproc.nc.cycles.splines import Splines
 from postproc.nc.cycles.threading import LinuxcncThread
 from postproc.nc.cycles.turning_fanuc import Repetitive
 from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
@@ -32,7 +35,8 @@ from postproc.nc.dialects import Dialect
 class Cycle(Protocol):
     """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its own."""
 
-    modal: bool
+    @property
+    def modal(self) -> bool: ...
 
     def forms(self, code: int) -> tuple[Form, ...]: ...
 
@@ -77,12 +81,22 @@ def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
     holes = LinuxcncDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*ACTIONS, *REFUSED], holes)
     turning = dict.fromkeys((700, 710, 711, 712, 720, 721, 722), LinuxcncTurning())
+    splines = Splines()
+    cycles |= dict.fromkeys(splines.codes, splines)
     return Family(cycles | {760: LinuxcncThread()} | turning, LinuxcncRotation)
+
+
+def grblhal(dialect: Dialect, synchronised: bool) -> Family:
+    """Its holes and threads stay: nobody has measured them."""
+    splines = Splines(nurbs=False)
+    return Family(dict.fromkeys(splines.codes, splines))
 
 
 def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
     holes = FanucDrilling(synchronised=synchronised)
-    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), FanucFrames, restores=True)
+    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
+    cycles[NURBS] = FanucNurbs()
+    return Family(cycles, FanucFrames, restores=True)
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
@@ -121,11 +135,17 @@ def siemens(dialect: Dialect, synchronised: bool) -> Family:
     return Family(control=SiemensFrames)
 
 
+def marlin(dialect: Dialect, synchronised: bool) -> Family:
+    return Family({SPLINE: MarlinSpline()})
+
+
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
     "linuxcnc": linuxcnc,
+    "grblhal": grblhal,
     "fanuc": fanuc_mill,
     "fanuc-lathe": fanuc_lathe,
     "siemens": siemens,
+    "marlin": marlin,
     "haas": haas,
     "haas-lathe": haas_lathe,
 }

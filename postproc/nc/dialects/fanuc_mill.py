@@ -49,7 +49,7 @@ DIALECT = Dialect(
         *rows("motion", dict.fromkeys(("75", "77", "78", "79"), "grinding cycle"), refuses=codes.WRITE_OUT),
         *rows("motion", {"35": "circular thread, clockwise", "36": "circular thread, counter-clockwise"},
             refuses=codes.CURVE),
-        *rows("motion", {"6.2": "NURBS"}, refuses=codes.CURVE),
+        *rows("motion", {"6.2": "NURBS"}, refuses=codes.SPLINE),
         *rows("motion", {"2.2": "involute", "3.2": "involute", "2.3": "exponential", "3.3": "exponential",
             "2.4": "3D circle", "3.4": "3D circle"}, refuses=codes.CURVE),
         *rows("motion", {"37": "tool length, measured"}, refuses=codes.PROBE),

@@ -85,7 +85,7 @@ DIALECT = Dialect(
         *rows("", {"28": "home", "12": "clean the nozzle", "26": "test print", "27": "park", "29": "level the bed",
               "30": "probe the bed", "33": "calibrate", "34": "align Z", "35": "bed corners", "42": "to a mesh point",
               "61": "back to a stored position", "76": "calibrate the probe", "425": "calibrate"}, takes=True),
-        *rows("motion", {"5": "Bezier curve"}, refuses=codes.CURVE),
+        *rows("motion", {"5": "Bezier curve"}, refuses=codes.SPLINE),
         *rows("motion", {"6": "motor steps"}, refuses=codes.TRANSFORM),
         *rows("motion", {f"38.{n}": "probe" for n in (2, 3, 4, 5)}, refuses=codes.PROBE),
     ),

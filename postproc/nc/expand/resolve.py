@@ -17,7 +17,7 @@ from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drilling import UNDEFINED
-from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.scene import CHORD_MM, Scene
 from postproc.nc.cycles.words import form_of
 from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
@@ -30,7 +30,8 @@ READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")  # no motio
 
 class Resolver:
     """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone. `keeps`:
-    whether a drilling cycle's block can stay, by what it drills (None: never)."""
+    whether a drilling cycle's block can stay, by what it drills (None: never). `tolerance`: mm, by which the lines of a
+    spline may leave it."""
 
     def __init__(
         self,
@@ -38,9 +39,11 @@ class Resolver:
         tracker: Tracker,
         synchronised: bool = False,
         keeps: Callable[[Motions], bool] | None = None,
+        tolerance: float = CHORD_MM,
     ):
         self.program, self.tracker, self.grammar = program, tracker, tracker.dialect.grammar
         self.scene, self.keeps = Scene(tracker), keeps
+        self.scene.tolerance = tolerance
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
         if self.control:
@@ -209,7 +212,7 @@ class Resolver:
             self.active, self.code = cycle, code
         else:
             self.active = None
-            if self.family.restores:
+            if self.family.restores or outcome.then is not None:
                 self.missing = self.before if outcome.then is None else outcome.then
         if outcome.skip:
             self.skip = (self.line.file, *outcome.skip)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 
 from postproc.errors import Notice
 from postproc.motions import Motions
+from postproc.nc.cycles.scene import CHORD_MM
 from postproc.nc.expand import Limits, Line, Program, lines_of
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
@@ -18,7 +19,7 @@ LINES_AT_ONCE = 4000
 class Written:
     """A program written out for one dialect and set-up. Iterate over it once; `source(n)` then tells of plain line n
     (from 1) the line and file that it came from. `keeps`: whether a drilling cycle's block can stay, by what it
-    drills (None: every one is written out)."""
+    drills (None: every one is written out); `tolerance`: mm, by which the lines of a spline may leave it."""
 
     def __init__(
         self,
@@ -26,8 +27,9 @@ class Written:
         interpreter: Interpreter,
         limits: Limits,
         keeps: Callable[[Motions], bool] | None = None,
+        tolerance: float = CHORD_MM,
     ):
-        self.program, self.limits, self.keeps = program, limits, keeps
+        self.program, self.limits, self.keeps, self.tolerance = program, limits, keeps, tolerance
         self.tracker = Tracker(interpreter)
         self.notices: list[Notice] = []  # by the lines that were written by hand
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
@@ -35,7 +37,7 @@ class Written:
         self._names: list[str] = [""]
 
     def __iter__(self) -> Iterator[bytes]:
-        resolver = Resolver(self.program, self.tracker, keeps=self.keeps)
+        resolver = Resolver(self.program, self.tracker, keeps=self.keeps, tolerance=self.tolerance)
         resolver.scene.notices = self.notices
         language = self.tracker.dialect.language
         source = lines_of(language, self.program, self.tracker, self.limits) if language else self._plain()
