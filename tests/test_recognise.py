@@ -31,6 +31,7 @@ PROGRAMS = {
     "N50 G98 L1*\nN99999999 %PART G71 *\n",
     "grbl": "; for GRBL 1.1\n$H\nG21 G90\nG0 X0 Y0\nM3 S1000\nG1 X10 F500\n",
     "grblhal": "(grblHAL)\n$H\nG21 G90\nG81 X1 Y1 Z-2 R1 F100\nG65 P3\n",
+    "mach3": "(Mach3Mill)\nG00G21G17G90G40G49G80\nG71G91.1\nT1M06\nS12000M03\nG94\nG0X0.000Y0.000\nG1X5.F500.M10P1\nM30\n",
     "fluidnc": "; FluidNC\n$SD/Run=part.nc\nG21 G90\nG38.6 Z-10 F50\nG0 X0 Y0\n",
 }
 

@@ -197,6 +197,16 @@ def _extended(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, extended=f"G54.1 P{int(number)}"), "extended")
 
 
+def _numbered(b: Batch, axis_words, word: str) -> None:
+    """G59 of Mach3: with P one of 254 work offsets, which no --offset names."""
+    number = number_of(b, "P")
+    if number is None or number == 6:
+        b.frame = with_known(b.frame, "numbered")
+        return
+    reason = f"G59 P{number:g} is one of the control's further work offsets", "write the program in G54 to G59"
+    b.frame = with_known(b.frame, "numbered", reason)
+
+
 def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     """TRANS: the shift is replaced, of axes that are not named by none; ATRANS adds."""
     start = b.frame.trans if add else np.zeros_like(b.frame.trans)
@@ -211,6 +221,7 @@ ACTIONS = {
     "local": _local, "set": _set, "set zero": _set_zero, "set off": _set_off, "set back": _set_back, "data": _data,
     "length": length_of, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
     "length minus": lambda b, a, w: length_of(b, a, w, sign=-1), "no length": no_length, "extended": _extended,
+    "numbered": _numbered,
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
     "store": _store, "frame": _turned,
 }  # fmt: skip
