@@ -182,5 +182,7 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
         b.blame(
             block[straight[block]],
             f"{letter} in a straight motion",
-            "corner rounding and chamfers are not followed: write the corner out",
+            "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
+            if b.dialect.grammar.assigns
+            else "corner rounding and chamfers are not followed: write the corner out",
         )

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.corners_siemens import Corners
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
@@ -70,11 +71,12 @@ class Control(Protocol):
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
-    code (G0 G1 G2 G3) that was in force before the cycle."""
+    code (G0 G1 G2 G3) that was in force before the cycle. `corners`: what writes roundings and chamfers out."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
     control: Callable[[Scene], Control] | None = None
     restores: bool = False
+    corners: Callable[[Scene], Corners] | None = None
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -132,7 +134,7 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames)
+    return Family(control=SiemensFrames, corners=Corners)
 
 
 def marlin(dialect: Dialect, synchronised: bool) -> Family:

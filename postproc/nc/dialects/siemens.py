@@ -116,7 +116,11 @@ DIALECT = Dialect(
     grammar=Grammar(
         parentheses=False,
         keywords=_KEYWORDS,
-        spellings=(("CR", "R"), ("TURN", "P"), *((name, "") for name in _PARAMETERS.split())),
+        spellings=(
+            ("CR", "R"), ("TURN", "P"),
+            ("RND", "R"), ("CHF", "R"), ("CHR", "R"),  # refused in a straight motion, and beside CR= in an arc
+            *((name, "") for name in _PARAMETERS.split()),
+        ),
         ignores=(
             r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
             r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's

@@ -46,6 +46,7 @@ class Resolver:
         self.scene.tolerance = tolerance
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
+        self.corners = self.family.corners(self.scene) if self.family.corners else None
         if self.control:
             self.scene.frame = self.control.known
         self.active: Cycle | None = None
@@ -68,6 +69,36 @@ class Resolver:
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
         ProgramError."""
+        if self.corners is None or not self.corners.wants(line):
+            return self._take(line)
+        self.line, self.scene.source = line, line.source
+        try:
+            whole = self.corners.take(line)
+        except BlockFault as error:
+            raise self._unread(error) from None
+        self._sized(line)
+        return [plain for one in whole for plain in self._take(one)]
+
+    def finish(self) -> list[Line]:
+        """The plain lines that are still to come where the program ends."""
+        rest = self.corners.finish() if self.corners else []
+        return [plain for one in rest for plain in self._take(one)]
+
+    def _sized(self, line: Line) -> None:
+        """A corner does not keep its size where lengths are scaled. Raises ProgramError."""
+        if self.control is not None and self.control.frames.factor() not in (1.0, -1.0):
+            self.scene.block = Block.of(line.text, self.grammar)
+            raise self.scene.fault(
+                f"RND or CHF within {self.control.frames.why}", "a corner does not keep its size: write it out"
+            )
+
+    def _unread(self, error: BlockFault) -> ProgramError:
+        """The tracker's interpreter could not read what it was asked about."""
+        at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else self.line
+        return fault(self.program.name, at.source, at.text, error.message, error.advice)
+
+    def _take(self, line: Line) -> list[Line]:
+        """A line without corners."""
         if self.skip is not None:
             file, first, last = self.skip
             if line.file == file and first <= line.source <= last:
@@ -83,9 +114,8 @@ class Resolver:
         self.line, self.scene.source = line, line.source
         try:
             texts = [text for block in blocks(line.text, self.grammar) for text in self._block(block)]
-        except BlockFault as error:  # the tracker's interpreter could not read what it was asked about
-            at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else line
-            raise fault(self.program.name, at.source, at.text, error.message, error.advice) from None
+        except BlockFault as error:
+            raise self._unread(error) from None
         return [line] if texts == [line.text] else [line._replace(text=text) for text in texts]
 
     @property

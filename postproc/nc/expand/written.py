@@ -49,6 +49,9 @@ class Written:
             if len(waiting) >= LINES_AT_ONCE:
                 yield self.newline.join(waiting) + self.newline
                 waiting.clear()
+        for plain in resolver.finish():
+            self._note(plain)
+            waiting.append(plain.text)
         if waiting:
             yield self.newline.join(waiting) + (self.newline if self.program.text.endswith(b"\n") else b"")
 
