@@ -8,6 +8,7 @@ Ends of rapids count, their ways do not.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,8 @@ class Verifier:
         self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
         self.centre = CentreVerifier(self.machine, self.follows)
         self.motions_in = self.motions_out = 0
+        # Line and file that a line of a program that was written out came from; None: it is the program itself.
+        self.source: Callable[[int], tuple[int, str]] | None = None
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
@@ -81,31 +84,34 @@ class Verifier:
             if again.fault and not self.state.ended:
                 raise again.fault
         except BlockFault as fault:
-            line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode(
-                "latin-1"
-            )
+            at = int(again.line[fault.block]) if fault.block < again.blocks else -1
+            shown = output.split(b"\n")[at].decode("latin-1")
             raise GcompError(
                 f"the output can not be read back: {fault.message}",
                 "this is an error of gcomp: please report the program",
-                Place(self.name, first_line + 1, line),
+                Place(self.name, int(self._own(np.array([first_line + 1]))[0]), shown),
             ) from None
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
             why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
-                f"the output can not be followed: {why} (near line {first_line + 1})",
+                f"the output can not be followed: {why}",
                 LIMIT if why == self.state.beside.fault else "this is an error of gcomp: please report the program",
+                self._near(words, motions, pieces, int(i), first_line),
             )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
+            most = min(len(back), len(pieces))
+            differ = np.flatnonzero(back.code[:most] != pieces.code[:most])
             raise GcompError(
-                f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})",
+                f"the output has {len(back)} motions where {len(pieces)} were planned",
                 "this is an error of gcomp: please report the program",
+                self._near(words, motions, pieces, int(differ[0]) if len(differ) else most, first_line),
             )
         if len(motions):
             self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
-            line = first_line + words.line[motions.block] + 1
+            line = self._own(first_line + words.line[motions.block] + 1)
             every, one = np.arange(len(motions)), np.ones(len(motions))
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
             self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH)
@@ -124,6 +130,20 @@ class Verifier:
                 self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
             self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
             self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+
+    def _near(self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int) -> Place:
+        """The program's line that a piece was made of; of one too many, the line of the last."""
+        if not len(pieces):
+            return Place(self.name, int(self._own(np.array([first_line + 1]))[0]))
+        motion = int(pieces.motion[min(piece, len(pieces) - 1)])
+        line = first_line + words.line[motions.block[motion : motion + 1]] + 1
+        return Place(self.name, int(self._own(line)[0]))
+
+    def _own(self, lines: np.ndarray) -> np.ndarray:
+        """Lines as the program's author counts them."""
+        if self.source is None:
+            return lines
+        return np.array([self.source(int(n))[0] for n in lines])
 
     def _measure_holes(
         self, nominal: Motions, run: Motions, led: Led, line, ends: Largest, axes: Largest, taps: Largest

@@ -73,7 +73,7 @@ def test_what_is_no_program_is_of_none(text):
 
 def test_evidence_says_the_line():
     found = dict(recognise(b"G90\nG0 X0 Y0\nG2 X5 Y5 CR=3.5\n"))
-    assert found["siemens"] == ["CR= in line 3"]
+    assert found["siemens"] == ["CR=3.5 in line 3"]
 
 
 def test_what_speaks_against_a_dialect_says_the_line():

@@ -30,6 +30,7 @@ from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
     check_points,
+    drop_arguments,
     idle_letters,
     m_codes,
     refuse_motions,
@@ -134,6 +135,7 @@ class Interpreter:
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     """In the order of a control: letters, codes, what they take away from the motion, then positions and arcs."""
+    drop_arguments(b)
     check_letters(b)
     b.read_codes()
     if b.integers == "least increments":

@@ -17,6 +17,22 @@ from postproc.nc.state import NONE
 CENTRES = range(AXES.index("I"), len(AXES))
 
 
+def drop_arguments(b: Batch) -> None:
+    """What stands in a block that calls a macro is handed over to it: no axis, no feed, and I J K may stand there ten times."""
+    place = b.places.get("G")
+    if place is None or not b.dialect.calls:
+        return
+    number = b.words.mantissa[place] * 10 // 10 ** np.minimum(b.words.decimals[place], 6)
+    calls = b.words.block[place[np.isin(number, b.dialect.calls)]]
+    if not len(calls):
+        return
+    for letter in [x for x in b.places if x not in "GMNOP"]:
+        kept = b.places[letter]
+        kept = kept[~np.isin(b.words.block[kept], calls)]
+        b.places[letter] = kept
+    b.places = {letter: kept for letter, kept in b.places.items() if len(kept)}
+
+
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
     for letter, place in b.places.items():

@@ -242,7 +242,8 @@ HEAD = """# Dialects
 
 Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of
 data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
-machine.toml chooses it, `--dialect auto` looks at the program.
+machine.toml chooses it, `--dialect auto` goes by what the program requires (`signs`) and what it excludes (`excludes`, and codes
+that the control has not). An error names another dialect only where the program, read in it, comes farther.
 
 - **followed**: the code is obeyed,
     and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
@@ -250,7 +251,8 @@ machine.toml chooses it, `--dialect auto` looks at the program.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, coordinates given to the place where the machine stands.
 - **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.
-- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first.
+- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first, and
+  `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md, "One run").
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
 
 Which axis words are diameters is said by machine.toml (`diameter`),

@@ -11,7 +11,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
-from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
+from postproc.nc.codes import CALL, CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
@@ -49,7 +49,7 @@ class Dialect:
     NONE for a program that names none. `thread_words`: letters of a thread's lead.
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
-    outside of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
+    outside of them. `excludes`: like `signs`: what its programs never have. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
     motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
     line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
@@ -96,6 +96,7 @@ class Dialect:
     threads_under: tuple[int, ...] = (NONE, 640)
     thread_words: str = ""
     remarks: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
     ends: tuple[int, ...] = END_OF_PROGRAM
     modal_motion: bool = True
     one_command: bool = False
@@ -176,6 +177,12 @@ class Dialect:
     def modal_stops(self) -> tuple[int, ...]:
         """Those of the exact stops that hold until G64."""
         return tuple(n for n in self.exact_stops if n in self.by_number and self.by_number[n].group)
+
+    @cached_property
+    def calls(self) -> tuple[int, ...]:
+        """Ten times the G codes that hand the words of their block over to a macro."""
+        sentence = CALL.partition(":")[0]
+        return tuple(code_number(c.word) for c in self.codes if c.word[0] == "G" and c.refuses.startswith(sentence))
 
     @cached_property
     def beside(self) -> tuple[int, ...]:

@@ -95,7 +95,7 @@ class Resolver:
     def _unread(self, error: BlockFault) -> ProgramError:
         """The tracker's interpreter could not read what it was asked about."""
         at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else self.line
-        return fault(self.program.name, at.source, at.text, error.message, error.advice)
+        return fault(at.file or self.program.name, at.source, at.text, error.message, error.advice)
 
     def _take(self, line: Line) -> list[Line]:
         """A line without corners."""
@@ -351,7 +351,8 @@ class Resolver:
     def _fault(self, message: str, advice: str, mark: bytes = b"") -> ProgramError:
         start = self.line.text.find(mark) if mark else -1
         start, stop = (start, start + len(mark)) if start >= 0 else (0, 0)
-        return fault(self.program.name, self.line.source, self.line.text, message, advice, start, stop)
+        name = self.line.file or self.program.name
+        return fault(name, self.line.source, self.line.text, message, advice, start, stop)
 
 
 def _polar(block: Block) -> bool:

@@ -35,6 +35,7 @@ class Written:
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
         self._sources, self._files = array("L"), array("H")
         self._names: list[str] = [""]
+        self._texts: dict[str, list[bytes]] = {}
 
     def __iter__(self) -> Iterator[bytes]:
         resolver = Resolver(self.program, self.tracker, keeps=self.keeps, tolerance=self.tolerance)
@@ -66,6 +67,22 @@ class Written:
             self._names.append(line.file)
         self._sources.append(line.source)
         self._files.append(self._names.index(line.file))
+
+    @property
+    def lines(self) -> int:
+        """Plain lines so far."""
+        return len(self._sources)
+
+    def own_line(self, line: int, file: str) -> str | None:
+        """A line (from 1) of the program, or of the file that it calls, as it was written by hand; None where there is
+        none."""
+        if file not in self._texts:
+            text = self.program.text
+            if file:
+                text = self.program.library(file) or self.program.library(file.lstrip("Oo0")) or b""
+            self._texts[file] = Program(file, text).lines()
+        lines = self._texts[file]
+        return lines[line - 1].decode("latin-1") if 0 < line <= len(lines) else None
 
     def source(self, line: int) -> tuple[int, str]:
         """Line and file ("": the main program) of the plain line with this number."""
