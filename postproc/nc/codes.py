@@ -80,6 +80,7 @@ CORNER = "it changes the contour before it: write the corner out"
 INLINE = "the same text runs at several places: write it out in line"
 UNTURNED = "it turns, scales or mirrors the coordinates: let the CAM program write them as they are"
 RESTORED = "modes come back from where they were kept: write the codes out"
+BROUGHT_BACK = "modes come back from where they were kept: --expand writes the codes out"
 
 END_OF_PROGRAM = (2, 30)  # M codes after which the control reads no further
 CALLS = {97: "local subprogram", 98: "subprogram call", 99: "end of subprogram, or again from the top"}

@@ -62,7 +62,7 @@ DIALECT = Dialect(
         62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
         68: "analog output", 70: "save modal state", 71: "forget modal state",
     },
-    m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
+    m_refuses={72: codes.BROUGHT_BACK, 73: codes.BROUGHT_BACK, 98: codes.CALL, 99: codes.CALL},
     grammar=Grammar(ignores=(r"\$[ \t]*[0-9]+",)),  # $0 names a spindle
     language="linuxcnc",
     expand_decimals=4,
