@@ -15,6 +15,7 @@ from postproc import __version__
 from postproc.compensate import Compensator, Options
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
+from postproc.machine.poses import Poses
 from postproc.motions import Motions
 from postproc.nc import checksums
 from postproc.nc.beside_corrected import Contours, follow_both
@@ -96,7 +97,7 @@ def setup_of(
         axes=machine.letters, diameter=frozenset(machine.diameter),
         least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
         offsets={**machine.offsets, **(offsets or {})}, start=start or {}, block_delete=block_delete, arc_centre=arc_centre,
-        integers=integers,
+        integers=integers, kinematics=Poses(machine) if machine.chain.rotary else None,
     )  # fmt: skip
 
 

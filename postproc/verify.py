@@ -8,7 +8,7 @@ Ends of rapids count, their ways do not.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,8 @@ import numpy as np
 from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
+from postproc.machine.model import Machine
+from postproc.machine.tip import TipMachine, seen_by_tip
 from postproc.machine.uncertainty import AlongPath
 from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
@@ -23,6 +25,7 @@ from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
+from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify_cutter import CentreVerifier
 
@@ -72,6 +75,8 @@ class Verifier:
         self.map = AlongPath(self.machine)
         self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
         self.centre = CentreVerifier(self.machine, self.follows)
+        self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
+        self.seen_by: dict[tuple[Space | None, tuple[int, ...]], Machine] = {}
         self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
@@ -217,7 +222,7 @@ class Verifier:
             weights = led[1].at(row, place, command, sense, run.code[row] == RAPID)
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
-                self.map.see(command, weights[0] * self.follows, lengths, line[owner[row]])
+                self.map.see(self._slides(run, row, command), weights[0] * self.follows, lengths, line[owner[row]])
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
@@ -231,17 +236,31 @@ class Verifier:
 
     def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
-        if not self.machine.turns or not run.length.any():
-            return self.machine.deviation(command, weight)
         result = np.zeros_like(command)
-        lengths, which = np.unique(run.length[:, row], axis=1, return_inverse=True)
-        for k, length in enumerate(lengths.T):
-            of = which.ravel() == k
-            tool = [
-                length[self.machine.letters.index(x)] / TICKS_PER_MM if x in self.machine.letters else 0.0
-                for x in "XYZ"
-            ]
-            result[:, of] = self.machine.with_tool((tool[0], tool[1], tool[2])).deviation(command[:, of], weight[:, of])
+        for machine, of in self._machines(run, row):
+            result[:, of] = machine.deviation(command[:, of], weight[:, of])
+        return result
+
+    def _machines(self, run: Motions, row: np.ndarray) -> Iterator[tuple[Machine, np.ndarray]]:
+        """The machine with each tool, in each space, and (K,) bool which of the motions `row` (K,) it runs."""
+        if not (self.machine.turns and run.length.any()) and not run.space.any() and not self.oriented:
+            yield self.machine, np.ones(len(row), bool)
+            return
+        every, which = np.unique(np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True)
+        for k, key in enumerate(every.T):
+            told = (run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
+            if told not in self.seen_by:
+                self.seen_by[told] = seen_by_tip(self.machine, key[:-1] / TICKS_PER_MM, told[0], self.oriented)
+            yield self.seen_by[told], which.ravel() == k
+
+    def _slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
+        """(A, K) slide positions at commands (A, K) of motions `row`."""
+        if not run.space.any():
+            return command
+        result = command.copy()
+        for machine, of in self._machines(run, row):
+            if isinstance(machine, TipMachine):
+                result[:, of] = machine.slides(command[:, of])
         return result
 
     def _all(self, known: np.ndarray) -> np.ndarray:

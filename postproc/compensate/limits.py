@@ -8,9 +8,11 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
-from postproc.motions import FEED, RAPID
+from postproc.machine.tip import TipMachine
+from postproc.motions import COUNTER, FEED, RAPID
 from postproc.units import TICKS_PER_MM
 
+LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
@@ -88,6 +90,36 @@ def check_inside(b: Batch) -> None:
             )  # fmt: skip
 
 
+def check_poses(b: Batch) -> None:
+    """The slides that hold the tip must stay within their travels and tables all along; rapids count by their ends."""
+    if not isinstance(b.machine, TipMachine) or b.machine.space is None:
+        return
+    base = b.machine.base
+    which = (b.free[b.motion] & (b.m.code[b.motion] <= COUNTER)).nonzero()[0]
+    if not len(which):
+        return
+    way = b.known_before[which] & (b.m.code[b.motion[which]] != RAPID)
+    for t in np.linspace(0.0, 1.0, LOOKS):
+        stroke = which if t == 1.0 else which[way]
+        if not len(stroke):
+            continue
+        there = b.t0[stroke] + (b.t1 - b.t0)[stroke] * t
+        slides = b.machine.slides(b.nominal(b.motion[stroke], there))
+        for row, letter in enumerate(b.machine.letters):
+            if letter not in base.chain.axes:
+                continue
+            (low, high), what = base.axes[letter].travel, "travel"
+            if b.c.outside == "error" and letter in base.ranges:
+                first, last = base.ranges[letter]
+                (low, high), what = (max(low, first), min(high, last)), "travel or the error table"
+            for i in ((slides[row] < low - EDGE) | (slides[row] > high + EDGE)).nonzero()[0][:1]:
+                raise MotionFault(
+                    int(b.motion[stroke[i]]), f"to hold the tip there {letter} goes to {slides[row, i]:.4f} {unit_of(letter)}, beyond the {what} of {letter} "
+                    f"({low:g} to {high:g} {unit_of(letter)})",
+                    "check the work offset, the tool's length, and the centres of the rotary axes in machine.toml",
+                )  # fmt: skip
+
+
 def unit_of(letter: str) -> str:
     return "degrees" if letter in ROTARY else "mm"
 
@@ -143,7 +175,7 @@ def check_limits(b: Batch) -> float:
         letter = b.machine.letters[b.rows[row]]
         raise MotionFault(
             int(b.motion[i]),
-            f"the correction of {letter} is {correction[row, i]:.4f} mm (limit max_correction = {largest:g} mm)",
+            f"the correction of {letter} is {correction[row, i]:.4f} {unit_of(letter)} (limit max_correction = {largest:g} mm)",
             "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml",
         )
     axis = b.machine.axes[what]

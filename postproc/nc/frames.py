@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.nc import tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import length_by, length_of, length_words, no_length, set_tool
@@ -58,6 +59,8 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             _extended(b, axis_words, "G54")
         else:  # a plain G54 takes the additional one back
             b.frame = with_known(replace(b.frame, extended=""), "extended")
+    tips.switched(b, axis_words)
+    tips.settle(b)
 
 
 def _set(b: Batch, axis_words, word: str) -> None:
@@ -217,11 +220,27 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     b.frame = frame if add else with_known(frame, "turned")
 
 
+def _plain(b: Batch, axis_words, word: str) -> None:
+    """A length that takes the tool point back, where one code of the group calls it."""
+    if "tip" in b.dialect.frame_codes.values():
+        tips.tip_off(b, axis_words, word)
+
+
+def _length(b: Batch, axis_words, word: str, sign: int = 1) -> None:
+    _plain(b, axis_words, word)
+    length_of(b, axis_words, word, sign)
+
+
+def _no_length(b: Batch, axis_words, word: str) -> None:
+    _plain(b, axis_words, word)
+    no_length(b, axis_words, word)
+
+
 ACTIONS = {
     "local": _local, "set": _set, "set zero": _set_zero, "set off": _set_off, "set back": _set_back, "data": _data,
-    "length": length_of, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
-    "length minus": lambda b, a, w: length_of(b, a, w, sign=-1), "no length": no_length, "extended": _extended,
-    "numbered": _numbered,
+    "length": _length, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
+    "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
+    "numbered": _numbered, "tip": tips.tip_by_length, "tip on": tips.tip_on, "tip off": tips.tip_off,
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
     "store": _store, "frame": _turned,
 }  # fmt: skip

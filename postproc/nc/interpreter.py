@@ -41,6 +41,7 @@ from postproc.nc.refusals import (
 )
 from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
 from postproc.nc.threads import thread_columns
+from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
 from postproc.nc.zeros import offset_columns
 from postproc.units import TICKS_PER_MM
 
@@ -84,19 +85,17 @@ class Interpreter:
             modal["return"] = self.dialect.returns
         modal["work offset"] = 540 if "G54" in setup.offsets else NONE
         start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
-        return ModalState(
-            modal,
-            np.array(start, np.int64),
-            np.array([x in setup.start or x in self.dialect.carried for x in setup.axes]),
-            frame=self._first_frame(),
-        )
+        known = np.array([x in setup.start or x in self.dialect.carried for x in setup.axes])
+        frame = self._first_frame()
+        position, known = retold(setup.kinematics, np.array(start, np.int64), known, (None, frame))
+        return ModalState(modal, position, known, frame=frame)
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""
         frame = no_frame(len(self.setup.axes))
         place = self.setup.offsets.get("G92") or self.setup.offsets.get("G52") or {}
         preset = [round(place.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
-        return replace(frame, preset=np.array(preset, np.int64))
+        return first_frame(self.setup.kinematics, replace(frame, preset=np.array(preset, np.int64)))
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""
@@ -123,11 +122,15 @@ class Interpreter:
         if state.ended:
             return [0, words.blocks]
         place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
-        if not len(place) and self.dialect.length_letter == "H":
+        switches = tip_codes(self.dialect, self.setup)
+        if not len(place) and self.dialect.length_letter == "H" and not switches:
             return [0, words.blocks]
         tools: list[int] = []
+        if switches:
+            switch = (words.letter == ord("M")) & np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
+            tools = words.block[switch].tolist()
         if self.dialect.length_letter != "H":
-            tools = words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
+            tools += words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
         number = written_codes(words, place)
         begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]].tolist()
         return sorted({0, words.blocks, *begins, *tools})
@@ -150,6 +153,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         frames.event(b, axis_words)
     refused_groups(b)
     offset_columns(b)
+    refuse_tips(b)
     m_codes(b)
     check_points(b)
     centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
@@ -166,6 +170,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    refuse_cycles(b, motion, moving)
     if 40 in b.single:
         turning = np.zeros(b.n, bool)
         turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
@@ -285,6 +290,7 @@ def columns(
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
         reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
         length=np.repeat(b.frame.length[:, None], len(block), axis=1), whole=whole, lead=lead,
+        space=np.full(len(block), int(b.frame.space is not None)), spaces=[None, b.frame.space],
     )  # fmt: skip
     return refuse_beside(b, motions)
 

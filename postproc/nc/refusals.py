@@ -13,6 +13,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, PARAMETER, RELATIVE
 from postproc.nc.state import NONE
+from postproc.nc.tips import tip_codes
 
 CENTRES = range(AXES.index("I"), len(AXES))
 
@@ -115,7 +116,7 @@ def m_codes(b: Batch) -> None:
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
-        elif number not in b.dialect.m_codes:
+        elif number not in b.dialect.m_codes and number not in tip_codes(b.dialect, b.setup):
             b.notices.append(
                 Notice(
                     f"M{number}",

@@ -59,7 +59,9 @@ class Dialect:
     whose number names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
     printers). `carried_codes`: M codes that make the carried axes absolute and incremental; `carried_by_distance`:
     whether G90 and G91 do so too, the last one counts. `block_end`: a character that ends a block besides the
-    line's end (* of DIN/ISO).
+    line's end (* of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
+    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where it matters);
+    `tip_codes`: M codes that switch the tool point on (True) and off.
     """
 
     name: str
@@ -110,6 +112,8 @@ class Dialect:
     carried_codes: tuple[int, ...] = ()
     carried_by_distance: bool = False
     block_end: str = ""
+    tip_frame: str = "zero"
+    tip_codes: dict[int, bool] = field(default_factory=dict)
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

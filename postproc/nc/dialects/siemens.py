@@ -96,11 +96,11 @@ DIALECT = Dialect(
         *rows("language", {"291": "ISO language"},
             refuses="the words mean other things from here on: take the ISO part into a "
               "program of its own and choose its --dialect"),
-        *rows("transformation", {"TRAFOOF": "no transformation"}),
+        *rows("transformation", {"TRAFOOF": "no transformation"}, does="tip off"),
         *rows("transformation", {"TRANSMIT": "end face in X and Y", "TRACYL": "cylinder in X and Y",
             "TRAANG": "inclined axis"},
               refuses=codes.TRANSFORM),
-        *rows("transformation", {"TRAORI": "tool centre point"}, refuses=codes.TOOL_POINT),
+        *rows("transformation", {"TRAORI": "tool centre point"}, does="tip on"),
         *rows("", {"CYCLE800": "tilted plane"}, refuses=codes.TILTED),
         *rows("", dict.fromkeys(_CYCLES.split(), "cycle"), refuses=codes.WRITE_OUT),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),

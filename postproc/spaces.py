@@ -1,0 +1,52 @@
+"""In which coordinates the X Y Z of motions are told: slide positions, or places of the tool tip in the part.
+
+Under tool centre point control (G43.4, TRAORI, M128) words are places of the tip in a frame that goes with the part, and
+the control moves the slides so that rotary words leave the tip where it is. Text and physics share only what is here; where
+the slides then stand is the machine's affair (`Kinematics`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Space:
+    """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place turn @ u + origin of the
+    part as it lies with all rotary axes at zero. turn: nine numbers of a rotation, row by row; origin: mm."""
+
+    turn: tuple[float, ...] = LEVEL
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """(3, 3) `turn`."""
+        return np.array(self.turn).reshape(3, 3)
+
+
+class Kinematics(Protocol):
+    """What the text layer asks of a machine with rotary axes. Positions (A,) mm and degrees in the order of its axes,
+    lengths (A,) mm; a space of None: slide positions."""
+
+    lacking: tuple[str, str] | None  # message and advice: what must be stated before the tip can be followed
+    carrying: tuple[str, ...]  # rotary axes that carry the part
+    rotary: tuple[str, ...]
+    needs: tuple[int, ...]  # rows on whose positions the tip's place depends
+    linear: tuple[int, ...]  # rows of X Y Z
+    frame: str  # "zero", "call", or "": as the control does
+    codes: dict[int, bool]  # M codes that switch the tool point on and off on this machine
+    at_start: bool  # whether it is on when a program begins
+
+    def convert(
+        self, position: np.ndarray, one: tuple[Space | None, np.ndarray], other: tuple[Space | None, np.ndarray]
+    ) -> np.ndarray:
+        """(A,): the place that `position` of the first space and length is in the second."""
+
+    def space_at(self, position: np.ndarray) -> Space:
+        """The frame whose axes are the machine's while the rotary axes stand at `position`, and that turns with the
+        part from there."""
