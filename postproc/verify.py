@@ -17,7 +17,8 @@ from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.machine.model import Machine
-from postproc.machine.tip import TipMachine, seen_by_tip
+from postproc.machine.poses import axes_of
+from postproc.machine.tip import TipMachine, seen_by_tip, tool_directions
 from postproc.machine.uncertainty import AlongPath
 from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
@@ -26,7 +27,7 @@ from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.spaces import Space
-from postproc.units import TICKS_PER_MM, UM
+from postproc.units import TICKS_PER_MM, UM, URAD
 from postproc.verify_cutter import CentreVerifier
 
 STEP_MM = 2.0  # a sample at least every 2 mm
@@ -40,12 +41,15 @@ NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 
 @dataclass
 class Largest:
-    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such."""
+    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such;
+    `lean`, `lean_line`: rad, by how much the tool leans away from its nominal direction in the part."""
 
     deviation: float = 0.0
     line: int = 0
     slide: float = 0.0
     slide_line: int = 0
+    lean: float = 0.0
+    lean_line: int = 0
 
     def take(self, deviation: float, line: int, slides: bool) -> None:
         if slides and deviation > self.slide:
@@ -77,6 +81,7 @@ class Verifier:
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.seen_by: dict[tuple[Space | None, tuple[int, ...]], Machine] = {}
+        self.tips = False  # whether any motion was one of the tip
         self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
@@ -111,6 +116,7 @@ class Verifier:
                 "this is an error of gcomp: please report the program",
                 self._near(words, motions, pieces, int(differ[0]) if len(differ) else most, first_line),
             )
+        self.tips |= bool(motions.space.any())
         if len(motions):
             self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
         self.motions_in += len(motions)
@@ -223,6 +229,8 @@ class Verifier:
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
                 self.map.see(self._slides(run, row, command), weights[0] * self.follows, lengths, line[owner[row]])
+            if self.machine.chain.rotary:
+                self._lean(nominal, run, (row, owner[row], t), (command, weights[0]), line, into)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
@@ -234,6 +242,23 @@ class Verifier:
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
+    def _lean(self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest) -> None:
+        """How far the tool leans at commands (A, K) reached with weights (A, K), away from its nominal direction. which: (K,)
+        motions of the run, those of the nominal program, and t there."""
+        (row, owner, t), (command, weight) = which, commands
+        start, target = (nominal.start / TICKS_PER_MM)[:, owner], (nominal.target / TICKS_PER_MM)[:, owner]
+        moves = self._all(nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
+        should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
+        actual = np.zeros_like(should)
+        for machine, of in self._machines(run, row):
+            base = machine.base if isinstance(machine, TipMachine) else machine
+            slides = self._slides(run, row[of], command[:, of])
+            actual[:, of] = tool_directions(base, slides, weight[:, of] * self.follows)
+        lean = np.linalg.norm(np.cross(should, actual, axis=0), axis=0)
+        worst = int(np.argmax(lean))
+        if lean[worst] > into.lean:
+            into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
+
     def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
         result = np.zeros_like(command)
@@ -243,7 +268,7 @@ class Verifier:
 
     def _machines(self, run: Motions, row: np.ndarray) -> Iterator[tuple[Machine, np.ndarray]]:
         """The machine with each tool, in each space, and (K,) bool which of the motions `row` (K,) it runs."""
-        if not (self.machine.turns and run.length.any()) and not run.space.any() and not self.oriented:
+        if not (self.machine.turns and run.length.any()) and not run.space.any():
             yield self.machine, np.ones(len(row), bool)
             return
         every, which = np.unique(np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True)
@@ -361,7 +386,7 @@ class Verifier:
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
             f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
-            f"{self._of_holes()}{self._beside()}; {self.map.report()}"
+            f"{self._of_holes()}{self._beside()}{self._of_lean()}; {self.map.report()}"
         )
 
     def _lost_motion(self) -> str:
@@ -371,6 +396,17 @@ class Verifier:
         return (
             f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}), uncorrected {before.slide / UM:.2f} um, "
             f"hysteresis {self.hysteresis / UM:g} um"
+        )
+
+    def _of_lean(self) -> str:
+        """How far the tool leans, on machines with rotary axes."""
+        if not self.machine.chain.rotary:
+            return ""
+        after, before = self.corrected, self.uncorrected
+        how = "" if self.oriented else " (--orientation corrects it in programs of the tool tip)" * self.tips
+        return (
+            f"; the tool leans by {after.lean / URAD:.0f} urad at most (line {after.lean_line}), "
+            f"uncorrected {before.lean / URAD:.0f}{how}"
         )
 
     def _of_holes(self) -> str:

@@ -75,6 +75,37 @@ def test_many_random_machines(tmp_path):
         assert verifier.passed, seed
 
 
+@pytest.mark.parametrize("chain", CHAINS)
+def test_orientation_is_corrected_where_it_is_asked_for(chain, tmp_path):
+    """The same with --orientation: the tip as before, and the tool within half as many degrees as the tolerance has
+    millimetres, wherever the rotary axes can turn it any way (not nearer to a pole than 0.1 rad)."""
+    rng = np.random.default_rng(40 + CHAINS.index(chain))
+    truth = random_truth(rng, chain)
+    machine = load(truth, tmp_path)
+    text = random_program(rng, truth.rotary, "G43.4 H1", "G49")
+    output, verifier = corrected(machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, orientation=True)
+    judged = tool_point.judge(truth, text, output, "G43.4", "G49", LENGTH, turned=True)
+    assert judged.tip < TOLERANCE + 0.0001 + machine.bounds.second_order
+    assert judged.lean < np.radians(TOLERANCE / 2)
+    assert judged.lean < judged.lean_before / 3
+    assert verifier.passed
+    assert f"uncorrected {verifier.uncorrected.lean * 1e6:.0f}" in verifier.report()
+
+
+def test_a_leaning_table_by_hand(tmp_path):
+    """A of the table errs by 100 urad about X (EAA) everywhere: the part leans with it, and A is corrected by as much, 100
+    urad being 0.0057 degrees. The tip stands on A's line, so nothing else changes."""
+    truth = plain("w-C-A-b-X-Y-Z-t")
+    truth.table["A"][1][3] = 100e-6
+    machine = load(truth, tmp_path)
+    text = "N10 G90 G54 G0 X0. Y0. Z0. A10. C0.\nN20 G43.4 H1\nN30 G0 X0. Y0. Z0. A30.\nN40 G49\nM30\n"
+    offsets = {"H1": {"Z": 0.0}}
+    assert words(corrected(machine, "fanuc-mill", text, offsets)[0], 30) == "G0 X0. Y0. Z0. A30."
+    output, verifier = corrected(machine, "fanuc-mill", text, offsets, orientation=True)
+    assert words(output, 30) == "G0 X0. Y0. Z0. A29.9943"
+    assert "the tool leans by" in verifier.report()
+
+
 # -- by hand -----------------------------------------------------------------------------------------------------------
 
 

@@ -52,6 +52,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "(default: the machine's, or 1um)",
     )
     how.add_argument(
+        "--orientation",
+        action="store_true",
+        help="correct the rotary words too, for the tool's lean, in programs of the tool tip (G43.4, TRAORI, M128)",
+    )
+    how.add_argument(
         "--reversal",
         choices=("mean", "step", "ramp", "off"),
         help="what to do where an axis turns back (default: the machine's, or step)",
@@ -207,7 +212,7 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
     )  # fmt: skip
     how = Options(
         options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
-        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis,
+        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis, orientation=options.orientation,
     )  # fmt: skip
     filter_ = Filter(machine, dialect, setup, how)
     filter_.notices += notices

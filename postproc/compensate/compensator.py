@@ -134,14 +134,9 @@ class Compensator:
         if self.machine.is_zero:
             return _untouched(motions), carry, []
         turned = self.machine.turns and bool(motions.length.any())
-        if turned or motions.space.any() or carry.told[0] is not None or self._poses:
+        if turned or motions.space.any() or carry.told[0] is not None:
             return self._by_tool(motions, carry)
         return self._run(motions, carry)
-
-    @property
-    def _poses(self) -> bool:
-        """Whether rotary axes are corrected too."""
-        return self.options.orientation and bool(self.machine.chain.rotary)
 
     def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The same where tools have lengths: every run of motions on the machine with its own tool, in its own space."""
@@ -220,6 +215,7 @@ class Compensator:
         b.spread_reversals()
         b.lead_beyond()
         threads.say(b)
+        limits.tell_orientation(b)
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)

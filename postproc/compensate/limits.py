@@ -92,7 +92,7 @@ def check_inside(b: Batch) -> None:
 
 def check_poses(b: Batch) -> None:
     """The slides that hold the tip must stay within their travels and tables all along; rapids count by their ends."""
-    if not isinstance(b.machine, TipMachine) or b.machine.space is None:
+    if not isinstance(b.machine, TipMachine):
         return
     base = b.machine.base
     which = (b.free[b.motion] & (b.m.code[b.motion] <= COUNTER)).nonzero()[0]
@@ -118,6 +118,14 @@ def check_poses(b: Batch) -> None:
                     f"({low:g} to {high:g} {unit_of(letter)})",
                     "check the work offset, the tool's length, and the centres of the rotary axes in machine.toml",
                 )  # fmt: skip
+
+
+def tell_orientation(b: Batch) -> None:
+    """Say once that feeds between places of the slides keep their lean, where orientation was asked for."""
+    if b.options.orientation and not isinstance(b.machine, TipMachine):
+        for i in (b.free & (b.m.code == FEED)).nonzero()[0][:1]:
+            said = "--orientation holds where X Y Z are places of the tool tip; elsewhere the tip is corrected, and the tool leans as it did"
+            b.notices.append(Notice("orientation", said, int(i)))
 
 
 def unit_of(letter: str) -> str:

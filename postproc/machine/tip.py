@@ -36,7 +36,7 @@ class TipMachine(Machine):
 
     base: Machine = None  # type: ignore[assignment]
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    space: Space | None = None
+    space: Space = field(default_factory=Space)
     oriented: bool = False
 
     @cached_property
@@ -64,8 +64,6 @@ class TipMachine(Machine):
 
     def slides(self, position: np.ndarray) -> np.ndarray:
         """(A, N) slide positions, mm and degrees, at commands (A, N) of the space."""
-        if self.space is None:
-            return position
         rows = [self.letters.index(x) for x in XYZ]
         tip = poses.turned(self.space.matrix, position[rows]) + np.array(self.space.origin)[:, None]
         return poses.slides_at(self.base, tip + self.anchor[:, None], position)
@@ -78,17 +76,8 @@ class TipMachine(Machine):
         if self.oriented:
             result[[self.letters.index(x) for x in self.chain.rotary]] = np.degrees(self._turns(slides, lean))
         rows = [self.letters.index(x) for x in XYZ]
-        if self.space is not None:
-            result[rows] = poses.turned(self.space.matrix.T, off)
-        elif self.oriented:  # where the slides would stand nominally to have this tip with these angles
-            there = poses.slides_at(self.base, poses.tips(self.base, slides) + off, slides + result)
-            result[rows] = (there - slides)[rows]
+        result[rows] = poses.turned(self.space.matrix.T, off)
         return result
-
-    def lean(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(3, N) rad: the rotation about lines across the tool by which it leans in the part, at commands (A, N)."""
-        slides = self.slides(position)
-        return _across(poses.axes_of(self.base, slides)[1], self.base.carried(slides, approach)[1])
 
     def _turns(self, slides: np.ndarray, lean: np.ndarray) -> np.ndarray:
         """(R, N) rad by which the rotary axes seem to be off, as a lean (3, N) rad tells it."""
@@ -107,20 +96,23 @@ def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def seen_by_tip(machine: Machine, length: np.ndarray, space: Space | None, oriented: bool) -> Machine:
-    """The machine with a tool of length (A,) mm, as motions of a space need it. Without a space and without orientation it
-    is the machine itself. In a space no axis has a table, a travel or a side of its own: those are the slides'."""
+    """The machine with a tool of length (A,) mm, as motions of a space need it; without a space it is the machine itself.
+    In a space no axis has a table, a travel or a side of its own: those are the slides'."""
     base = poses.with_length(machine, length)
-    oriented = oriented and bool(machine.chain.rotary)
-    if space is None and not oriented:
+    if space is None:
         return base
     given = {f.name: getattr(base, f.name) for f in fields(Machine)}
-    if space is not None:
-        endless = (-np.inf, np.inf)
-        axes = {
-            x: replace(a.bare, travel=endless if x in XYZ else a.travel, uncertainty=None) for x, a in base.axes.items()
-        }
-        given |= {"axes": axes, "square": {}, "effects": ()}
+    travel = {x: (-np.inf, np.inf) if x in XYZ else a.travel for x, a in base.axes.items()}
+    axes = {x: replace(a.bare, travel=travel[x], uncertainty=None) for x, a in base.axes.items()}
+    given |= {"axes": axes, "square": {}, "effects": ()}
     return TipMachine(**given, base=base, anchor=machine.tool, space=space, oriented=oriented)
+
+
+def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    """(3, N) the tool's actual direction in the part, away from it, at commanded slide positions (A, N)."""
+    tool = poses.axes_of(machine, slides)[1]
+    actual: np.ndarray = tool + np.cross(machine.carried(slides, approach)[1], tool, axis=0)
+    return actual
 
 
 class TipBounds(Bounds):

@@ -230,18 +230,12 @@ def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned:
     result.tip_before = max(result.tip_before, float(np.linalg.norm(truth.actual(right, length) - place)))
     if truth.reaches(right) < 0.1:
         return  # near a pole, where the rotary axes can not turn the tool any way
-    way = np.linalg.norm([high[x] - low[x] for x in "XYZ"])
-    leans = []
-    for along in (
-        -0.001,
-        -0.0005,
-        0.0,
-        0.0005,
-        0.001,
-    ):  # where the tip is off along its path the tool may still be right
-        near = {x: low[x] + (high[x] - low[x]) * (t + along / max(way, 0.001)) for x in low}
-        leans.append(float(np.linalg.norm(np.cross(truth.axis(pose, 1.0), truth.axis({**right, **near}, 0.0)))))
-    result.lean = max(result.lean, min(leans))
+    way = max(float(np.linalg.norm([high[x] - low[x] for x in "XYZ"])), 0.001)
+    ahead = {x: low[x] + (high[x] - low[x]) * (t + 0.001 / way) for x in low}
+    turn = truth.axis({**right, **ahead}, 0.0) - axis  # of the nominal tool over 1 um of the way
+    off = truth.axis(pose, 1.0) - axis  # where the tip is behind on its path the tool may be so too
+    off = off - turn * np.clip(off @ turn / max(turn @ turn, 1e-30), -1, 1)
+    result.lean = max(result.lean, float(np.linalg.norm(off)))
     result.lean_before = max(result.lean_before, float(np.linalg.norm(np.cross(truth.axis(right, 1.0), axis))))
 
 
