@@ -92,3 +92,5 @@ class Notice:
     message: str
     line: int = 0
     size: float = 0.0  # of several of one code the largest is told
+    refusal: tuple[str, str] = ("", "")  # message and way out, if it turns out that nothing else could be done
+    counts: tuple[int, ...] = ()  # of several of one code the sums are told, in the message's {0}, {1}...

@@ -116,7 +116,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X0,Z0",
         type=values.place,
         default={},
-        help="where the machine stands before the program, mm, radius, machine coordinates",
+        help="where the machine stands before the program, mm, radius, machine coordinates; on printers and routers "
+        "behind G28 too, if machine.toml states no home",
     )
     program.add_argument(
         "--block-delete",

@@ -25,6 +25,7 @@ from postproc.units import TICKS_PER_MM
 # mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
 # (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
+FEW = 32  # motions that are worked out at once behind one that is left as it is
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Options:
     hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
     least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
     taken up (None: as the machine says); orientation: whether rotary words are corrected for the
-    tool's lean."""
+    tool's lean; passes_unknown: whether feeds whose place can not be known are left as they are, and
+    counted, rather than refused."""
 
     tolerance: float | None = None
     outside: str | None = None
@@ -46,6 +48,7 @@ class Options:
     hole_tolerance: float | None = None
     hysteresis: float | None = None
     orientation: bool = False
+    passes_unknown: bool = False
 
 
 @dataclass(frozen=True)
@@ -197,6 +200,53 @@ class Compensator:
             return False
 
     def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        b = self._worked_out(motions, carry)
+        if self.options.passes_unknown and limits.at_stop(b).any():
+            return self._with_stops(motions, carry)
+        return self._finished(b, carry)
+
+    def _with_stops(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        """The same where motions begin or end at the end of an axis' travel: those that lead beyond are left as they are,
+        one after the other, since each changes where the next one begins."""
+        parts, notices, first, size = [], [], 0, FEW
+        while first < len(motions):
+            one = motions.part(first, min(first + size, len(motions)))
+            b = self._worked_out(one, carry)
+            hit = limits.at_stop(b)
+            if hit[0]:
+                one = one.part(0, 1)
+                b = self._worked_out(replace(one, alone=one.alone | True), carry)
+                b.notices.append(Notice("stop", limits.AT_STOP, 0, counts=(1,)))
+            elif hit.any():
+                one = one.part(0, int(hit.argmax()))
+                b = self._worked_out(one, carry)
+            pieces, carry, more = self._finished(b, carry)
+            arcs = int(np.searchsorted(motions.arcs.motion, first))
+            parts.append(
+                replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
+            )
+            notices += [replace(n, line=n.line + first) for n in more]
+            first, size = first + len(one), FEW if hit.any() else 2 * size
+        return joined(parts), carry, notices
+
+    def _finished(self, b: Batch, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        """The pieces of a batch that is worked out."""
+        parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
+        pieces = without_rests(in_order([p for p in parts if p is not None]))
+        largest = limits.check_limits(b)
+        after = replace(
+            carry,
+            sides=b.sides,
+            issued=b.end[:, -1].copy(),
+            way=b.way,
+            sure=bool(b.sure_after[-1]),
+            heading=cutter.heading(b),
+            largest=max(carry.largest, largest),
+        )
+        return pieces, after, b.notices
+
+    def _worked_out(self, motions: Motions, carry: Carry) -> Batch:
+        """The batch with where every stroke begins and ends."""
         b = Batch(self, motions, carry)
         limits.refuse(b)
         limits.refuse_turning_arcs(b)
@@ -216,19 +266,7 @@ class Compensator:
         b.lead_beyond()
         threads.say(b)
         limits.tell_orientation(b)
-        parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
-        pieces = without_rests(in_order([p for p in parts if p is not None]))
-        largest = limits.check_limits(b)
-        after = replace(
-            carry,
-            sides=b.sides,
-            issued=b.end[:, -1].copy(),
-            way=b.way,
-            sure=bool(b.sure_after[-1]),
-            heading=cutter.heading(b),
-            largest=max(carry.largest, largest),
-        )
-        return pieces, after, b.notices
+        return b
 
 
 def _bottoms(motions: Motions) -> np.ndarray:

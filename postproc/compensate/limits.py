@@ -13,6 +13,11 @@ from postproc.motions import COUNTER, FEED, RAPID
 from postproc.units import TICKS_PER_MM
 
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
+UNKNOWN = (
+    "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where the axes stand there "
+    "is not known (--start, or home in machine.toml, says where a program begins and where G28 goes)"
+)
+AT_STOP = "motions left as they are, since an axis stands at the end of its travel and its correction leads beyond: {0}"
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
@@ -38,25 +43,29 @@ def refuse_turning_arcs(b: Batch) -> None:
 
 
 def check_unknown(b: Batch) -> None:
-    """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
+    """What can not be corrected since a place is not known: a rapid is left as it is, and a feed where a program begins
+    like that (printers, routers); elsewhere it is refused. All that is left is counted, and said."""
     if b.known.all() and b.start_known.all():
         return
     lost = ~b.known & ~b.m.alone
-    for i in (lost & (b.m.code != RAPID)).nonzero()[0][:1]:
+    feeds = lost & (b.m.code != RAPID)
+    fault = None
+    for i in feeds.nonzero()[0][:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
-        raise MotionFault(
+        fault = MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
-    for i in lost.nonzero()[0][:1]:
-        b.notices.append(
-            Notice("rapid", "rapids before every axis that matters has its position are left as they are", int(i))
-        )
-    for i in (b.free & ~b.start_known & (b.m.code == FEED)).nonzero()[0][:1]:
-        b.notices.append(
-            Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))
-        )
+        if not b.options.passes_unknown:
+            raise fault
+    half = b.free & ~b.start_known & (b.m.code == FEED)
+    left = lost | half
+    for i in left.nonzero()[0][:1]:
+        counts = (int(lost.sum()), int(feeds.sum()), int(half.sum()))
+        never = (fault.message, fault.advice) if fault else ("", "")
+        i = fault.motion if fault else i
+        b.notices.append(Notice("unknown", UNKNOWN, int(i), refusal=never, counts=counts))
 
 
 def check_inside(b: Batch) -> None:
@@ -159,6 +168,24 @@ def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
         value = np.where((t > 0) & (t < 1) & b.free[arcs.motion[arc]], value, neutral)
         np.minimum.at(result[0], first, value)
         np.maximum.at(result[1], first, value)
+    return result
+
+
+def at_stop(b: Batch) -> np.ndarray:
+    """(N,) bool: motions that begin or end with an axis at the very end of its travel, where homing leaves it, and would
+    lead it beyond."""
+    result = np.zeros(len(b.m), bool)
+    free = b.free[b.motion]
+    for row in b.rows:
+        edges = b.machine.axes[b.machine.letters[row]].travel
+        for nominal, place, told in (
+            (b.begin_nominal[row], b.begin[row], b.m.start_known[row, b.motion] & b.known_before),
+            (b.end_nominal[row], b.end[row], b.m.target_known[row, b.motion]),
+        ):
+            low, high = (np.abs(nominal - edge) <= EDGE for edge in edges)
+            at = place / TICKS_PER_MM
+            out = (low & (at < edges[0] - EDGE)) | (high & (at > edges[1] + EDGE))
+            result[b.motion[free & told & out]] = True
     return result
 
 

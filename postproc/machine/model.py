@@ -114,8 +114,8 @@ class Limits:
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
     U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,) mm;
-    offsets: name to axis to mm; signs: "verified" where a measurement after compensation has shown
-    them, "unverified" where it is said that none has, "" where nothing is said; tool_stated:
+    offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which they
+    are stated; signs: "verified" where a measurement after compensation has shown them, "unverified" where it is said that none has, "" where nothing is said; tool_stated:
     whether the folder states the tool's point; tool_point: how the control follows it."""
 
     name: str
@@ -138,6 +138,7 @@ class Machine:
     signs: str = ""
     tool_stated: bool = False
     tool_point: ToolPoint = field(default_factory=ToolPoint)
+    home: dict[str, float] = field(default_factory=dict)
 
     @cached_property
     def letters(self) -> tuple[str, ...]:

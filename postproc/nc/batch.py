@@ -80,6 +80,7 @@ class Batch:
         self.cycle: InCycle | None = None
         self.presets = no_presets()
         self.zero_known = True
+        self.condition = int(state.codes.get("condition", NONE))
         self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
@@ -223,6 +224,8 @@ class Batch:
     def after(self) -> dict[str, int]:
         """The codes in force behind the batch."""
         result = dict(self.state.codes)
+        if self.condition != result.get("condition", NONE):
+            result["condition"] = self.condition
         for group, column in self.given.items():
             named = (column != NONE).nonzero()[0]
             if len(named):

@@ -122,7 +122,7 @@ def _data(b: Batch, axis_words, word: str) -> None:
     additional work offset), L1 L10 L11 a tool's."""
     line, number = number_of(b, "L"), number_of(b, "P")
     values = values_of(b, axis_words)
-    if not values and number_of(b, "R") is None:
+    if not values and (number_of(b, "R") is None or b.dialect.carried):  # G10 P0 S200 R150: temperatures of a tool
         return
     if line is None and b.dialect.tool_offsets and number is not None:
         line = 10.0

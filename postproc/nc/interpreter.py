@@ -23,9 +23,10 @@ from postproc.nc.batch import LINEAR, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import hold_last_float, spread
+from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, Words
+from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
@@ -33,6 +34,7 @@ from postproc.nc.refusals import (
     drop_arguments,
     idle_letters,
     m_codes,
+    macros,
     refuse_motions,
     refused_groups,
     single_commands,
@@ -83,9 +85,10 @@ class Interpreter:
         modal["motion"] = self.dialect.motion
         if "return" in modal:
             modal["return"] = self.dialect.returns
-        modal["work offset"] = 540 if "G54" in setup.offsets else NONE
-        start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
-        known = np.array([x in setup.start or x in self.dialect.carried for x in setup.axes])
+        modal["work offset"] = 540 if "G54" in setup.offsets and 540 in self.dialect.by_number else NONE
+        stands = {**setup.home, **setup.start} if self.dialect.homes else setup.start
+        start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
+        known = np.array([x in stands or x in self.dialect.carried for x in setup.axes])
         frame = self._first_frame()
         position, known = retold(setup.kinematics, np.array(start, np.int64), known, (None, frame))
         return ModalState(modal, position, known, frame=frame)
@@ -155,6 +158,9 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     offset_columns(b)
     refuse_tips(b)
     m_codes(b)
+    macros(b)
+    if b.dialect.conditions:
+        conditionals(b)
     check_points(b)
     centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
     centre_words = {c: place for c, place in centre_words.items() if len(place)}
@@ -271,10 +277,16 @@ def columns(
     else:
         renamed = np.zeros(0, bool)
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
+    untold = b.places.get(chr(UNTOLD))
     mode = b.held("feed mode")
     inverse = spread(mode, n)[block] == 930
     if np.any(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
+        if untold is not None:
+            told = inverse & np.isin(block, b.words.block[untold])
+            b.blame(
+                block[told], "G93 and an F whose value only the machine knows", "write the number of every F, or G94"
+            )
         b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
     alone = b.machine[block]
     circle = Circle(

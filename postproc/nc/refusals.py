@@ -11,7 +11,7 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, PARAMETER, RELATIVE
+from postproc.nc.lexer import ABSOLUTE, AXES, BARE, KEYWORD_LETTER, MACRO, PARAMETER, RELATIVE, UNTOLD
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
@@ -38,7 +38,12 @@ def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
     for letter, place in b.places.items():
         code = ord(letter)
-        if code in (KEYWORD_LETTER, PARAMETER) or code - RELATIVE in CENTRES or code - ABSOLUTE in CENTRES:
+        if (
+            code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD)
+            or code >= BARE
+            or code - RELATIVE in CENTRES
+            or code - ABSOLUTE in CENTRES
+        ):
             continue
         if code >= RELATIVE:
             letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
@@ -124,6 +129,35 @@ def m_codes(b: Batch) -> None:
                     int(b.words.line[block[0]]),
                 )
             )
+
+
+def macros(b: Batch) -> None:
+    """Text that only the machine has: it may move every axis, so no place is known behind it; what shifts the coordinates
+    or brings modes back can not be followed."""
+    if b.dialect.tools_move and "T" in b.places:
+        b.loses[b.words.block[b.places["T"]]] = True
+    place = b.places.get(chr(MACRO))
+    if place is None:
+        return
+    block = b.words.block[place]
+    b.loses[block] = b.taken[block] = True
+    number = np.where(b.words.number[place] < b.words.stop[place], b.words.mantissa[place], 0)
+    for i in np.flatnonzero(number):
+        b.foreign[block[i]] = True
+        name, why = _name_of(b, int(place[i])), b.dialect.macro_refuses[number[i] - 1]
+        b.reason[block[i]] = b.because(f"{name} can not be followed", why)
+    if not number.all():
+        first = int(place[number == 0][0])
+        b.notices.append(
+            Notice("macro", f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are taken to be "
+                   "behind it what they were, and no axis has a known place until the program names one", int(b.words.line[b.words.block[first]]))
+        )  # fmt: skip
+
+
+def _name_of(b: Batch, place: int) -> str:
+    """The first word of the text that a macro's word stands for."""
+    text = b.words.text[b.words.start[place] :][:60].decode("latin-1")
+    return text.split("\n")[0].split("=")[0].split()[0].rstrip(";")
 
 
 def _called(b: Batch, number: int) -> str:

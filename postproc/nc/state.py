@@ -15,7 +15,7 @@ NONE = -1  # no code of that group yet
 @dataclass(frozen=True)
 class Setup:
     """What the text must be told of the machine: its axes, which words are diameters, least increments (mm), work and
-    tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start (mm, machine coordinates), and how
+    tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start and after homing (mm, machine coordinates), and how
     block delete and arc centres are read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as in the dialect).
     kinematics: of a machine with rotary axes, whose tool tip can be followed."""
 
@@ -28,6 +28,7 @@ class Setup:
     arc_centre: str = "incremental"
     integers: str = ""
     kinematics: Kinematics | None = None
+    home: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

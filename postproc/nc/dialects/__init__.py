@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -62,6 +63,14 @@ class Dialect:
     line's end (* of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
     are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where it matters);
     `tip_codes`: M codes that switch the tool point on (True) and off.
+
+    `homes`: printers and routers: where homing left the slides is where they stand when a program begins, and feeds
+    before the axes have places pass as they are, counted. `home_z_over`: axes that homing Z may take to a place of its
+    own (above the bed's middle). `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word
+    outside of the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
+    code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them. `tools_move`: T runs macros that may move the tool.
+    `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the machine, or nothing.
+    `conditions`: lines behind if and while that are indented further run when the control says so.
     """
 
     name: str
@@ -114,6 +123,15 @@ class Dialect:
     block_end: str = ""
     tip_frame: str = "zero"
     tip_codes: dict[int, bool] = field(default_factory=dict)
+    homes: bool = False
+    home_z_over: str = ""
+    g_takes: tuple[int, ...] = ()
+    skips_centre: bool = False
+    relative_with_distance: bool = False
+    macro_refuses: tuple[str, ...] = ()
+    tools_move: bool = False
+    other_codes_are_macros: bool = False
+    conditions: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:
@@ -239,11 +257,22 @@ def load(name: str) -> Dialect:
 def _grammar(dialect: Dialect) -> Grammar:
     """The grammar with what the dialect's own fields say about its text."""
     ignores = dialect.grammar.ignores
+    head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
+    if dialect.g_takes:
+        numbers = "|".join(map(str, dialect.g_takes))
+        ignores += (head + rf"(G[ \t]*0*(?:{numbers}))(?![0-9.])[^;\n]*",)
     if dialect.m_takes:
-        head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
         text = "|".join(map(str, dialect.m_text))
         if text:
             ignores += (head + rf"(M[ \t]*0*(?:{text}))(?![0-9])[^;\n]*",)
         rest = r"[^;\n]" if dialect.one_command else r"(?![GM][ \t]*[0-9])[^;\n]"
         ignores += (head + rf"(M[ \t]*[0-9]+(?:\.[0-9]+)?)(?:{rest})*",)
-    return dialect.grammar._replace(ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end)
+    macros = dialect.grammar.macros
+    if dialect.other_codes_are_macros:
+        own = "|".join(re.escape(code.word[1:]) for code in dialect.codes)
+        alone = "" if dialect.one_command else r"(?![^;\n]*[GM][ \t]*[0-9])"
+        macros += ((rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))[ \t]*[0-9.]+{alone}[^;\n]*", 0),)
+    return dialect.grammar._replace(
+        macros=macros, ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end,
+        untold=dialect.language in ("linuxcnc", "fanuc"),
+    )  # fmt: skip

@@ -1,7 +1,8 @@
 """GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no
 program.
 
-Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
+Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line: a program begins in G0, as the state is cleared to; the
+words I J K of an arc are taken together, and those outside of the plane are not looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
 from postproc.nc.dialects import Dialect
@@ -38,6 +39,9 @@ DIALECT = Dialect(
     m_refuses={},
     grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
     plane=170,
+    motion=0,
+    homes=True,
+    skips_centre=True,
     dwell="P",
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,

@@ -60,6 +60,9 @@ DIALECT = Dialect(
     expand_decimals=4,
     grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
     plane=170,
+    motion=0,
+    homes=True,
+    skips_centre=True,
     dwell="P",
     turns=True,
     arc_tolerance_mm=0.005,
