@@ -28,6 +28,11 @@ class Space:
         """(3, 3) `turn`."""
         return np.array(self.turn).reshape(3, 3)
 
+    def of(self, inner: Space) -> Space:
+        """The frame of places of `inner` that are told in this one."""
+        turn, origin = self.matrix @ inner.matrix, self.matrix @ np.array(inner.origin) + np.array(self.origin)
+        return Space(tuple(turn.ravel().tolist()), (float(origin[0]), float(origin[1]), float(origin[2])))
+
 
 class Kinematics(Protocol):
     """What the text layer asks of a machine with rotary axes. Positions (A,) mm and degrees in the order of its axes,
@@ -39,6 +44,7 @@ class Kinematics(Protocol):
     needs: tuple[int, ...]  # rows on whose positions the tip's place depends
     linear: tuple[int, ...]  # rows of X Y Z
     frame: str  # "zero", "call", or "": as the control does
+    planes: str  # the same of tilted planes; "": asked for where it matters
     codes: dict[int, bool]  # M codes that switch the tool point on and off on this machine
     at_start: bool  # whether it is on when a program begins
 
@@ -46,6 +52,13 @@ class Kinematics(Protocol):
         self, position: np.ndarray, one: tuple[Space | None, np.ndarray], other: tuple[Space | None, np.ndarray]
     ) -> np.ndarray:
         """(A,): the place that `position` of the first space and length is in the second."""
+
+    def tool_axis(self, position: np.ndarray) -> np.ndarray:
+        """(3,): the tool's direction in the part, away from it."""
+
+    def aligned(self, normal: np.ndarray, position: np.ndarray) -> list[np.ndarray]:
+        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part; that with the shortest
+        way from `position` first."""
 
     def space_at(self, position: np.ndarray) -> Space:
         """The frame whose axes are the machine's while the rotary axes stand at `position`, and that turns with the

@@ -10,6 +10,8 @@ point `[tool]`. Then a work offset means the same with the tool point on and off
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from postproc.errors import MachineError
@@ -76,6 +78,9 @@ def slides_at(machine: Machine, tip: np.ndarray, q: np.ndarray) -> np.ndarray:
     return result
 
 
+ONE = 1e-6  # rad: directions that are nearer are one
+
+
 class Poses:
     """The kinematics of one machine, as the text layer may ask for it (postproc.spaces.Kinematics)."""
 
@@ -86,6 +91,7 @@ class Poses:
         self.needs = machine.chained
         self.linear = tuple(i for i, x in enumerate(machine.letters) if x in XYZ)
         self.frame = machine.tool_point.frame
+        self.planes = machine.tool_point.planes
         self.codes = machine.tool_point.codes
         self.at_start = machine.tool_point.at_start
         self.lacking = _lacking(machine)
@@ -95,6 +101,26 @@ class Poses:
     ) -> np.ndarray:
         """(A,): the place that `position` (A,) of the first space and length is in the second."""
         return into(self.machine, *other, out_of(self.machine, *one, position[:, None]))[:, 0]
+
+    def tool_axis(self, position: np.ndarray) -> np.ndarray:
+        """(3,): the tool's direction in the part, away from it, at `position` (A,)."""
+        result: np.ndarray = axes_of(self.machine, position[:, None])[1][:, 0]
+        return result
+
+    def aligned(self, normal: np.ndarray, position: np.ndarray) -> list[np.ndarray]:
+        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part; that with the shortest
+        way of the axis nearest to the part first, then of the other."""
+        rows = [self.machine.letters.index(x) for x in self.rotary]
+        found = []
+        for angles in _turns_to(self.machine, normal):
+            for turns in itertools.product((-2, -1, 0, 1, 2), repeat=len(angles)):
+                pose = position.copy()
+                pose[rows] = np.array(angles) + 360.0 * np.array(turns)
+                travels = [self.machine.axes[x].travel for x in self.rotary]
+                if all(low - 1e-6 <= pose[row] <= high + 1e-6 for row, (low, high) in zip(rows, travels, strict=True)):
+                    found.append((np.abs(pose - position)[rows].round(6).tolist(), pose))
+        found.sort(key=lambda one: one[0])
+        return [pose for _, pose in found]
 
     def space_at(self, position: np.ndarray) -> Space:
         """The frame of the part whose axes are the machine's while the rotary axes stand at `position` (A,)."""
@@ -106,6 +132,41 @@ class Poses:
         there = tips(self.machine, none) - self.machine.tool[:, None]
         turn = there[:, 1:] - there[:, :1]
         return Space(tuple(turn.ravel().tolist()), (float(there[0, 0]), float(there[1, 0]), float(there[2, 0])))
+
+
+def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
+    """Angles of the rotary axes, degrees, in the order of the chain, at which the tool has the direction `normal` (3,).
+
+    With R1 R2 z = normal the second axis is where the first one's own direction a sees the tool as it sees the normal:
+    a . R2 z = a . normal, a sine of the angle; the first then turns R2 z into the normal. Where that leaves the first one
+    free (a pole) it stays at zero.
+    """
+    ways = [np.eye(3)[ROTARY.index(x)] for x in machine.chain.rotary]
+    tool = np.array([0.0, 0.0, 1.0])
+    if len(ways) == 1:
+        return _about_to(ways[0], tool, normal)
+    first, second = ways
+    along, across, lifted = tool - second * (second @ tool), np.cross(second, tool), second * (second @ tool)
+    size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
+    rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
+    if abs(rest) > 1 + ONE:
+        return []
+    swing = np.arccos(np.clip(rest, -1.0, 1.0))
+    found: list[tuple[float, ...]] = []
+    for angle in sorted({round(phase + swing, 12), round(phase - swing, 12)}):
+        turned = lifted + along * np.cos(angle) + across * np.sin(angle)
+        found += [(one, float(np.degrees(angle))) for (one,) in _about_to(first, turned, normal)]
+    return found
+
+
+def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tuple[float, ...]]:
+    """The angle, degrees, by which `axis` turns direction `one` into `other`; none where it can not."""
+    flat = [v - axis * (axis @ v) for v in (one, other)]
+    if abs(axis @ one - axis @ other) > ONE:
+        return []
+    if np.linalg.norm(flat[0]) < ONE:
+        return [(0.0,)]
+    return [(float(np.degrees(np.arctan2(axis @ np.cross(*flat), flat[0] @ flat[1]))),)]
 
 
 def with_length(machine: Machine, length: np.ndarray) -> Machine:

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.nc import tips
+from postproc.nc import planes, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import length_by, length_of, length_words, no_length, set_tool
@@ -61,6 +61,9 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             b.frame = with_known(replace(b.frame, extended=""), "extended")
     tips.switched(b, axis_words)
     tips.settle(b)
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
+        if b.live[0] and (b.single.get(number, np.ones(1))[:1] == 0).any():
+            planes.plane_align(b, b.dialect.by_number[number].word)
 
 
 def _set(b: Batch, axis_words, word: str) -> None:
@@ -241,6 +244,7 @@ ACTIONS = {
     "length": _length, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
     "numbered": _numbered, "tip": tips.tip_by_length, "tip on": tips.tip_on, "tip off": tips.tip_off,
+    "plane": planes.plane_on, "plane off": planes.plane_off, "plane align": lambda b, a, w: None,  # below, behind the rest
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
     "store": _store, "frame": _turned,
 }  # fmt: skip

@@ -27,6 +27,7 @@ from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
+from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
@@ -157,6 +158,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     refused_groups(b)
     offset_columns(b)
     refuse_tips(b)
+    refuse_planes(b, axis_words)
     m_codes(b)
     macros(b)
     if b.dialect.conditions:

@@ -38,7 +38,7 @@ class Frame:
     local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens; due: what of it the
     next increment of an axis travels too. extended: the
     name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units in which the length was set. unknown: message and advice, by part, for a shift that is in force
-    and not known. space: in which X Y Z are places of the tool tip; None: they are the slides'."""
+    and not known. tip: the tool point's frame, plane: a tilted plane's, where they are in force."""
 
     local: np.ndarray
     preset: np.ndarray
@@ -49,7 +49,15 @@ class Frame:
     extended: str = ""
     length_units: int = 210
     unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
-    space: Space | None = None
+    tip: Space | None = None
+    plane: Space | None = None
+
+    @property
+    def space(self) -> Space | None:
+        """The frame in which X Y Z are places of the tool tip; None: they are the slides'."""
+        if self.tip is not None and self.plane is not None:
+            return self.tip.of(self.plane)
+        return self.tip if self.plane is None else self.plane
 
     @property
     def shift(self) -> np.ndarray:

@@ -23,7 +23,8 @@ from postproc.nc.zeros import values_of, with_known, work_columns
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
-FOLLOWED = "tip"  # the part of a frame's unknowns that is about the tip
+FOLLOWED, PLANE = "tip", "plane"  # the parts of a frame's unknowns that are about the tip and about a tilted plane
+AROUND = "switch it off before, and on again behind"
 STATE_FRAME = (
     'say which frame the control takes, in machine.toml: [tool_point] frame = "zero" (X Y Z are the machine\'s while the '
     'table stands at zero) or "call" (as it stands there)'
@@ -63,12 +64,12 @@ def tip_on(b: Batch, axis_words, word: str) -> None:
             f"{word} while {' '.join(turned)} does not stand at zero: in which frame X Y Z count then differs",
             STATE_FRAME,
         )
-    b.frame = with_known(replace(b.frame, space=space), FOLLOWED, reason)
+    b.frame = with_known(replace(b.frame, tip=space), FOLLOWED, reason)
 
 
 def tip_off(b: Batch, axis_words, word: str) -> None:
     """TRAFOOF, M129, and codes of the group of G43.4: X Y Z are the slides' again."""
-    b.frame = with_known(replace(b.frame, space=None), FOLLOWED)
+    b.frame = with_known(replace(b.frame, tip=None), FOLLOWED)
 
 
 def switched(b: Batch, axis_words) -> None:
@@ -106,7 +107,12 @@ def retold(
     if (old is None or old.space is None) and new.space is None:
         return position, known
     row = list(kinematics.linear) if kinematics is not None else []
-    if kinematics is None or kinematics.lacking or FOLLOWED in new.unknown or not known[list(kinematics.needs)].all():
+    if (
+        kinematics is None
+        or kinematics.lacking
+        or {FOLLOWED, PLANE} & set(new.unknown)
+        or not known[list(kinematics.needs)].all()
+    ):
         known = known.copy()
         known[row] = False
         return position, known
@@ -126,48 +132,44 @@ def refuse_tips(b: Batch) -> None:
     work = work_columns(b)
     shifted = [x for x in kinematics.carrying if (work[b.rows[x]] + b.frame.shift[b.rows[x]]).any()]
     frame = kinematics.frame or b.dialect.tip_frame
-    every = np.arange(b.n)
-    if shifted and frame != "call":
-        b.blame(every, f"the work offset turns {' '.join(shifted)} while the tool point is on: in which frame X Y Z count then differs",
+    if shifted and (frame != "call" or b.frame.plane is not None):
+        b.blame(np.arange(b.n), f"the work offset turns {' '.join(shifted)} while the frame goes with the part: in which frame X Y Z count then differs",
                 "write the offset of the rotary axes into the program's words, with zero in the offset")  # fmt: skip
-    b.blame(
-        np.flatnonzero(b.machine), "G53 while X Y Z are places of the tool tip", "switch the tool point off before it"
-    )
-    _lost(
-        b, np.flatnonzero(b.loses), "a reference point while X Y Z are places of the tool tip: it takes the tip along"
-    )
-    cutter = np.broadcast_to(b.held("cutter"), b.n)
-    b.blame(np.flatnonzero((cutter >= 0) & (cutter != 400)), "cutter radius compensation while the tool point is on",
-            "let the CAM program write the path of the tool's centre")  # fmt: skip
+    b.blame(np.flatnonzero(b.machine), f"G53 while {_told(b)}", AROUND)
+    lost(b, np.flatnonzero(b.loses), f"a reference point while {_told(b)}: it takes the tip along")
     if len(b.presets):
-        _lost(b, np.zeros(1, np.int64), "a new zero while X Y Z are places of the tool tip")
+        lost(b, np.zeros(1, np.int64), f"a new zero while {_told(b)}")
+    if b.frame.tip is not None:
+        cutter = np.broadcast_to(b.held("cutter"), b.n)
+        b.blame(np.flatnonzero((cutter >= 0) & (cutter != 400)), "cutter radius compensation while the tool point is on",
+                "let the CAM program write the path of the tool's centre")  # fmt: skip
 
 
-def _lost(b: Batch, blocks: np.ndarray, message: str) -> None:
-    """From the first of these blocks on the tip can not be followed, until the tool point is called anew."""
+def _told(b: Batch) -> str:
+    """What X Y Z are."""
+    return f"X Y Z are {'places of the tool tip' if b.frame.tip is not None else 'coordinates of a tilted plane'}"
+
+
+def lost(b: Batch, blocks: np.ndarray, message: str) -> None:
+    """From the first of these blocks on the tip can not be followed, until the tool point or the plane is called anew."""
     if len(blocks):
-        reason = (message, "switch the tool point off before it, and on behind it")
-        b.blame(np.arange(int(blocks[0]), b.n), *reason)
-        b.frame = with_known(b.frame, FOLLOWED, reason)
+        b.blame(np.arange(int(blocks[0]), b.n), message, AROUND)
+        b.frame = with_known(b.frame, FOLLOWED if b.frame.tip is not None else PLANE, (message, AROUND))
 
 
 def refuse_cycles(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
-    """Holes while the tip is followed: along which line they are drilled is the control's affair. motion (B,): the code in
+    """Holes while the tool point is on: along which line they are drilled is the control's affair. motion (B,): the code in
     force; moving (B,)."""
-    if b.frame.space is not None:
+    if b.frame.tip is not None:
         drills = moving & b.dialect.is_hole[np.maximum(motion, 0)]
-        b.blame(
-            np.flatnonzero(drills),
-            "a drilling cycle while X Y Z are places of the tool tip",
-            "let the CAM program write it out as G0 and G1",
-        )
+        b.blame(np.flatnonzero(drills), "a drilling cycle while the tool point is on", "let the CAM program write it out as G0 and G1")  # fmt: skip
 
 
 def first_frame(kinematics: Kinematics | None, frame: Frame) -> Frame:
     """The frame before the first block, on a machine that starts with the tool point on."""
     if kinematics is None or not kinematics.at_start:
         return frame
-    return with_known(replace(frame, space=Space()), FOLLOWED, kinematics.lacking)
+    return with_known(replace(frame, tip=Space()), FOLLOWED, kinematics.lacking)
 
 
 def _stands(b: Batch, letter: str) -> float | None:
