@@ -18,10 +18,11 @@ LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 @dataclass(frozen=True)
 class Space:
     """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place turn @ u + origin of the
-    part as it lies with all rotary axes at zero. turn: nine numbers of a rotation, row by row; origin: mm."""
+    part as it lies with all rotary axes at zero. turn: nine numbers of a rotation, row by row; origin: mm; held: whether the control holds the tip while rotary axes turn."""
 
     turn: tuple[float, ...] = LEVEL
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    held: bool = True
 
     @property
     def matrix(self) -> np.ndarray:
@@ -31,7 +32,7 @@ class Space:
     def of(self, inner: Space) -> Space:
         """The frame of places of `inner` that are told in this one."""
         turn, origin = self.matrix @ inner.matrix, self.matrix @ np.array(inner.origin) + np.array(self.origin)
-        return Space(tuple(turn.ravel().tolist()), (float(origin[0]), float(origin[1]), float(origin[2])))
+        return Space(tuple(turn.ravel().tolist()), (float(origin[0]), float(origin[1]), float(origin[2])), self.held)
 
 
 class Kinematics(Protocol):

@@ -156,6 +156,16 @@ def test_a_plane_by_hand(tmp_path):
     assert words(output, 40) == "G0 X5. Y6.0100 Z7."
 
 
+def test_orientation_turns_nothing_in_a_plane(tmp_path):
+    """There a rotary word would take the tip along: it stays, and that is said."""
+    plane = Plane(5, "w-C-A-b-X-Y-Z-t")
+    machine = load(plane.truth, tmp_path)
+    text = plane.head + "G1 X20. Y-15. F500.\nG49\nG69\nM30\n"
+    output, verifier = corrected(machine, "fanuc-mill", text, OFFSETS, orientation=True)
+    assert output == corrected(machine, "fanuc-mill", text, OFFSETS)[0]
+    assert verifier.passed
+
+
 def test_a_machine_without_errors_changes_no_byte(tmp_path):
     text = Plane(1, "w-C-A-b-X-Y-Z-t").head + "G1 X20. Y-15. F500.\nG2 X30. I5. J0.\nG49\nG69\nM30\n"
     assert corrected(load(plain("w-C-A-b-X-Y-Z-t"), tmp_path), "fanuc-mill", text, OFFSETS)[0] == text

@@ -131,9 +131,9 @@ def check_poses(b: Batch) -> None:
 
 def tell_orientation(b: Batch) -> None:
     """Say once that feeds between places of the slides keep their lean, where orientation was asked for."""
-    if b.options.orientation and not isinstance(b.machine, TipMachine):
+    if b.options.orientation and not (isinstance(b.machine, TipMachine) and b.machine.oriented):
         for i in (b.free & (b.m.code == FEED)).nonzero()[0][:1]:
-            said = "--orientation holds where X Y Z are places of the tool tip; elsewhere the tip is corrected, and the tool leans as it did"
+            said = "--orientation holds where the control holds the tool tip; elsewhere the tip is corrected, and the tool leans as it did"
             b.notices.append(Notice("orientation", said, int(i)))
 
 

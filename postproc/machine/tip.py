@@ -105,7 +105,7 @@ def seen_by_tip(machine: Machine, length: np.ndarray, space: Space | None, orien
     travel = {x: (-np.inf, np.inf) if x in XYZ else a.travel for x, a in base.axes.items()}
     axes = {x: replace(a.bare, travel=travel[x], uncertainty=None) for x, a in base.axes.items()}
     given |= {"axes": axes, "square": {}, "effects": ()}
-    return TipMachine(**given, base=base, anchor=machine.tool, space=space, oriented=oriented)
+    return TipMachine(**given, base=base, anchor=machine.tool, space=space, oriented=oriented and space.held)
 
 
 def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) -> np.ndarray:

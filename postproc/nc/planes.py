@@ -48,7 +48,7 @@ def plane_on(b: Batch, axis_words, word: str) -> None:
     work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
     base = kinematics.space_at(b.state.position / TICKS_PER_MM) if kinematics.planes == "call" else Space()
     plane = base.of(Space(tuple(turn.ravel().tolist()), _three(zero + work - turn @ work)))
-    b.frame = with_known(replace(frame, plane=plane), PLANE, reason)
+    b.frame = with_known(replace(frame, plane=replace(plane, held=False)), PLANE, reason)
 
 
 def plane_off(b: Batch, axis_words, word: str) -> None:
