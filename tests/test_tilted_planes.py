@@ -229,3 +229,50 @@ def test_the_way_g53_1_takes_is_said_where_there_are_two(tmp_path):
     assert len(said) == 1
     assert "C0.000 A30.000" in said[0] and "C180.000 A-30.000" in said[0] or "C-180.000 A-30.000" in said[0]
     assert TURN["A"] == 0
+
+
+@pytest.mark.parametrize("chain", CHAINS[::2])
+def test_cycle800_turns_axis_by_axis(chain, tmp_path):
+    """Mode 57: about X, the new Y, the new Z, with a zero before and a shift behind; D brings the tool's length. The angles are
+    those whose plane lies across a pose that was drawn."""
+    plane = Plane(400 + CHAINS.index(chain), chain)
+    machine = load(plane.truth, tmp_path, "siemens")
+    n = plane.turn[:, 2]
+    b = np.degrees(np.arcsin(n[0]))
+    a = np.degrees(np.arctan2(-n[1], n[2]))
+    a, b, c = round(float(a), 9), round(float(b), 9), 20.0
+    plane.turn = about(0, a) @ about(1, b) @ about(2, c)
+    assert np.allclose(plane.turn[:, 2], n, atol=1e-7)
+    zero, shift = plane.zero, np.array([1.5, -2.0, 0.75])
+    rotary = " ".join(f"{x}0" for x in plane.truth.rotary)
+    call = ",".join(f"{v:.9f}" for v in (*zero, a, b, c, *shift))
+    text = (f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 {rotary}\nCYCLE800(0,\"TABLE\",0,57,{call},1,0,0)\n; G43 H1\nG0 X0 Y0 Z30\n"
+            "G1 X20 Y-15 Z-3 F500\nX-25 Y10\nG2 X-5 Y30 I20 J0\nG1 X30 Z5\n; G49\nCYCLE800()\nM30\n")  # fmt: skip
+    plane.zero = zero + plane.turn @ shift
+    output, verifier = corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})
+    assert verifier.passed, verifier.report()
+    nominal = [m for m in path(text) if m[0] != "0" and np.isfinite(m[1]).all()]
+    worst = 0.0
+    for motion in (m for m in path(output) if m[0] != "0" and np.isfinite(m[1]).all()):
+        for word in samples(motion):
+            worst = max(worst, min(distance(word + plane.off(word), m) for m in nominal))
+    assert worst < TOLERANCE + 0.0001 + machine.bounds.second_order
+    assert verifier.uncorrected.deviation > 0.004
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ("0,,0,192,0,0,0,10,20,0,0,0,0,1", "its mode 192 does not turn axis by axis"),
+        ("0,,1,57,0,0,0,10,20,0,0,0,0,1", "it adds to the plane before"),
+        ("0,,0,57,0,0,0,R1,20,0,0,0,0,1", "its arguments are not plain numbers"),
+        ("0,,0,57,0,0,0,10,20,0,0,0,0,0", "the tool does not stand across|turn"),
+        ("1,,0,57,0,0,0,10,20,0,0,0,0,1", "where [XYZ ]+ stands? is not known"),
+    ],
+)
+def test_cycle800_that_can_not_be_followed_is_said(call, message, tmp_path):
+    plane = Plane(5, "w-C-A-b-X-Y-Z-t")
+    machine = load(plane.truth, tmp_path, "siemens")
+    text = f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 C0 A5\nCYCLE800({call})\nG1 X20 F500\n"
+    with pytest.raises(ProgramError, match=message):
+        corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})

@@ -36,11 +36,11 @@ class Code:
 KEYWORD = 10_000  # codes that are words (TRANS, DIAMON) rather than a letter and a number lie from here on
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
 # What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44, G49; G54.1 P; G59 P;
-# TRANS, ATRANS; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1.
+# TRANS, ATRANS; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800.
 FRAME_KEYS = (
     "local", "set", "set zero", "set off", "set back", "data", "length", "length words", "length more", "length minus",
     "no length", "extended", "trans", "atrans", "no frame", "store", "frame",
-    "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align",
+    "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align", "swivel",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
 CYCLE_KEYS = ("drill", "tap", "there and back", "thread")

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.nc import planes, tips
+from postproc.nc import planes, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import length_by, length_of, length_words, no_length, set_tool
@@ -64,6 +64,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
         if b.live[0] and (b.single.get(number, np.ones(1))[:1] == 0).any():
             planes.plane_align(b, b.dialect.by_number[number].word)
+    _swivelled(b)
 
 
 def _set(b: Batch, axis_words, word: str) -> None:
@@ -223,6 +224,19 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     b.frame = frame if add else with_known(frame, "turned")
 
 
+def _swivelled(b: Batch) -> None:
+    """CYCLE800 turns the rotary axes itself."""
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "swivel"):
+        if not b.live[0] or (b.single.get(number, np.ones(1))[:1] != 0).all():
+            continue
+        if swivel.retracts(b):
+            known = b.state.known.copy()
+            known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
+            b.state = replace(b.state, known=known)
+        if swivel.direction(b):
+            planes.plane_align(b, swivel.WORD, swivel.direction(b))
+
+
 def _plain(b: Batch, axis_words, word: str) -> None:
     """A length that takes the tool point back, where one code of the group calls it."""
     if "tip" in b.dialect.frame_codes.values():
@@ -245,6 +259,7 @@ ACTIONS = {
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
     "numbered": _numbered, "tip": tips.tip_by_length, "tip on": tips.tip_on, "tip off": tips.tip_off,
     "plane": planes.plane_on, "plane off": planes.plane_off, "plane align": lambda b, a, w: None,  # below, behind the rest
+    "swivel": swivel.swivel,
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
     "store": _store, "frame": _turned,
 }  # fmt: skip

@@ -24,29 +24,42 @@ STANDS = 1e-4  # rad: closer to its normal a tool stands across the plane
 
 def plane_on(b: Batch, axis_words, word: str) -> None:
     """G68.2 X Y Z I J K."""
+    reason: tuple[str, str] | None = None
+    if number_of(b, "P"):
+        reason = (f"{word} P{number_of(b, 'P'):g} tells the plane otherwise than by Euler angles",
+                  "let the CAM program write G68.2 with I J K alone")  # fmt: skip
+    values = {x: value / TICKS_PER_MM for x, (value, _) in values_of(b, axis_words).items()}
+    zero = np.array([values.get(x, 0.0) for x in "XYZ"])
+    turn = turned((2, 0, 2), [number_of(b, x) or 0.0 for x in "IJK"])
+    tilt(b, word, turn, zero, reason)
+
+
+def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
+    """(3, 3): turns about axes of their own (0 1 2: X Y Z), each in the frame that the one before has turned."""
+    result = np.eye(3)
+    for axis, angle in zip(axes, degrees, strict=True):
+        result = result @ _about(axis, float(np.radians(angle)))
+    return result
+
+
+def tilt(b: Batch, word: str, turn: np.ndarray, zero: np.ndarray, reason: tuple[str, str] | None) -> None:
+    """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work offset's."""
     kinematics = b.setup.kinematics
     if kinematics is None or kinematics.lacking or any(x not in b.rows for x in "XYZ"):
         lacking = kinematics.lacking if kinematics is not None else None
         why = lacking or ("the machine has no rotary axes", "choose the right --machine")
         b.frame = with_known(b.frame, PLANE, (f"{word} (tilted plane) is in force, and {why[0]}", why[1]))
         return
-    reason: tuple[str, str] | None = None
-    if number_of(b, "P"):
-        reason = (f"{word} P{number_of(b, 'P'):g} tells the plane otherwise than by Euler angles",
-                  "let the CAM program write G68.2 with I J K alone")  # fmt: skip
-    turned = [x for x in kinematics.carrying if not b.state.known[b.rows[x]] or b.state.position[b.rows[x]]]
-    if kinematics.planes == "" and turned:
-        reason = (f"{word} while {' '.join(turned)} does not stand at zero: from which frame the plane counts then differs",
+    lost = [x for x in kinematics.carrying if not b.state.known[b.rows[x]]]
+    away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
+    counts = kinematics.planes or b.dialect.plane_frame
+    if counts != "zero" and (lost or (away and not counts)):
+        reason = (f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame the plane counts then differs",
                   STATE_FRAME.replace("frame =", "planes ="))  # fmt: skip
-    rows = [b.rows[x] for x in "XYZ"]
-    values = {x: value / TICKS_PER_MM for x, (value, _) in values_of(b, axis_words).items()}
-    zero = np.array([values.get(x, 0.0) for x in "XYZ"])
-    i, j, k = (np.radians(number_of(b, x) or 0.0) for x in "IJK")
-    turn = _about(2, i) @ _about(0, j) @ _about(2, k)
-    frame = b.frame
+    rows, frame = [b.rows[x] for x in "XYZ"], b.frame
     shift = frame.local + frame.trans + (frame.preset if frame.preset_on else 0)
     work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
-    base = kinematics.space_at(b.state.position / TICKS_PER_MM) if kinematics.planes == "call" else Space()
+    base = kinematics.space_at(b.state.position / TICKS_PER_MM) if counts == "call" else Space()
     plane = base.of(Space(tuple(turn.ravel().tolist()), _three(zero + work - turn @ work)))
     b.frame = with_known(replace(frame, plane=replace(plane, held=False)), PLANE, reason)
 
@@ -56,21 +69,24 @@ def plane_off(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, plane=None), PLANE)
 
 
-def plane_align(b: Batch, word: str) -> None:
-    """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`."""
+def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
+    """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`. sign: that of the axis
+    nearest to the tool, where the program says it, else 0."""
     kinematics, frame = b.setup.kinematics, b.frame
     if kinematics is None or frame.plane is None or PLANE in frame.unknown:
         return
     known = b.state.known[[b.rows[x] for x in kinematics.rotary]].all()
     found = kinematics.aligned(frame.plane.matrix[:, 2], b.state.position / TICKS_PER_MM)
+    tilts = b.rows[kinematics.rotary[-1]]
+    found = [pose for pose in found if pose[tilts] * sign >= 0] or found
     if not found or (len(found) > 1 and not known):
         reason = (
             "no pose of the rotary axes within their travels turns the tool across the plane",
-            "look at I J K of G68.2",
+            f"look at the angles before {word}",
         )
         if found:
             reason = (f"{word} may turn the rotary axes in two ways, and where they stand is not known",
-                      f"write {' '.join(kinematics.rotary)} in a block before G68.2")  # fmt: skip
+                      f"write {' '.join(kinematics.rotary)} in a block before the plane")  # fmt: skip
         b.frame = with_known(frame, PLANE, reason)
         return
     position, sent = b.state.position.copy(), np.zeros(len(b.rows), bool)
@@ -131,14 +147,16 @@ def refuse_planes(b: Batch, axis_words) -> None:
     )
     if len(turning):
         b.blame(every[int(turning.min()) :], "a rotary axis moves in a tilted plane without the tool point",
-                "turn it before G68.2, or let G53.1 turn it")  # fmt: skip
+                "turn it before the plane is called, or let the control turn it across")  # fmt: skip
     rotary = [b.rows[x] for x in kinematics.rotary]
     if not b.state.known[rotary].all() or not b.state.position[rotary].any():
         return
     across = kinematics.tool_axis(b.state.position / TICKS_PER_MM)
     if np.linalg.norm(np.cross(across, frame.plane.matrix[:, 2])) > STANDS or across @ frame.plane.matrix[:, 2] < 0:
         b.blame(
-            every, "the tool does not stand across the tilted plane", "write G53.1 behind G68.2, in a block of its own"
+            every,
+            "the tool does not stand across the tilted plane",
+            "let the control turn it: G53.1 behind G68.2, CYCLE800 with a direction",
         )
 
 

@@ -62,7 +62,7 @@ class Dialect:
     whether G90 and G91 do so too, the last one counts. `block_end`: a character that ends a block besides the
     line's end (* of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
     are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where it matters);
-    `tip_codes`: M codes that switch the tool point on (True) and off.
+    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on (True) and off.
 
     `homes`: printers and routers: where homing left the slides is where they stand when a program begins, and feeds
     before the axes have places pass as they are, counted. `home_z_over`: axes that homing Z may take to a place of its
@@ -122,6 +122,7 @@ class Dialect:
     carried_by_distance: bool = False
     block_end: str = ""
     tip_frame: str = "zero"
+    plane_frame: str = ""
     tip_codes: dict[int, bool] = field(default_factory=dict)
     homes: bool = False
     home_z_over: str = ""
