@@ -102,6 +102,7 @@ def test_expand_is_promised_only_where_it_is(name):
     dialect = dialects.load(name)
     written = family(dialect)
     ways = set(written.cycles) | set(written.control.codes if _codes(written) else ())
+    ways |= set(getattr(written.before, "codes", ()))
     for code in dialect.codes:
         if "--expand" not in code.refuses:
             continue

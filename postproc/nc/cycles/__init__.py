@@ -21,6 +21,7 @@ from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
+from postproc.nc.cycles.pole_heidenhain import PoleArcs
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.spline_marlin import SPLINE, MarlinSpline
@@ -31,6 +32,7 @@ from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
 from postproc.nc.cycles.turning_single import Stays, Turn
 from postproc.nc.cycles.words import Form
 from postproc.nc.dialects import Dialect
+from postproc.nc.expand import Line
 
 
 class Cycle(Protocol):
@@ -46,6 +48,18 @@ class Cycle(Protocol):
     def wants(self, scene: Scene, block: Block) -> bool: ...
 
     def end(self) -> None: ...
+
+
+class Before(Protocol):
+    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes out."""
+
+    codes: tuple[int, ...]
+
+    def wants(self, line: Line) -> bool: ...
+
+    def take(self, line: Line) -> list[Line]: ...
+
+    def finish(self) -> list[Line]: ...
 
 
 class Control(Protocol):
@@ -71,12 +85,13 @@ class Control(Protocol):
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
-    code (G0 G1 G2 G3) that was in force before the cycle. `corners`: what writes roundings and chamfers out."""
+    code (G0 G1 G2 G3) that was in force before the cycle. `before`: what writes out
+    what depends on blocks around it: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
     control: Callable[[Scene], Control] | None = None
     restores: bool = False
-    corners: Callable[[Scene], Corners] | None = None
+    before: Callable[[Scene], Before] | None = None
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -134,7 +149,11 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames, corners=Corners)
+    return Family(control=SiemensFrames, before=Corners)
+
+
+def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(before=PoleArcs)
 
 
 def marlin(dialect: Dialect, synchronised: bool) -> Family:
@@ -148,6 +167,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix
     "fanuc-lathe": fanuc_lathe,
     "siemens": siemens,
     "marlin": marlin,
+    "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,
 }

@@ -47,6 +47,8 @@ class Held:
 class Corners:
     """Holds a line back until the next one says which corner it makes."""
 
+    codes: tuple[int, ...] = ()
+
     def __init__(self, scene: Scene):
         self.scene = scene
         self.held: Held | None = None

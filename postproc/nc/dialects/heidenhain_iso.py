@@ -11,7 +11,7 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
-_POLE = "its centre is the pole, which I and J set for all blocks behind: let the CAM program write straight lines"
+_POLE = "its centre is the pole, which I and J set for all blocks behind: --expand writes it out as straight lines"
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
 

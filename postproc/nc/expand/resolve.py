@@ -46,7 +46,7 @@ class Resolver:
         self.scene.tolerance = tolerance
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
-        self.corners = self.family.corners(self.scene) if self.family.corners else None
+        self.before_it = self.family.before(self.scene) if self.family.before else None
         if self.control:
             self.scene.frame = self.control.known
         self.active: Cycle | None = None
@@ -69,11 +69,11 @@ class Resolver:
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
         ProgramError."""
-        if self.corners is None or not self.corners.wants(line):
+        if self.before_it is None or not self.before_it.wants(line):
             return self._take(line)
         self.line, self.scene.source = line, line.source
         try:
-            whole = self.corners.take(line)
+            whole = self.before_it.take(line)
         except BlockFault as error:
             raise self._unread(error) from None
         self._sized(line)
@@ -81,7 +81,7 @@ class Resolver:
 
     def finish(self) -> list[Line]:
         """The plain lines that are still to come where the program ends."""
-        rest = self.corners.finish() if self.corners else []
+        rest = self.before_it.finish() if self.before_it else []
         return [plain for one in rest for plain in self._take(one)]
 
     def _sized(self, line: Line) -> None:
