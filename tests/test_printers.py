@@ -63,7 +63,7 @@ def test_home_is_not_the_start_of_a_program_on_a_mill():
 
 @pytest.mark.parametrize(
     "homing, known",
-    [("G28", "XYZ"), ("G28 X Y", "XY"), ("G28 XY", "XY"), ("G28 X0", "X"), ("g28 y", "Y"), ("G28 W", "XYZ"), ("N5 G28 X", "X"), ("G28 Z P0 T300 ; low", "Z"), ("G28 R5", "XYZ")],
+    [("G28", "XYZ"), ("G28 X Y", "XY"), ("G28 XY", "XY"), ("G28 X0", "X"), ("g28 y", "Y"), ("G28 W", "XYZ"), ("N5 G28 X", "X"), ("G28 Z P0 T300 ; low", "Z"), ("G28 R5", "XYZ"), ("G28 O", "")],
 )  # fmt: skip
 def test_g28_homes_the_axes_that_it_names(homing, known):
     """The others stand where nobody knows: G29 has been before."""
@@ -262,6 +262,12 @@ def test_conditions_of_reprap_that_move_are_refused(line):
         parts = [text] if cut else text.splitlines(keepends=True)
         out = b"".join(filter_.feed(part.encode()) for part in parts).decode()
         assert "X64.9" in out and "X69.9" in out and "  G28\n  G29\n" in out
+
+
+@pytest.mark.parametrize("dialect", ["grbl", "grblhal", "fluidnc"])
+def test_homing_of_grbl_in_a_program(dialect):
+    lines = written("$H\nG0 X10 Y10 Z5\nG1 X20 F300\n", dialect)
+    assert lines == ["$H", *written("G0 X10 Y10 Z5\nG1 X20 F300\n", dialect)]
 
 
 def test_temperatures_of_a_tool_are_no_offset():

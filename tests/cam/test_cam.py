@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 NODES = np.arange(-60.0, 421.0, 30.0)
 OTHERS = {
     "voron-v2": "klipper", "ratrig-v-core-3": "klipper", "jubilee": "reprap", "deltiq-2": "reprap",
-    "freecad-linuxcnc": "linuxcnc", "freecad-mach3": "linuxcnc", "freecad-grbl": "grbl", "freecad-grblhal": "grblhal",
+    "freecad-linuxcnc": "linuxcnc", "freecad-mach3": "mach3", "freecad-grbl": "grbl", "freecad-grblhal": "grblhal",
     "freecad-centroid": "centroid", "freecad-smoothie": "smoothie",
 }  # fmt: skip
 FILES = sorted([*HERE.glob("*.gcode"), *HERE.glob("*.nc")])

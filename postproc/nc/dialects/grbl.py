@@ -24,6 +24,8 @@ from postproc.nc.rows import (
     rows,
 )
 
+HOMING = (r"^[ \t]*\$H[A-Z]?[ \t\r]*$", 0)  # where to is the machine's affair
+
 DIALECT = Dialect(
     name="grbl",
     title="GRBL 1.1",
@@ -37,7 +39,7 @@ DIALECT = Dialect(
         9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
     },
     m_refuses={},
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), macros=(HOMING,)),  # reports and unlocking; $J moves
     plane=170,
     motion=0,
     homes=True,

@@ -92,5 +92,5 @@ DIALECT = Dialect(
         r"SET_FILAMENT_SENSOR|SET_PRINT_STATS_INFO|TEMPERATURE_WAIT|SET_HEATER_TEMPERATURE)\b",
         r"^[ \t]*[A-Z]+_[A-Z_]+[ \t]+[A-Z_]+=",
     ),
-    remarks=(r"\bKLIPPER\b",),
+    remarks=(r"\bKLIPPER\b", r"GCODE_FLAVOR[ \t]*=[ \t]*KLIPPER"),
 )  # fmt: skip

@@ -78,7 +78,9 @@ HEAD = r"^([ \t]*N[ \t]*\d+)?[ \t]*"
 NOTHING = r"^[ \t]*(?:@[^;\n]*|T[ \t]*[?xc][ \t\r]*$)"  # commands of the host (@pause), filament of Prusa's printers
 # It parks, and goes back: sequences of its own (feature/pause.cpp, gcode/feature/pause).
 FILAMENT = HEAD + r"M[ \t]*0*(?:125|600|701|702)(?![0-9.])[^;\n]*"
-TEXT = HEAD + r"(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_][^;\n]*"  # a line that is no command
+# A line that is no command, or a tool's parking place on Prusa's changers (P0 S1, of Prusa-Firmware-Buddy).
+TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
+ONLY_IF = HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"  # G28 O: unless it has homed before
 _SHIFTS = "it shifts the coordinates by what the printer keeps: set it before the print, and take the line out"
 
 DIALECT = Dialect(
@@ -107,7 +109,7 @@ DIALECT = Dialect(
     },
     grammar=Grammar(
         checksums=True, ignores=(NOTHING,),
-        macros=((TEXT, 0), (FILAMENT, 0)),
+        macros=((TEXT, 0), (FILAMENT, 0), (ONLY_IF, 0)),
     ),
     plane=170,
     dwell="PS",
