@@ -91,6 +91,13 @@ def test_what_could_not_be_corrected_is_counted():
     assert "--start" in notice(filter_, "unknown") and "home" in notice(filter_, "unknown")
 
 
+def test_an_arc_that_can_not_be_corrected_is_refused():
+    """From a corrected place to an uncorrected one it would miss its end."""
+    text = "G28\nG1 X60 Y50 Z1 F600\nG28 Z0\nG1 X70 Y50\nG2 X80 Y50 I5 J0\n"
+    assert refused(text, "grbl").message.startswith("where Z stands")
+    assert written(text.replace("G28 Z0", "M117"), "marlin")[-1].startswith("G2")
+
+
 def test_a_machine_at_the_end_of_its_travel_is_left_there():
     """home X0 Y0 Z0 at the end of the travel: a correction that leads beyond is not made, and counted."""
     axes = {x: replace(a, travel=(0.0, 600.0)) for x, a in mill(*ALL).axes.items()}

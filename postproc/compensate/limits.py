@@ -50,14 +50,15 @@ def check_unknown(b: Batch) -> None:
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
     fault = None
-    for i in feeds.nonzero()[0][:1]:
+    refused = feeds & (b.m.code != FEED) if b.options.passes_unknown else feeds
+    for i in (refused if refused.any() else feeds).nonzero()[0][:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
         fault = MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
-        if not b.options.passes_unknown:
+        if refused.any():  # an arc from a corrected place to one that is not would miss its end
             raise fault
     half = b.free & ~b.start_known & (b.m.code == FEED)
     left = lost | half
@@ -175,7 +176,7 @@ def at_stop(b: Batch) -> np.ndarray:
     """(N,) bool: motions that begin or end with an axis at the very end of its travel, where homing leaves it, and would
     lead it beyond."""
     result = np.zeros(len(b.m), bool)
-    free = b.free[b.motion]
+    free = (b.free & (b.m.code <= FEED))[b.motion]
     for row in b.rows:
         edges = b.machine.axes[b.machine.letters[row]].travel
         for nominal, place, told in (

@@ -43,7 +43,7 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     arcs, two_way = b.m.arcs, b.machine.two_way
     if not len(arcs):
         return np.zeros(0, np.int64), np.zeros(0)
-    turning = (two_way[arcs.first] | two_way[arcs.second]) & (b.m.cutter[arcs.motion] == FREE)
+    turning = (two_way[arcs.first] | two_way[arcs.second]) & (b.m.cutter[arcs.motion] == FREE) & b.free[arcs.motion]
     if not turning.any():
         return np.zeros(0, np.int64), np.zeros(0)
     arc, t = turning_points(arcs, b.arc_start, b.arc_target)
