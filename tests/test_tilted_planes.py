@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from postproc.cli import main
 from postproc.errors import ProgramError
 from tests.reference.tool_point import CHAINS, TURN, Truth, random_truth
 from tests.test_tool_point import LENGTH, TOLERANCE, corrected, load, plain, words
@@ -276,3 +277,20 @@ def test_cycle800_that_can_not_be_followed_is_said(call, message, tmp_path):
     text = f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 C0 A5\nCYCLE800({call})\nG1 X20 F500\n"
     with pytest.raises(ProgramError, match=message):
         corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})
+
+
+def test_planes_stay_where_programs_are_written_out(tmp_path, capfdbinary):
+    """--expand: G69 of a tilted plane stays, that of a rotation goes; CYCLE800 gets numbers for its variables."""
+    truth = plain("w-C-A-b-X-Y-Z-t")
+    fanuc = ("G90 G54\nG0 X0. Y0. Z50. C0. A0.\n#1=30.\nG68.2 X0. Y0. Z0. I0. J#1 K0.\nG53.1\nG1 X5. F100.\nG68 X0. Y0. R90.\n"
+             "X5. Y0.\nG69\nG0 A0.\nG68 X0. Y0. R90.\nX5. Y0.\nG69\nM30\n")  # fmt: skip
+    siemens = 'R1=30\nG0 X0 Y0 Z50 C0 A0\nCYCLE800(0,"T",0,57,,,,R1,,0,,,,1)\nG1 X5 F100\nCYCLE800()\nM30\n'
+    out = {}
+    for control, text in (("fanuc-mill", fanuc), ("siemens", siemens)):
+        folder = truth.write(tmp_path / control, control)
+        (tmp_path / "p.nc").write_text(text)
+        assert main(["--machine", str(folder), "--expand", str(tmp_path / "p.nc")]) == 0
+        out[control] = capfdbinary.readouterr().out.decode()
+    assert out["fanuc-mill"].count("G69") == 1
+    assert "J30" in out["fanuc-mill"].split("G68.2")[1].split("\n")[0]
+    assert 'CYCLE800(0,"T",0,57,,,,30,,0,,,,1)' in out["siemens"]

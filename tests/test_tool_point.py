@@ -106,6 +106,25 @@ def test_a_leaning_table_by_hand(tmp_path):
     assert "the tool leans by" in verifier.report()
 
 
+def test_what_stays_of_lost_motion_is_said(tmp_path):
+    """Slides turn back inside blocks of the tip, where no word says their sides: the mean of both directions holds, the rest
+    is told, and is what the verification finds."""
+    rng = np.random.default_rng(9)
+    truth = random_truth(rng, "w-C-A-b-X-Y-Z-t", play=0.004)
+    machine = load(truth, tmp_path)
+    text = random_program(rng, truth.rotary, "G43.4 H1", "G49")
+    filter_ = Filter(
+        machine, dialects.load("fanuc-mill"), setup_of(machine, {"H1": {"Z": LENGTH}}), Options(tolerance=TOLERANCE)
+    )
+    verifier = Verifier(filter_)
+    filter_.feed(text.encode())
+    said = [n.message for n in filter_.notices if n.code == "lost motion of the tip"]
+    halves = [np.abs(truth.table[x][2]).max() for x in "XYZ"]
+    assert len(said) == 1 and f"up to {np.linalg.norm(halves) * 1000:.1f} um" in said[0]
+    assert verifier.corrected.deviation < TOLERANCE + np.linalg.norm(halves) + machine.bounds.second_order
+    assert verifier.corrected.deviation < verifier.uncorrected.deviation / 3
+
+
 # -- by hand -----------------------------------------------------------------------------------------------------------
 
 

@@ -266,6 +266,7 @@ class Compensator:
         b.lead_beyond()
         threads.say(b)
         limits.tell_orientation(b)
+        limits.tell_play(b)
         return b
 
 

@@ -10,7 +10,7 @@ from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
-from postproc.units import TICKS_PER_MM
+from postproc.units import TICKS_PER_MM, UM
 
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 UNKNOWN = (
@@ -128,6 +128,23 @@ def check_poses(b: Batch) -> None:
                     f"({low:g} to {high:g} {unit_of(letter)})",
                     "check the work offset, the tool's length, and the centres of the rotary axes in machine.toml",
                 )  # fmt: skip
+
+
+def tell_play(b: Batch) -> None:
+    """Say what stays of lost motion where the slides turn back inside blocks of the tip: there the mean of both directions
+    holds, since no word says on which side each slide bears."""
+    if not isinstance(b.machine, TipMachine) or not b.machine.base.two_way.any() or b.options.reversal == "mean":
+        return
+    half: dict[str, float] = {}
+    for letter, table in b.machine.base.every_table:
+        half[letter] = half.get(letter, 0.0) + float(np.linalg.norm(np.abs(table.half[:3]).max(axis=1)))
+    for grid in b.machine.base.grids:
+        half[grid.letter] = half.get(grid.letter, 0.0) + float(np.abs(grid.forward - grid.reverse)[:3].max()) / 2
+    axes = " ".join(x for x, row in half.items() if row)
+    left = float(np.linalg.norm(list(half.values())))
+    for i in b.free.nonzero()[0][:1]:
+        said = f"lost motion of {axes} is corrected by the mean of both directions where X Y Z are places of the tool tip or of a tilted plane: up to {left / UM:.1f} um of it stay"
+        b.notices.append(Notice("lost motion of the tip", said, int(i)))
 
 
 def tell_orientation(b: Batch) -> None:

@@ -93,8 +93,9 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     rotary = [b.rows[x] for x in kinematics.rotary]
     there = np.rint(np.array(found[0])[rotary] * TICKS_PER_MM).astype(np.int64)
     moved = (there != position[rotary]).any() or not known
-    if len(found) > 1 and moved:
-        ways = [" ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary) for f in found]
+    others = [f for f in found if (np.abs(np.mod(f - found[0] + 180.0, 360.0) - 180.0)[rotary] > 0.001).any()]
+    if others and moved:
+        ways = [" ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary) for f in (found[0], others[0])]
         said = f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to {ways[1]}, write the rotary axes before it"
         b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
     if moved:
