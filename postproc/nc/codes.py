@@ -61,6 +61,9 @@ def code_number(word: str) -> int:
 # Sentences of refusal: what is wrong, a colon, the way out.
 EXPAND = "--expand writes it out as plain blocks"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
+RADIUS_CYCLE = (
+    "its motions are worked out by the control: --expand writes it out under G8; under G7 releases differ on I J K"
+)
 FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
 SPLINE = "corrected points do not lie on such a curve: --expand writes it out as straight lines"
 CALL = f"the same text runs at several places: {EXPAND}"

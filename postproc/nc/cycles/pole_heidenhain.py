@@ -66,7 +66,8 @@ class PoleArcs:
         if taken:
             return [line]
         if self.motion not in self.codes:
-            out = own_words(block, "IJK", set()) if any(block.word(x) for x in "XYZ") else set()
+            plain = self.motion in (0, 10) and not any(scene.table[c].refuses for c in block.codes if c in scene.table)
+            out = own_words(block, "IJK", set()) if plain and any(block.word(x) for x in "XYZ") else set()
             return [line._replace(text=block.written(out) + star + rest) if out else line]
         if not any(block.word(x) for x in "XYZ"):
             return self._bare(line, block, star + rest)

@@ -49,7 +49,7 @@ DIALECT = Dialect(
         *RETURN, *DATA, *LOCAL, *SET, *SET_ZERO, *SET_OFF, *STORE_REFERENCE, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE,
         *PROBE, *SPLINE, *NURBS, *PECKS, *DRILL, *BORE, *BORE_BY_HAND, *TAP, *BACK_BORE, *THREAD,
         *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
+        *rows("motion", {"76": "threading in many passes"}, refuses=codes.RADIUS_CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
         *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
             refuses=codes.CYCLE),
