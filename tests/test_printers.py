@@ -275,6 +275,11 @@ def test_conditions_of_reprap_that_move_are_refused(line):
 def test_homing_of_grbl_in_a_program(dialect):
     lines = written("$H\nG0 X10 Y10 Z5\nG1 X20 F300\n", dialect)
     assert lines == ["$H", *written("G0 X10 Y10 Z5\nG1 X20 F300\n", dialect)]
+    behind = "G91\nG1 X10 Y5 Z5 F300\n"
+    home = {"X": 10.0, "Y": 20.0, "Z": 5.0}
+    assert written("$H\n" + behind, dialect, home)[1:] == written("G28\n" + behind, dialect, home)[1:]
+    assert written("$H\n" + behind, dialect, home)[-1] != "G1 X10 Y5 Z5 F300"
+    assert written("$H\n" + behind, dialect, start=home) == written("$H\n" + behind, dialect, home)
 
 
 def test_temperatures_of_a_tool_are_no_offset():

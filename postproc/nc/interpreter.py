@@ -145,6 +145,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     drop_arguments(b)
     check_letters(b)
     b.read_codes()
+    if b.dialect.grammar.homing:
+        b.read_homing()
     if b.integers == "least increments":
         count_increments(b)
     axis_words = {x: (b.one_of(*absolute), b.one_of(*relative)) for x, absolute, relative in b.interpreter.spellings}

@@ -46,7 +46,7 @@ class Grammar(NamedTuple):
     `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what their group holds stays. `bare_letters`:
     whether a letter may stand without a number where it moves nothing (G28 X Y, M84 E). `macros`: regular expressions of
     lines that run text which only the machine has, what their group holds stays; each with 0, or with the number, from 1, of
-    the sentence why it can not be followed. `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a character that
+    the sentence why it can not be followed. `homing`: a regular expression of what homes all axes. `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a character that
     ends a block besides the line's end."""
 
     semicolon: str = "comment"
@@ -59,13 +59,14 @@ class Grammar(NamedTuple):
     bare_letters: bool = False
     block_end: str = ""
     macros: tuple[tuple[str, int], ...] = ()
+    homing: str = ""
     untold: bool = False
 
     @property
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         return (
-            bool(self.keywords or self.spellings or self.ignores or self.bare_letters or self.macros)
+            bool(self.keywords or self.spellings or self.ignores or self.bare_letters or self.macros or self.homing)
             or self.assigns
             or self.checksums
         )
@@ -76,16 +77,25 @@ PLAIN = Grammar()
 # words, parameters that move nothing, and axis or centre words with IC() or AC().
 # None of these has the case bit 0x20, which is taken off. Macros, F words whose value only the machine knows, and axes that
 # are named alone (G28 X) need no number.
-KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, RELATIVE, ABSOLUTE, BARE = 0x80, 0x81, 0x82, 0x83, 0x90, 0xC0, 0xD0
+KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING, RELATIVE, ABSOLUTE, BARE = (
+    0x80,
+    0x81,
+    0x82,
+    0x83,
+    0x84,
+    0x90,
+    0xC0,
+    0xD0,
+)
 AXES = "XYZABCUVWEIJK"
 SPELLED = bytes(
     [
-        KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD,
+        KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING,
         *(first + k for first in (RELATIVE, ABSOLUTE, BARE) for k in range(len(AXES))),
     ]
 )  # fmt: skip
 NEEDS_NUMBER = np.ones(256, bool)
-NEEDS_NUMBER[[MACRO, UNTOLD, *range(BARE, BARE + len(AXES))]] = False
+NEEDS_NUMBER[[MACRO, UNTOLD, HOMING, *range(BARE, BARE + len(AXES))]] = False
 SKIPPED = {
     "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
     "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),

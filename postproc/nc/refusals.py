@@ -11,7 +11,7 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, BARE, KEYWORD_LETTER, MACRO, PARAMETER, RELATIVE, UNTOLD
+from postproc.nc.lexer import ABSOLUTE, AXES, BARE, HOMING, KEYWORD_LETTER, MACRO, PARAMETER, RELATIVE, UNTOLD
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
@@ -39,7 +39,7 @@ def check_letters(b: Batch) -> None:
     for letter, place in b.places.items():
         code = ord(letter)
         if (
-            code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD)
+            code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
             or code >= BARE
             or code - RELATIVE in CENTRES
             or code - ABSOLUTE in CENTRES

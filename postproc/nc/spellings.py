@@ -14,6 +14,7 @@ from postproc.nc import checksums
 from postproc.nc.lexer import (
     ABSOLUTE,
     AXES,
+    HOMING,
     KEYWORD_LETTER,
     MACRO,
     PARAMETER,
@@ -34,7 +35,7 @@ ASSIGNED = re.compile(
 )
 NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8": a name, no number
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
-HOMING = re.compile(
+MOVELESS = re.compile(
     rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
 )
 BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
@@ -57,12 +58,14 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         code = checksums.cover(code)
     for pattern in _ignored(grammar):
         code = pattern.sub(_blank, code)
+    if grammar.homing:
+        code = _homing(grammar.homing).sub(_homes, code)
     for pattern, number in _macros(grammar):
         code = pattern.sub(partial(_macro, number), code)
     if grammar.untold and (b"#" in code or b"[" in code):
         code = MACHINE_KNOWS.sub(_untold, code)
     if grammar.bare_letters:
-        code = HOMING.sub(_without_bare, code)
+        code = MOVELESS.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
         code = NAMED.sub(_named, code)
         for pattern, letter in _spelled(grammar):
@@ -77,6 +80,15 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
 @lru_cache
 def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
     return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores)
+
+
+@lru_cache
+def _homing(text: str) -> re.Pattern[bytes]:
+    return re.compile(text.encode(), re.IGNORECASE | re.MULTILINE)
+
+
+def _homes(match: re.Match[bytes]) -> bytes:
+    return bytes([HOMING]).ljust(len(match[0]))
 
 
 @lru_cache

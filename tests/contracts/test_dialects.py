@@ -256,7 +256,7 @@ that the control has not). An error names another dialect only where the program
   `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md, "One run").
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
 
-`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing (mm, radius): there G28 takes
+`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing (mm, radius): there G28 and `$H` take
 them, unless `--offset G28=` or G28.1 says otherwise, and there a program begins on printers and routers. Without it G28 leads
 them to `--start` there, elsewhere to places that nobody knows. What could not be corrected for that reason is counted in one line.
 

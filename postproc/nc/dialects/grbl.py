@@ -24,7 +24,8 @@ from postproc.nc.rows import (
     rows,
 )
 
-HOMING = (r"^[ \t]*\$H[A-Z]?[ \t\r]*$", 0)  # where to is the machine's affair
+HOMING = r"^[ \t]*\$H[ \t\r]*$"
+ONE_AXIS = (r"^[ \t]*\$H[A-Z][ \t\r]*$", 0)
 
 DIALECT = Dialect(
     name="grbl",
@@ -39,7 +40,7 @@ DIALECT = Dialect(
         9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
     },
     m_refuses={},
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), macros=(HOMING,)),  # reports and unlocking; $J moves
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
     plane=170,
     motion=0,
     homes=True,

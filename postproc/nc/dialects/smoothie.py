@@ -48,7 +48,7 @@ DIALECT = Dialect(
     m_refuses={
         32: codes.INLINE, 206: _SHIFTS, 600: codes.WRITE_OUT, 665: codes.TRANSFORM, 666: codes.TRANSFORM,
     },
-    grammar=Grammar(checksums=True, ignores=(r"^[ \t]*\$[$#GIXS][^\n]*", r"^[ \t]*@[^\n]*"), macros=((TEXT, 0),)),
+    grammar=Grammar(checksums=True, homing=r"^[ \t]*\$H[ \t\r]*$", ignores=(r"^[ \t]*\$[$#GIXS][^\n]*", r"^[ \t]*@[^\n]*"), macros=((TEXT, 0),)),
     plane=170,
     motion=0,
     dwell="PS",
