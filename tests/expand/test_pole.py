@@ -90,6 +90,14 @@ def test_the_plane_of_g18_is_z_x():
     assert swept(points, (50, 50)) == pytest.approx(90, abs=0.01)
 
 
+def test_polar_words_become_places():
+    """R 30 about the pole 50, 50 at 0, 90 and 210 degrees, by cosine and sine."""
+    lines = plain("G00 G90 X+0 Y+0 Z-1|I+50 J+50|N4 G10 R+30 H+0 M3|G11 R+30 H+90 Z-2 F100|R+30 H+210|G01 X+0")
+    assert lines[2] == "N4 G00 X80 Y50 M3*"
+    assert lines[3] == "G01 X50 Y80 Z-2 F100*"
+    assert lines[4:] == ["G01 X24.0192 Y35*", "G01 X+0*"]
+
+
 @pytest.mark.parametrize(
     ("program", "says"),
     [
@@ -100,6 +108,9 @@ def test_the_plane_of_g18_is_z_x():
             "G00 G90 X+50 Y+20|I+50 J+50|L1,3|G03 X+80 Y+50",
             "a decimal point, not a comma|is not part of a plain NC block",
         ),
+        ("G00 G90 X+50 Y+20|G11 R+5 H+5", "polar words, and no pole is set"),
+        ("G00 G90 X+50 Y+20|I+1 J+1|G11 R+5", "polar words without R and H"),
+        ("G00 G90 X+50 Y+20|I+1 J+1|G91 G11 R+5 H+3", "polar words in G91"),
         ("G00 G90 X+50 Y+20|G03 X+80 Y+50 R+3", "R3 makes no arc"),
         ("G00 G90 X+50 Y+20|I+50 J+50|G03 X+80 Y+50|X+Q1", "an arc to a place that Q parameters say"),
     ],

@@ -1,9 +1,10 @@
-"""G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as straight lines.
+"""G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as straight lines; G10 and
+G11: a rapid and a feed to the radius R and the angle H about it.
 
 HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and "Circular path with defined
 radius": in G90 the pole is a place, in G91 it counts from where the tool stands; G29 puts it there. End and start may lie
 0.016 mm unlike far from it (MP7431); an end at the start is a full circle. R above 0 is the shorter arc, below 0 the longer.
-Lines leave the circle by the tolerance at most: an arc could not be written back, for its pole would move all behind it.
+Angles count from the first axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by the tolerance at most: an arc could not be written back, for its pole would move all behind it.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
 AT_LAST_PLACE, LABEL = 290, 980
+POLAR = {100: "G00", 110: "G01"}
 MISMATCH_MM = 0.016
 NEAR = 1e-9
 MOST_LINES = 100_000
@@ -26,7 +28,7 @@ POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 class PoleArcs:
     """Follows pole and motion code, and writes arcs out."""
 
-    codes: tuple[int, ...] = (CLOCKWISE, COUNTER)
+    codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR)
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -69,6 +71,8 @@ class PoleArcs:
             plain = self.motion in (0, 10) and not any(scene.table[c].refuses for c in block.codes if c in scene.table)
             out = own_words(block, "IJK", set()) if plain and any(block.word(x) for x in "XYZ") else set()
             return [line._replace(text=block.written(out) + star + rest) if out else line]
+        if self.motion in POLAR:
+            return [line._replace(text=text) for text in self._polar(block, star + rest)]
         if not any(block.word(x) for x in "XYZ"):
             return self._bare(line, block, star + rest)
         return [line._replace(text=text) for text in self._arc(block, star + rest)]
@@ -88,6 +92,28 @@ class PoleArcs:
         out = own_words(block, "", {CLOCKWISE, COUNTER})
         text = block.written(out) if out else block.text
         return [line._replace(text=text + end)] if text.strip(b" \t\r") else []
+
+    def _polar(self, block: Block, end: bytes) -> list[bytes]:
+        """G10 and G11: to a radius and an angle. Raises ProgramError."""
+        scene, radius, angle = self.scene, block.get("R"), block.get("H")
+        first, second, _ = scene.plane
+        own = own_words(block, "RHIJK", set(POLAR))
+        if radius is None and angle is None and not any(block.word(x) for x in "XYZ"):
+            text = block.written(own) if own else block.text
+            return [text + end] if text.strip(b" \t\r") else []
+        if radius is None or angle is None or block.word(first) or block.word(second):
+            raise scene.fault("polar words without R and H, or beside X and Y", "name the radius R and the angle H")
+        if scene.incremental:
+            raise scene.fault("polar words in G91", "write R and H in G90")
+        names = [CENTRES[x] for x in (first, second)]
+        if any(x not in self.pole for x in names):
+            raise scene.fault("polar words, and no pole is set", f"write {' and '.join(names)} before")
+        turn = math.radians(angle)
+        m = Moves(scene, own)
+        place = (self.pole[names[0]] + radius * math.cos(turn), self.pole[names[1]] + radius * math.sin(turn))
+        words = [m.word(axis, value) for axis, value in zip((first, second), place, strict=True)]
+        m.words(POLAR[self.motion], *words)
+        return [POINT.sub(b"", text) + end for text in m.finish()]
 
     # -- the arc -------------------------------------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@ from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLE = "its centre is the pole, which I and J set for all blocks behind: --expand writes it out as straight lines"
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
+_TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
 
 DIALECT = Dialect(
@@ -26,7 +27,8 @@ DIALECT = Dialect(
         *rows("motion", {"5": "arc, either way", "6": "arc, tangential"},
             refuses="its circle follows from other places: let the CAM program write straight lines"),
         *rows("motion", {"7": "along one axis"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar", "12": "arc, polar", "13": "arc, polar",
+        *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar"}, refuses=_TO_POLE),
+        *rows("motion", {"12": "arc, polar", "13": "arc, polar",
               "15": "arc, polar", "16": "arc, polar"}, refuses=_POLAR),
         *rows("", {"24": "chamfer", "25": "rounded corner", "26": "tangential approach", "27": "tangential departure"},
               refuses=codes.CORNER),
