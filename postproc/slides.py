@@ -153,7 +153,8 @@ def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
         length, space = key[:-1] / TICKS_PER_MM, m.spaces[int(key[-1])]
         for places in (begin, end):
             known = of[np.isfinite(places[:, of]).all(axis=0)]
-            places[:, known] = poses.out_of(machine, space, length, places[:, known])
+            slides = poses.out_of(machine, space, length, places[:, known])
+            places[:, known] = np.round(slides, 9)  # a slide that stays has not moved by the last digit of a sum
     return Legs(legs.motion, legs.until, begin, end)
 
 

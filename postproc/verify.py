@@ -133,7 +133,8 @@ class Verifier:
             ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
             counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
             end, sense = begin + pieces.share, own.way(own.leg(every, one))
-            ends = own.at(every, one, motions.target / TICKS_PER_MM, sense, motions.code == RAPID)[0]
+            there = self._slides(motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0))
+            ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
             followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
             inside = (motions.cutter != FREE)[owner]
             for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
@@ -225,7 +226,7 @@ class Verifier:
             # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
-            weights = led[1].at(row, place, command, sense, run.code[row] == RAPID)
+            weights = led[1].at(row, place, self._slides(run, row, command), sense, run.code[row] == RAPID)
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
                 self.map.see(self._slides(run, row, command), weights[0] * self.follows, lengths, line[owner[row]])

@@ -104,6 +104,8 @@ class Compensator:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes that never turn back
         within a stroke but by a take-up."""
         m = self.machine
+        if isinstance(m, tip.TipMachine):  # sides by the slides' own way, block by block (sides.of_slides)
+            self.mode = "step" if self.mode in ("step", "ramp") else "mean"
         self.follows = self.mode != "mean"
         slides = np.array([x in XYZ for x in m.letters]) & m.two_way
         self.band = np.where(slides, 2 * round(self.hysteresis / 2 * TICKS_PER_MM), 0)
@@ -116,6 +118,8 @@ class Compensator:
         self.reach[~slides] = 0
         self.overshoots = slides & (m.least_play < -self.chord)
         self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else np.zeros(0, np.int64)
+        if isinstance(m, tip.TipMachine):
+            self.overshoots, self.followed = np.zeros_like(slides), self.followed[:0]
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
@@ -176,7 +180,8 @@ class Compensator:
         slides = poses.out_of(self.machine, one, before, carry.issued[:, None] / TICKS_PER_MM)
         place = poses.into(self.machine, space, length / TICKS_PER_MM, slides)[:, 0]
         issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
-        sides, way = approach.initial(len(issued)), np.zeros_like(carry.way)
+        none = approach.initial(len(issued))
+        sides, way = replace(none, side=carry.sides.side), np.zeros_like(carry.way)
         return replace(carry, issued=issued, told=told, sides=sides, way=way, sure=False)
 
     def _of_tool(self, length: np.ndarray, space: Space | None = None) -> Compensator:

@@ -131,9 +131,14 @@ def check_poses(b: Batch) -> None:
 
 
 def tell_play(b: Batch) -> None:
-    """Say what stays of lost motion where the slides turn back inside blocks of the tip: there the mean of both directions
-    holds, since no word says on which side each slide bears."""
-    if not isinstance(b.machine, TipMachine) or not b.machine.base.two_way.any() or b.options.reversal == "mean":
+    """Say that no lost motion is taken up in blocks of the tip where the mean of both directions is asked for by
+    --reversal off: nothing is spread there."""
+    if (
+        not isinstance(b.machine, TipMachine)
+        or not b.machine.base.two_way.any()
+        or b.c.follows
+        or b.options.reversal != "off"
+    ):
         return
     half: dict[str, float] = {}
     for letter, table in b.machine.base.every_table:

@@ -51,6 +51,11 @@ class TipMachine(Machine):
         return self.base.is_zero
 
     @cached_property
+    def two_way(self) -> np.ndarray:
+        """(A,) bool: axes whose own direction of approach matters: those of the slides behind the words."""
+        return self.base.two_way
+
+    @cached_property
     def depends(self) -> np.ndarray:
         """(A, A) bool: every correction needs the places of all axes of the chain."""
         result = np.zeros((len(self.letters),) * 2, bool)

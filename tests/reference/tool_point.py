@@ -246,3 +246,28 @@ def _progress(low, high, at, tip: np.ndarray, rotary) -> float:
         return (at[turning] - low[turning]) / (high[turning] - low[turning])
     way = np.array([high[x] - low[x] for x in "XYZ"])
     return float(np.clip((tip - [low[x] for x in "XYZ"]) @ way / max(way @ way, 1e-30), 0, 1))
+
+
+def played(truth: Truth, nominal: str, output: str, on: str, off: str, length: float) -> np.ndarray:
+    """(K,) mm from the nominal tip path along the output's feeds, each slide led through its play: it stands at the nearest
+    place of command +- half the play to where it stood."""
+    wanted, written = read(nominal, on, off), read(output, on, off)
+    stroke = {number: k for k, (_, _, _, number) in enumerate(wanted)}
+    stands: dict[str, float] = {}
+    result = []
+    for (on0, _, begin, _), (on1, feed, end, number) in zip(written[:-1], written[1:], strict=True):
+        if not (on0 and on1):
+            continue
+        low, high = wanted[stroke[number] - 1][2], wanted[stroke[number]][2]
+        for share in (0.25, 0.5, 0.75, 1.0):
+            at = {x: begin[x] + (end[x] - begin[x]) * share for x in begin}
+            pose = truth.slides(np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length)
+            for x in "XYZ":
+                half = abs(float(truth.table[x][2]["XYZ".index(x), 0]))
+                stands[x] = min(max(stands.get(x, pose[x]), pose[x] - half), pose[x] + half)
+            if feed:
+                tip = truth.actual({**pose, **stands}, length)
+                t = _progress(low, high, at, tip - truth.tool, truth.rotary)
+                place = np.array([low[x] + (high[x] - low[x]) * t for x in "XYZ"]) + truth.tool
+                result.append(float(np.linalg.norm(tip - place)))
+    return np.array(result)
