@@ -10,6 +10,7 @@ import os
 import pkgutil
 import signal
 import sys
+from typing import NoReturn
 
 from postproc import __version__
 from postproc.errors import GcompError
@@ -18,8 +19,16 @@ from postproc.errors import GcompError
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
-HELPERS = ("values", "expansion", "reading")
+HELPERS = ("attempts", "expansion", "reading", "values")
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the options in two lines, not below forty of usage."""
+
+    def error(self, message: str) -> NoReturn:
+        command = self.prog if " " in self.prog else f"{self.prog} {DEFAULT}"
+        self.exit(REFUSED, f"gcomp: {message}\n    {command} --help lists the options\n")
 
 
 def commands() -> list[str]:
@@ -89,7 +98,7 @@ def _run(argv: list[str]) -> int:
         return _overview(argv)
     module = importlib.import_module(f"postproc.commands.{name}")
     example = getattr(module, "EXAMPLE", "")
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="gcomp" if name == DEFAULT else f"gcomp {name}", description=module.HELP,
         epilog=f"example: {example}" if example else None,
     )  # fmt: skip

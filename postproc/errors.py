@@ -31,6 +31,11 @@ class Place:
         return f"\n    {shown}\n    {' ' * at}{'^' * max(1, min(self.stop - self.start, 120))}"
 
 
+def _one_line(text: str) -> str:
+    """The sentence without line ends: text of a file may stand in it."""
+    return " ".join(text.splitlines())
+
+
 class GcompError(Exception):
     """What stops gcomp. `message` is a fact with its number, `advice` the way out, `place` where it is, if anywhere."""
 
@@ -39,10 +44,11 @@ class GcompError(Exception):
         self.message, self.advice, self.place = message, advice, place
 
     def __str__(self) -> str:
-        if self.place is None:
-            return self.message + (f"\n    {self.advice}" if self.advice else "")
-        advice = f"\n    {self.advice}" if self.advice else ""
-        return f"{self.place}: {self.message}{self.place.picture()}{advice}"
+        """Four lines at most: what and where, the line, the columns, the way out."""
+        where = f"{self.place}: " if self.place else ""
+        picture = self.place.picture() if self.place else ""
+        advice = f"\n    {_one_line(self.advice)}" if self.advice else ""
+        return f"{where}{_one_line(self.message)}{picture}{advice}"
 
 
 class ProgramError(GcompError):
@@ -86,3 +92,5 @@ class Notice:
     message: str
     line: int = 0
     size: float = 0.0  # of several of one code the largest is told
+    refusal: tuple[str, str] = ("", "")  # message and way out, if it turns out that nothing else could be done
+    counts: tuple[int, ...] = ()  # of several of one code the sums are told, in the message's {0}, {1}...

@@ -15,6 +15,7 @@ from postproc import __version__
 from postproc.compensate import Compensator, Options
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
+from postproc.machine.poses import Poses
 from postproc.motions import Motions
 from postproc.nc import checksums
 from postproc.nc.beside_corrected import Contours, follow_both
@@ -96,7 +97,8 @@ def setup_of(
         axes=machine.letters, diameter=frozenset(machine.diameter),
         least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
         offsets={**machine.offsets, **(offsets or {})}, start=start or {}, block_delete=block_delete, arc_centre=arc_centre,
-        integers=integers,
+        integers=integers, kinematics=Poses(machine) if machine.chain.rotary else None,
+        home=dict(machine.home),
     )  # fmt: skip
 
 
@@ -124,7 +126,8 @@ class Filter:
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
         mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
-        self.compensator = Compensator(self.machine, replace(self.options, arc_mismatch=mismatch))
+        options = replace(self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes)
+        self.compensator = Compensator(self.machine, options)
         marker = marker_of(self.machine, self.compensator.tolerance)
         if (
             not self.dialect.grammar.parentheses or self.dialect.carried
@@ -139,6 +142,7 @@ class Filter:
         self._numbering = checksums.START
         self._begun = False
         self._told: dict[str, float] = {}
+        self._counted: dict[str, Notice] = {}
 
     # -- the two verbs -------------------------------------------------------------------------------------------------
 
@@ -156,7 +160,13 @@ class Filter:
     def finish(self) -> bytes:
         """Corrected text of what is left, at the end of the input."""
         text, self._rest = self._rest, b""
-        return self._lines(text) if text else b""
+        out = self._lines(text) if text else b""
+        unknown = self._counted.get("unknown")
+        if unknown is not None and unknown.refusal[0] and not self.summary.changed:  # no feed ever had a place
+            error = ProgramError(*unknown.refusal, Place(self.name, unknown.line))
+            error.delivered = out
+            raise error
+        return out
 
     # -- one batch -----------------------------------------------------------------------------------------------------
 
@@ -273,6 +283,16 @@ class Filter:
         return ProgramError(message, advice, Place(self.name, self.summary.lines + 1, line, start, stop))
 
     def _tell(self, notice: Notice) -> None:
+        if notice.counts:
+            before = self._counted.get(notice.code)
+            if before is not None:
+                sums = tuple(map(sum, zip(before.counts, notice.counts, strict=True)))
+                refusal = before.refusal if before.refusal[0] else notice.refusal
+                notice = replace(notice, counts=sums, line=before.line, refusal=refusal)
+            self._counted[notice.code] = notice
+            self.notices[:] = [n for n in self.notices if n.code != notice.code]
+            self.notices.append(replace(notice, message=notice.message.format(*notice.counts)))
+            return
         if self._told.get(notice.code, -1.0) < notice.size:
             self._told[notice.code] = notice.size
             self.notices[:] = [n for n in self.notices if n.code != notice.code or not notice.size]

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from postproc.spaces import Space
+
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
 LINES = (RAPID, FEED)
 
@@ -130,7 +132,8 @@ class Motions:
     motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
     the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
     (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
-    correction can not be trusted here.
+    correction can not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X Y Z of start and target
+    are places of the tool tip in that frame.
     """
 
     block: np.ndarray
@@ -166,6 +169,8 @@ class Motions:
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     lead: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    space: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    spaces: list[Space | None] = field(default_factory=lambda: [None])
 
     def __len__(self) -> int:
         return len(self.block)
@@ -179,7 +184,7 @@ class Motions:
             low, high = (int(np.searchsorted(table.motion, k)) for k in (first, stop))
             rows = {f: getattr(table, f)[..., low:high] for f in table.__dataclass_fields__}
             tables[name] = type(table)(**{**rows, "motion": rows["motion"] - first})
-        return Motions(**columns, **tables, reasons=self.reasons)
+        return Motions(**columns, **tables, reasons=self.reasons, spaces=self.spaces)
 
 
 FREE, OFFSET, ENTRY = 0, 1, 2  # values of Motions.cutter
@@ -191,6 +196,7 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
         return parts[0]
     begin = np.concatenate([[0], np.cumsum([len(p) for p in parts])])
     reasons: list[tuple[str, str]] = [("", "")]
+    spaces: list[Space | None] = [None]
     columns: dict[str, list[np.ndarray]] = {}
     arcs: dict[str, list[np.ndarray]] = {}
     holes: dict[str, list[np.ndarray]] = {}
@@ -204,8 +210,11 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
                 column = np.where(column >= 0, column + words[k], column)
             elif name == "reason":
                 column = np.where(column > 0, column + len(reasons) - 1, 0)
+            elif name == "space":
+                column = np.where(column > 0, column + len(spaces) - 1, 0)
             columns.setdefault(name, []).append(column)
         reasons += part.reasons[1:]
+        spaces += part.spaces[1:]
         tables = ((part.arcs, arcs, "words"), (part.holes, holes, "word"), (part.presets, presets, "word"))
         for table, into, index in tables:
             for name in table.__dataclass_fields__:
@@ -217,11 +226,13 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
                 into.setdefault(name, []).append(column)
     joined = {name: np.concatenate(c, axis=-1) for name, c in columns.items()}
     return Motions(
-        **joined, reasons=reasons,
+        **joined, reasons=reasons, spaces=spaces,
         arcs=Arcs(**{name: np.concatenate(c, axis=-1) for name, c in arcs.items()}),
         holes=Holes(**{name: np.concatenate(c) for name, c in holes.items()}),
         presets=Presets(**{name: np.concatenate(c) for name, c in presets.items()}),
     )  # fmt: skip
 
 
-_COLUMNS = tuple(name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "presets", "reasons"))
+_COLUMNS = tuple(
+    name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "presets", "reasons", "spaces")
+)

@@ -18,10 +18,10 @@ IN_MEMORY = 1 << 22
 HEAD = 1 << 16
 
 
-def chunks(source: BinaryIO, live: bool) -> Iterator[bytes]:
+def chunks(source: BinaryIO | Kept, live: bool) -> Iterator[bytes]:
     """Pieces of a file or pipe: large ones, or, when `live`, whatever has come so far."""
     while True:
-        data = os.read(source.fileno(), CHUNK) if live else source.read(CHUNK)
+        data = os.read(source.fileno(), CHUNK) if live and not isinstance(source, Kept) else source.read(CHUNK)
         if not data:
             return
         yield data
@@ -47,6 +47,44 @@ def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
         raise UsageError(f"{path} can not be read: {error.strerror}") from None
     with source:
         yield source, path, os.fstat(source.fileno()).st_size
+
+
+class Kept:
+    """A program that can be read again: a file from its beginning, a pipe from what was kept of it beside."""
+
+    def __init__(self, source: BinaryIO, most: int):
+        """most: bytes that are kept of a pipe; of a longer one nothing is."""
+        self.source, self.most = source, most
+        self.begin = source.tell() if source.seekable() else None
+        self.beside = spool() if self.begin is None else None
+        self.size = self.at = 0  # bytes kept, and which is read next
+
+    def read(self, size: int) -> bytes:
+        """At most so many bytes; none: the end."""
+        if self.beside is None:
+            return self.source.read(size)
+        if self.at < self.size:
+            self.beside.seek(self.at)
+            data = self.beside.read(min(size, self.size - self.at))
+            self.at += len(data)
+            return data
+        data = self.source.read(size)
+        if self.size + len(data) > self.most:
+            self.beside.close()
+            self.beside = None
+        else:
+            self.beside.seek(self.size)
+            self.beside.write(data)
+            self.at = self.size = self.size + len(data)
+        return data
+
+    def again(self) -> bool:
+        """Go back to the beginning; False where that can not be."""
+        if self.begin is not None:
+            self.source.seek(self.begin)
+            return True
+        self.at = 0
+        return self.beside is not None
 
 
 def head(source: BinaryIO) -> bytes:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.compensate.arcs import points, turning_points
+from postproc.machine import poses
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
@@ -104,7 +105,7 @@ class Slides:
 
     def run(self, motions: Motions) -> Led:
         """Follow a batch."""
-        legs = _legs(motions)
+        legs = _of_slides(self.machine, motions, _legs(motions))
         lived = np.full((3, *legs.end.shape), np.nan)
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
@@ -139,6 +140,22 @@ class _Slide:
         elif ahead > 0:
             self.far = end
         return before
+
+
+def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
+    """The same legs where X Y Z are places of the tool tip: between the slide positions that hold it."""
+    if not m.space.any():
+        return legs
+    begin, end = legs.begin.copy(), legs.end.copy()
+    both = np.concatenate([m.length, m.space[None]])[:, legs.motion]
+    for key in np.unique(both[:, both[-1] > 0], axis=1).T:
+        of = np.flatnonzero((both == key[:, None]).all(axis=0))
+        length, space = key[:-1] / TICKS_PER_MM, m.spaces[int(key[-1])]
+        for places in (begin, end):
+            known = of[np.isfinite(places[:, of]).all(axis=0)]
+            slides = poses.out_of(machine, space, length, places[:, known])
+            places[:, known] = np.round(slides, 9)  # a slide that stays has not moved by the last digit of a sum
+    return Legs(legs.motion, legs.until, begin, end)
 
 
 def _legs(m: Motions) -> Legs:

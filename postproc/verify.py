@@ -8,6 +8,7 @@ Ends of rapids count, their ways do not.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,9 @@ import numpy as np
 from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
+from postproc.machine.model import Machine
+from postproc.machine.poses import axes_of
+from postproc.machine.tip import TipMachine, seen_by_tip, tool_directions
 from postproc.machine.uncertainty import AlongPath
 from postproc.motions import CLOCKWISE, COUNTER, FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
@@ -22,7 +26,8 @@ from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
-from postproc.units import TICKS_PER_MM, UM
+from postproc.spaces import Space
+from postproc.units import TICKS_PER_MM, UM, URAD
 from postproc.verify_cutter import CentreVerifier
 
 STEP_MM = 2.0  # a sample at least every 2 mm
@@ -36,12 +41,15 @@ NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 
 @dataclass
 class Largest:
-    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such."""
+    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same with lost motion as such;
+    `lean`, `lean_line`: rad, by how much the tool leans away from its nominal direction in the part."""
 
     deviation: float = 0.0
     line: int = 0
     slide: float = 0.0
     slide_line: int = 0
+    lean: float = 0.0
+    lean_line: int = 0
 
     def take(self, deviation: float, line: int, slides: bool) -> None:
         if slides and deviation > self.slide:
@@ -71,7 +79,12 @@ class Verifier:
         self.map = AlongPath(self.machine)
         self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
         self.centre = CentreVerifier(self.machine, self.follows)
+        self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
+        self.seen_by: dict[tuple[Space | None, tuple[int, ...]], Machine] = {}
+        self.tips = False  # whether any motion was one of the tip
         self.motions_in = self.motions_out = 0
+        # Line and file that a line of a program that was written out came from; None: it is the program itself.
+        self.source: Callable[[int], tuple[int, str]] | None = None
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
@@ -81,31 +94,35 @@ class Verifier:
             if again.fault and not self.state.ended:
                 raise again.fault
         except BlockFault as fault:
-            line = output.split(b"\n")[int(again.line[fault.block]) if fault.block < again.blocks else -1].decode(
-                "latin-1"
-            )
+            at = int(again.line[fault.block]) if fault.block < again.blocks else -1
+            shown = output.split(b"\n")[at].decode("latin-1")
             raise GcompError(
                 f"the output can not be read back: {fault.message}",
                 "this is an error of gcomp: please report the program",
-                Place(self.name, first_line + 1, line),
+                Place(self.name, int(self._own(np.array([first_line + 1]))[0]), shown),
             ) from None
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
             why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
-                f"the output can not be followed: {why} (near line {first_line + 1})",
+                f"the output can not be followed: {why}",
                 LIMIT if why == self.state.beside.fault else "this is an error of gcomp: please report the program",
+                self._near(words, motions, pieces, int(i), first_line),
             )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
+            most = min(len(back), len(pieces))
+            differ = np.flatnonzero(back.code[:most] != pieces.code[:most])
             raise GcompError(
-                f"the output has {len(back)} motions where {len(pieces)} were planned (near line {first_line + 1})",
+                f"the output has {len(back)} motions where {len(pieces)} were planned",
                 "this is an error of gcomp: please report the program",
+                self._near(words, motions, pieces, int(differ[0]) if len(differ) else most, first_line),
             )
+        self.tips |= bool(motions.space.any())
         if len(motions):
             self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
-            line = first_line + words.line[motions.block] + 1
+            line = self._own(first_line + words.line[motions.block] + 1)
             every, one = np.arange(len(motions)), np.ones(len(motions))
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
             self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH)
@@ -116,7 +133,8 @@ class Verifier:
             ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
             counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
             end, sense = begin + pieces.share, own.way(own.leg(every, one))
-            ends = own.at(every, one, motions.target / TICKS_PER_MM, sense, motions.code == RAPID)[0]
+            there = self._slides(motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0))
+            ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
             followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
             inside = (motions.cutter != FREE)[owner]
             for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
@@ -124,6 +142,20 @@ class Verifier:
                 self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
             self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
             self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+
+    def _near(self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int) -> Place:
+        """The program's line that a piece was made of; of one too many, the line of the last."""
+        if not len(pieces):
+            return Place(self.name, int(self._own(np.array([first_line + 1]))[0]))
+        motion = int(pieces.motion[min(piece, len(pieces) - 1)])
+        line = first_line + words.line[motions.block[motion : motion + 1]] + 1
+        return Place(self.name, int(self._own(line)[0]))
+
+    def _own(self, lines: np.ndarray) -> np.ndarray:
+        """Lines as the program's author counts them."""
+        if self.source is None:
+            return lines
+        return np.array([self.source(int(n))[0] for n in lines])
 
     def _measure_holes(
         self, nominal: Motions, run: Motions, led: Led, line, ends: Largest, axes: Largest, taps: Largest
@@ -194,10 +226,12 @@ class Verifier:
             # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
-            weights = led[1].at(row, place, command, sense, run.code[row] == RAPID)
+            weights = led[1].at(row, place, self._slides(run, row, command), sense, run.code[row] == RAPID)
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
-                self.map.see(command, weights[0] * self.follows, lengths, line[owner[row]])
+                self.map.see(self._slides(run, row, command), weights[0] * self.follows, lengths, line[owner[row]])
+            if self.machine.chain.rotary:
+                self._lean(nominal, run, (row, owner[row], t), (command, weights[0]), line, into)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
@@ -209,19 +243,50 @@ class Verifier:
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
+    def _lean(self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest) -> None:
+        """How far the tool leans at commands (A, K) reached with weights (A, K), away from its nominal direction. which: (K,)
+        motions of the run, those of the nominal program, and t there."""
+        (row, owner, t), (command, weight) = which, commands
+        start, target = (nominal.start / TICKS_PER_MM)[:, owner], (nominal.target / TICKS_PER_MM)[:, owner]
+        moves = self._all(nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
+        should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
+        actual = np.zeros_like(should)
+        for machine, of in self._machines(run, row):
+            base = machine.base if isinstance(machine, TipMachine) else machine
+            slides = self._slides(run, row[of], command[:, of])
+            actual[:, of] = tool_directions(base, slides, weight[:, of] * self.follows)
+        lean = np.linalg.norm(np.cross(should, actual, axis=0), axis=0)
+        worst = int(np.argmax(lean))
+        if lean[worst] > into.lean:
+            into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
+
     def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
-        if not self.machine.turns or not run.length.any():
-            return self.machine.deviation(command, weight)
         result = np.zeros_like(command)
-        lengths, which = np.unique(run.length[:, row], axis=1, return_inverse=True)
-        for k, length in enumerate(lengths.T):
-            of = which.ravel() == k
-            tool = [
-                length[self.machine.letters.index(x)] / TICKS_PER_MM if x in self.machine.letters else 0.0
-                for x in "XYZ"
-            ]
-            result[:, of] = self.machine.with_tool((tool[0], tool[1], tool[2])).deviation(command[:, of], weight[:, of])
+        for machine, of in self._machines(run, row):
+            result[:, of] = machine.deviation(command[:, of], weight[:, of])
+        return result
+
+    def _machines(self, run: Motions, row: np.ndarray) -> Iterator[tuple[Machine, np.ndarray]]:
+        """The machine with each tool, in each space, and (K,) bool which of the motions `row` (K,) it runs."""
+        if not (self.machine.turns and run.length.any()) and not run.space.any():
+            yield self.machine, np.ones(len(row), bool)
+            return
+        every, which = np.unique(np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True)
+        for k, key in enumerate(every.T):
+            told = (run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
+            if told not in self.seen_by:
+                self.seen_by[told] = seen_by_tip(self.machine, key[:-1] / TICKS_PER_MM, told[0], self.oriented)
+            yield self.seen_by[told], which.ravel() == k
+
+    def _slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
+        """(A, K) slide positions at commands (A, K) of motions `row`."""
+        if not run.space.any():
+            return command
+        result = command.copy()
+        for machine, of in self._machines(run, row):
+            if isinstance(machine, TipMachine):
+                result[:, of] = machine.slides(command[:, of])
         return result
 
     def _all(self, known: np.ndarray) -> np.ndarray:
@@ -322,7 +387,7 @@ class Verifier:
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
             f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
-            f"{self._of_holes()}{self._beside()}; {self.map.report()}"
+            f"{self._of_holes()}{self._beside()}{self._of_lean()}; {self.map.report()}"
         )
 
     def _lost_motion(self) -> str:
@@ -332,6 +397,17 @@ class Verifier:
         return (
             f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}), uncorrected {before.slide / UM:.2f} um, "
             f"hysteresis {self.hysteresis / UM:g} um"
+        )
+
+    def _of_lean(self) -> str:
+        """How far the tool leans, on machines with rotary axes."""
+        if not self.machine.chain.rotary:
+            return ""
+        after, before = self.corrected, self.uncorrected
+        how = "" if self.oriented else " (--orientation corrects it in programs of the tool tip)" * self.tips
+        return (
+            f"; the tool leans by {after.lean / URAD:.0f} urad at most (line {after.lean_line}), "
+            f"uncorrected {before.lean / URAD:.0f}{how}"
         )
 
     def _of_holes(self) -> str:

@@ -3,8 +3,10 @@ has not read the tool.
 
     python -m proof.strangers_trial            # make, run, score: cases of a seed that follows from the freeze commit
     python -m proof.strangers_trial --beside FOLDER   # the same cases with another version of the tool (a checkout), too
+    python -m proof.strangers_trial --kinds fresh     # kinds that no run at all has used: their page gives them by number
 
-Kinds of noise, of physics and of tests that `held` draws were opened in no development run. The seed of a tier is SHA-256 of the freeze
+Kinds of noise, of physics and of tests that `held` draws were opened in no development run, but a trial has shown them by name; a
+third family, `fresh`, bears numbers instead of names, and stays fresh as long as its modules are not read and trials of it are rare. The seed of a tier is SHA-256 of the freeze
 commit, "strangers" and the tier; the truth's salted hash is laid down before the tool is run, that of the answers before the
 truth is opened. Follow-up recordings and the loop are not part of it (see proof.trial).
 """
@@ -38,7 +40,7 @@ TIERS = {
     "alien": 40,
 }
 SMALL = {"null": 6, "adversarial": 3, "single": 8, "pair": 2, "alien": 3}
-FAMILY = "held"
+KEPT = {"held": "kinds held back", "fresh": "fresh kinds"}
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -48,15 +50,19 @@ def main(argv: list[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--small", action="store_true", help="a trial of a minute")
+    parser.add_argument("--kinds", choices=KEPT, default="held", help="the family of kinds beside the open ones")
     parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
     parser.add_argument("--beside", type=Path, help="a checkout of another version of the tool, on the same cases")
-    parser.add_argument("--keep", type=Path, help="folder for commitment and score (proof/trials/<commit>-strangers)")
+    parser.add_argument(
+        "--keep", type=Path, help="folder for commitment and score (proof/trials/<commit>-strangers[-fresh])"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args(argv)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         freeze = trial_seal.frozen(options.freeze)
-        found = trial(freeze, SMALL if options.small else TIERS, options.keep, options.jobs, options.beside)
+        tiers = SMALL if options.small else TIERS
+        found = trial(freeze, tiers, options.keep, options.jobs, options.beside, options.kinds)
     except (trial_seal.SealError, FileExistsError) as error:
         print(f"trial: {error}", file=sys.stderr)
         return 2
@@ -64,19 +70,21 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def trial(freeze: str, tiers: dict[str, int], kept: Path | None, jobs: int, beside: Path | None) -> str:
+def trial(
+    freeze: str, tiers: dict[str, int], kept: Path | None, jobs: int, beside: Path | None, kinds: str = "held"
+) -> str:
     """Make, run, score; returns the table."""
-    name = f"{freeze[:10]}-strangers"
+    name = f"{freeze[:10]}-strangers" + ("" if kinds == "held" else f"-{kinds}")
     work = trial_seal.ROOT / "build" / "trials" / name
     kept = kept or trial_seal.ROOT / "proof" / "trials" / name
     kept.mkdir(parents=True, exist_ok=True)
-    truth, details = made(freeze, tiers, work / "cases", jobs)
+    truth, details = made(freeze, tiers, work / "cases", jobs, kinds)
     sealed = work / "sealed"
     sealed.mkdir()
     (sealed / "truth.json").write_text(json.dumps(truth, indent=1, sort_keys=True))
     salt = secrets.token_bytes(32)
     laid = {
-        "freeze": freeze, "tiers": tiers, "family": FAMILY, "cases": len(truth), "cases_sha256": trial_seal.of_cases(work / "cases"),
+        "freeze": freeze, "tiers": tiers, "family": kinds, "cases": len(truth), "cases_sha256": trial_seal.of_cases(work / "cases"),
         "truth_sha256": trial_seal.of_truth(sealed, salt),
     }  # fmt: skip
     (kept / "commitment.json").write_text(json.dumps(laid, indent=1) + "\n")
@@ -98,12 +106,14 @@ def trial(freeze: str, tiers: dict[str, int], kept: Path | None, jobs: int, besi
     return text
 
 
-def made(freeze: str, tiers: dict[str, int], folder: Path, jobs: int) -> tuple[dict[str, Any], dict[str, Any]]:
+def made(
+    freeze: str, tiers: dict[str, int], folder: Path, jobs: int, kinds: str = "held"
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Cases under the folder; truth and details by name."""
     if folder.exists():
         raise FileExistsError(f"{folder} exists: a frozen tool has one shot at its cases")
     seeds = {tier: hashlib.sha256(f"{freeze}/strangers/{tier}".encode()).hexdigest() for tier in tiers}
-    work = [(seeds[tier], tier, k, folder) for tier in tiers for k in range(tiers[tier])]
+    work = [(seeds[tier], tier, k, folder, kinds) for tier in tiers for k in range(tiers[tier])]
     truth, details = {}, {}
     with ProcessPoolExecutor(jobs) as pool:
         for name, hidden, more in pool.map(_made, work, chunksize=2):
@@ -111,11 +121,11 @@ def made(freeze: str, tiers: dict[str, int], folder: Path, jobs: int) -> tuple[d
     return truth, details
 
 
-def _made(work: tuple[str, str, int, Path]) -> tuple[str, list, dict]:
+def _made(work: tuple[str, str, int, Path, str]) -> tuple[str, list, dict]:
     from proof.strangers import make
 
-    seed, tier, k, folder = work
-    case = make(seed, tier, k, FAMILY)
+    seed, tier, k, folder, kinds = work
+    case = make(seed, tier, k, kinds)
     for path, text in case.files.items():
         place = folder / case.name / path
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -203,7 +213,7 @@ def page(
 ) -> str:
     counts = ", ".join(f"{n} {tier}" for tier, n in laid["tiers"].items())
     head = (
-        f"Trial of commit `{laid['freeze'][:10]}` on cases of another world, kinds held back: {laid['cases']} cases ({counts}).  \n"
+        f"Trial of commit `{laid['freeze'][:10]}` on cases of another world, {KEPT[laid['family']]}: {laid['cases']} cases ({counts}).  \n"
         f"SHA-256 of the cases `{laid['cases_sha256'][:16]}...`, of the salted truth `{laid['truth_sha256'][:16]}...`, of the answers "
         f"`{laid['answers_sha256_now'][:16]}...`.\n\n"
     )

@@ -342,7 +342,8 @@ def test_a_tolerance_may_be_written_so(place, text, um):
 def test_a_tolerance_may_not_be_written_so(place, text):
     ran = gcomp(place, *GRINDER, f"--tolerance={text}", "part.nc")
     assert (ran.status, ran.out) == (2, b"")
-    last = ran.err.splitlines()[-1]
+    last = ran.err.splitlines()[0]
+    assert len(ran.err.splitlines()) == 2, "the sentence, and where the options are listed"
     assert f"argument --tolerance: {text!r}" in last
     assert "um" in last
     assert ("is that meant in um?" in last) == (text == "20mm")
@@ -378,7 +379,8 @@ def test_offsets_may_be_stated(place):
 def test_options_with_a_wrong_value_show_the_right_form(place, option):
     ran = gcomp(place, *GRINDER, option, "part.nc")
     assert (ran.status, ran.out) == (2, b"")
-    last = ran.err.splitlines()[-1]
+    last = ran.err.splitlines()[0]
+    assert len(ran.err.splitlines()) == 2, "the sentence, and where the options are listed"
     assert option.split("=")[0] in last
     assert re.search(r"like (G54=X1|X1)|choose from", last)
 

@@ -31,6 +31,10 @@ PROGRAMS = {
     "N50 G98 L1*\nN99999999 %PART G71 *\n",
     "grbl": "; for GRBL 1.1\n$H\nG21 G90\nG0 X0 Y0\nM3 S1000\nG1 X10 F500\n",
     "grblhal": "(grblHAL)\n$H\nG21 G90\nG81 X1 Y1 Z-2 R1 F100\nG65 P3\n",
+    "mach3": "(Mach3Mill)\nG00G21G17G90G40G49G80\nG71G91.1\nT1M06\nS12000M03\nG94\nG0X0.000Y0.000\nG1X5.F500.M10P1\nM30\n",
+    "klipper": "; klipper\nEXCLUDE_OBJECT_DEFINE NAME=a\nSTART_PRINT BED=60\nSET_PRESSURE_ADVANCE ADVANCE=0.05\nG92 E0\nG1 X10 Y10 E1.5 F1500\n",
+    "smoothie": "; Smoothieware\nG28.2\nG21 G90\nG0 X0 Y0\nM3 S1000\nG1 X10 F500\n",
+    "centroid": "; Centroid\nG90 G80 G40 G49\nG81 X1 Y1 Z-2 R1 F100\nM5\nM25\nG49 H0\nM99\n",
     "fluidnc": "; FluidNC\n$SD/Run=part.nc\nG21 G90\nG38.6 Z-10 F50\nG0 X0 Y0\n",
 }
 
@@ -72,7 +76,7 @@ def test_what_is_no_program_is_of_none(text):
 
 def test_evidence_says_the_line():
     found = dict(recognise(b"G90\nG0 X0 Y0\nG2 X5 Y5 CR=3.5\n"))
-    assert found["siemens"] == ["CR= in line 3"]
+    assert found["siemens"] == ["CR=3.5 in line 3"]
 
 
 def test_what_speaks_against_a_dialect_says_the_line():

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.commands import expansion, reading
-from postproc.errors import GcompError, Notice, ProgramError, UsageError
+from postproc.commands import attempts, expansion, reading
+from postproc.errors import GcompError, Notice, UsageError
 from postproc.machine import lacks
 
 if TYPE_CHECKING:
@@ -65,29 +65,24 @@ def run(options: argparse.Namespace) -> int:
         )
     machine = reading.machine_of(options)
     with ports.opened(options.file) as (source, name, size):
-        head = b"" if options.unbuffered else ports.head(source)
-        filter_ = reading.filter_of(options, machine, head)
-        filter_.name = name
-        verifier = None
-        if options.verify:
-            from postproc.verify import Verifier
-
-            verifier = Verifier(filter_)
-        try:
-            if options.unbuffered:
-                _live(filter_, source)
-            else:
-                _whole(filter_, source, size, options, verifier)
-        except ProgramError as error:
-            raise reading.with_hint(error, filter_.dialect, head) from None
-    if verifier:
-        print(f"gcomp: verified: {verifier.report()}", file=sys.stderr)
+        if options.unbuffered:
+            done = attempts.Attempt.fresh(options, machine, name)
+            _live(done.filter, source)
+        else:
+            kept = ports.Kept(source, expansion.LARGEST)
+            with _progress(size, options) as step:
+                done = attempts.best(options, machine, kept, name, ports.head(source), step)
+            _put(done, options)
+    if done.verifier:
+        print(f"gcomp: verified: {done.verifier.report()}", file=sys.stderr)
         if lacking := lacks.sentence(machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
+    if done.why:
+        print(f"gcomp: {done.why}", file=sys.stderr)
     if not options.quiet:
-        _say(filter_.notices)
+        _say(done.filter.notices)
         if not options.dry_run:
-            print(f"gcomp: {summary(filter_)}", file=sys.stderr)
+            print(f"gcomp: {summary(done.filter)}", file=sys.stderr)
     return 0
 
 
@@ -102,24 +97,11 @@ def _live(filter_: Filter, source) -> None:
         raise
 
 
-def _whole(filter_: Filter, source, size: int, options: argparse.Namespace, verifier) -> None:
-    """Everything accepted first, then everything written."""
-    with ports.spool() as spool, _progress(size, options) as step:
-        if options.expand:
-            for data in expansion.through(filter_, expansion.written_out(filter_, source, options), step):
-                spool.write(data)
-        else:
-            for data in ports.chunks(source, live=False):
-                spool.write(filter_.feed(data))
-                step(len(data))
-            spool.write(filter_.finish())
-        if verifier and not verifier.passed:
-            raise GcompError(
-                f"verification failed: {verifier.report()}",
-                "nothing was written; this is an error of gcomp: please report the program",
-            )
+def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
+    """Everything is accepted: write it."""
+    with contextlib.closing(done.spool) as spool:
         if options.dry_run:
-            print(summary(filter_))
+            print(summary(done.filter))
         elif options.in_place:
             kept = ports.replace_file(Path(options.file), spool, backup=True)
             if not options.quiet:

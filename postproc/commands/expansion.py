@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.errors import Notice, Place, ProgramError, UsageError
+from postproc.errors import GcompError, Notice, Place, ProgramError, UsageError
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
@@ -39,28 +39,39 @@ ENDINGS = (
 def written_out(filter_: Filter, source, options: argparse.Namespace, keeps: bool = True) -> Written:
     """The program of the stream, ready to be written out. keeps: drilling cycles stay where their holes bend by less than
     the tolerance of holes. Raises UsageError where its control has nothing to write out."""
-    from postproc.nc.expand import Limits, Program
-    from postproc.nc.expand.written import Written
-    from postproc.nc.interpreter import Interpreter
-
     text = source.read(LARGEST + 1)
     if len(text) > LARGEST:
         raise UsageError(
             f"a program of more than {LARGEST:,} bytes is not read whole", "without --expand any length passes"
         )
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
-    folders = [here, *map(Path, options.library)]
-    program = Program(filter_.name, text, Library(folders, filter_.notices).text)
+    library = Library([here, *map(Path, options.library)], filter_.notices)
+    return of_text(filter_, text, library.text, options, keeps)
+
+
+def of_text(filter_: Filter, text: bytes, library, options: argparse.Namespace, keeps: bool = True) -> Written:
+    """The same for a text, with what finds subprograms."""
+    from postproc.nc.expand import Limits, Program
+    from postproc.nc.expand.written import Written
+    from postproc.nc.interpreter import Interpreter
+
+    program = Program(filter_.name, text, library)
     # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
     tracked, limits = Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth)
-    return Written(program, tracked, limits, filter_.compensator.keeps if keeps else None)
+    compensator = filter_.compensator
+    return Written(program, tracked, limits, compensator.keeps if keeps else None, compensator.tolerance)
+
+
+def is_way_out(error: GcompError) -> bool:
+    """Whether the error's own advice is to write the program out."""
+    return "--expand" in error.advice
 
 
 def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
     """The corrected text of the plain blocks, in portions; errors and notices name the program's own lines."""
     told = len(filter_.notices)
     try:
-        for portion in written:
+        for portion in _portions(written):
             try:
                 text = filter_.feed(portion)
             except ProgramError as error:
@@ -78,29 +89,45 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
         ] + written.notices
 
 
+def _portions(written: Written) -> Iterator[bytes]:
+    """The plain text; what can not be written out is told at the line that was written by hand."""
+    try:
+        yield from written
+    except ProgramError as error:
+        place = error.place
+        if place is not None and place.line:
+            _at(error, written, place.line, "" if place.file == written.program.name else place.file)
+        raise
+
+
 def _by_source(error: ProgramError, written: Written) -> ProgramError:
     """The same error at the line that was written by hand."""
-    place = error.place
-    if place is None or not place.line:
-        return error
-    line, file = written.source(place.line)
-    own = written.program.lines()[line - 1].decode("latin-1") if not file else ""
-    if own.rstrip() == place.text.rstrip():
-        error.place = Place(place.file, line, place.text, place.start, place.stop)
-        return error
-    other = ProgramError(
-        f"{error.message} (in the block that was written out: {place.text.strip()[:80]})", error.advice,
-        Place(file or place.file, line),
-    )  # fmt: skip
-    other.delivered = error.delivered
-    return other
+    if error.place is not None and error.place.line:
+        _at(error, written, *written.source(error.place.line))
+    return error
+
+
+def _at(error: ProgramError, written: Written, line: int, file: str) -> None:
+    """Put the error at a line of the program, or of a file that it calls ("": the program). Columns stay where the line is
+    the one that was looked at; else the block that was made of it is told."""
+    assert error.place is not None
+    place, own = error.place, written.own_line(line, file)
+    name = file or written.program.name
+    if own is None or own.rstrip()[: len(place.text.rstrip())] == place.text.rstrip():
+        error.place = Place(name, line, place.text, place.start, place.stop)
+        return
+    error.message += f" (in the block that was written out: {place.text.strip()[:80]})"
+    error.args = (error.message,)
+    error.place = Place(name, line, own[:1000])
 
 
 class Library:
-    """Subprograms in files: beside the program, then in the folders of --library."""
+    """Subprograms in files: beside the program, then in the folders of --library. `unasked`: folders in which is looked,
+    but from which nothing is taken; `left`: whether something would have been."""
 
-    def __init__(self, folders: list[Path], notices: list[Notice]):
-        self.folders, self.notices = folders, notices
+    def __init__(self, folders: list[Path], notices: list[Notice], unasked: tuple[Path, ...] = ()):
+        self.folders, self.notices, self.unasked = folders, notices, unasked
+        self.left = False
 
     def text(self, name: str) -> bytes | None:
         """The text of a subprogram by its name or number, None if there is none. A name with a path in it is none."""
@@ -111,11 +138,14 @@ class Library:
             if name.isdigit()
             else [name, name.lower(), name.upper()]
         )
-        for folder in self.folders:
-            for stem in dict.fromkeys(stems):
-                for ending in ENDINGS:
-                    path = folder / (stem + ending)
-                    if path.is_file():
-                        self.notices.append(Notice(f"library {name}", f"subprogram {name} is read from {path}"))
-                        return ports.read_whole(path, LARGEST)
+        for folder in (*self.folders, *self.unasked):
+            paths = (folder / (stem + ending) for stem in dict.fromkeys(stems) for ending in ENDINGS)
+            path = next((p for p in paths if p.is_file()), None)
+            if path is not None and folder in self.unasked:
+                self.left = True
+            elif path is not None:
+                notice = Notice(f"library {name}", f"subprogram {name} is read from {path}")
+                if notice not in self.notices:
+                    self.notices.append(notice)
+                return ports.read_whole(path, LARGEST)
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ import numpy as np
 
 from postproc import ports
 from postproc.commands import values
-from postproc.errors import Notice, ProgramError, UsageError
+from postproc.errors import GcompError, Notice, ProgramError, UsageError
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
@@ -49,6 +50,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=values.tolerance,
         help="how far a slide's wanted place may turn back before its lost motion is taken up "
         "(default: the machine's, or 1um)",
+    )
+    how.add_argument(
+        "--orientation",
+        action="store_true",
+        help="correct the rotary words too, for the tool's lean, in programs of the tool tip (G43.4, TRAORI, M128)",
     )
     how.add_argument(
         "--reversal",
@@ -96,8 +102,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="what a coordinate without a decimal point counts, if not as usual on the control",
     )  # fmt: skip
     program.add_argument(
-        "--expand", action="store_true",
-        help="write loops, subprograms, variables, cycles and turned coordinates out as plain blocks, and correct those",
+        "--expand", action=argparse.BooleanOptionalAction, default=None,
+        help="write loops, subprograms, variables, cycles and turned coordinates out as plain blocks, and correct those; "
+        "without either, gcomp FILE does so where nothing else corrects the program, and says so",
     )  # fmt: skip
     program.add_argument(
         "--library", metavar="DIR", action="append", default=[], help="a folder with subprograms for --expand"
@@ -109,13 +116,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X0,Z0",
         type=values.place,
         default={},
-        help="where the machine stands before the program, mm, radius, machine coordinates",
+        help="where the machine stands before the program, mm, radius, machine coordinates; on printers and routers "
+        "behind G28 too, if machine.toml states no home",
     )
     program.add_argument(
         "--block-delete",
         choices=("on", "off"),
-        default="off",
-        help="whether blocks that begin with / are skipped at the machine",
+        help="whether blocks that begin with / are skipped at the machine (default: off)",
     )
     program.add_argument(
         "--arc-centre",
@@ -206,11 +213,16 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
     )  # fmt: skip
     how = Options(
         options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
-        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis,
+        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis, orientation=options.orientation,
     )  # fmt: skip
     filter_ = Filter(machine, dialect, setup, how)
     filter_.notices += notices
     return filter_
+
+
+def dialect_of(options: argparse.Namespace, machine: Machine, head: bytes) -> Dialect:
+    """The dialect in which a program is read. Raises UsageError."""
+    return _dialect(options, machine, head, [])
 
 
 def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices: list[Notice]) -> Dialect:
@@ -265,15 +277,25 @@ def _from_files(options: argparse.Namespace, machine: Machine, notices: list[Not
     return result
 
 
-def with_hint(error: ProgramError, dialect: Dialect, head: bytes) -> ProgramError:
-    """The error, with the control that the program looks written for, where that is another one."""
-    if not head or not head.isascii():
-        return error
-    from postproc.nc.recognise import recognise
+def with_hint(
+    error: ProgramError, dialect: Dialect, head: bytes, tried: Callable[[str], ProgramError | None]
+) -> ProgramError:
+    """The error; where the text requires another control, and read as that one's it comes farther, with this as its advice.
 
-    found = recognise(head)
-    if found and found[0][1] and all(name != dialect.name for name, e in found if len(e) >= len(found[0][1])):
-        name, evidence = found[0]
-        hint = f"this looks like a {name} program ({evidence[0]}): --dialect {name}"
-        error.advice = f"{error.advice}\n    {hint}" if error.advice else hint
+    tried: what is wrong with the program when it is read in the dialect of a name, None: nothing."""
+    from postproc.nc.recognise import better
+
+    found = better(head, dialect.name) if head and error.place is not None else None
+    if found is None:
+        return error
+    name, reason = found
+    try:
+        other = tried(name)
+    except GcompError:
+        return error  # offsets or axes that it has not: nothing is shown by that
+    here = error.place.line if error.place else 0
+    if other is None:
+        error.advice = f"--dialect {name} corrects the whole program ({reason})"
+    elif other.place is not None and other.place.file == getattr(error.place, "file", "") and other.place.line > here:
+        error.advice = f"--dialect {name} follows it to line {other.place.line} ({reason})"
     return error

@@ -26,7 +26,7 @@ HELP = "run a program on a machine with all its errors and write what an instrum
 EXAMPLE = "gcomp simulate --test positioning:Z --machine studer-s36 --noise 0.5 --seed 1 -o z.csv"
 LARGEST = 100_000_000  # bytes
 PLAY = 0.05  # mm: a corrected program goes back by less without turning an axis round
-NOT_HERE = ("tolerance", "hole_tolerance", "hysteresis", "reversal", "ramp", "outside", "cut_rapids")
+NOT_HERE = ("tolerance", "hole_tolerance", "hysteresis", "reversal", "ramp", "outside", "cut_rapids", "orientation")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -15,6 +15,7 @@ from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.errors import Notice
+from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
 
@@ -55,6 +56,7 @@ class Batch:
             m.target[:, arcs.motion] / TICKS_PER_MM,
         )
         motion, t0, t1 = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             motion, t0, t1 = turning.divided(self)
         self.motion, self.t0, self.t1 = motion, t0, t1
@@ -102,10 +104,13 @@ class Batch:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
         stroke's end, as if nothing were held still. `sides`: what the next batch must know."""
         self.twice = np.zeros(self.travel.shape, bool)
-        if self.c.mode in ("step", "ramp"):
+        if self.tip and self.c.follows:
+            self.weight_end, self.sides = sides.of_slides(self)
+        elif self.c.mode in ("step", "ramp"):
             self.weight_begin, self.weight_end, self.exact, self.sides = sides.follow(self)
             return
-        self.weight_end, self.sides = np.zeros(self.travel.shape), self.carry.sides
+        else:
+            self.weight_end, self.sides = np.zeros(self.travel.shape), self.carry.sides
         if self.c.mode == "off":
             self.weight_end, self.sides = sides.nominal_sides(self)
         self.weight_begin = self.weight_end
@@ -236,6 +241,7 @@ class Batch:
         self.hold = np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
+        self.bound &= not self.tip
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         # Nor is a hole's place that of the rapid before it: its middle is of other depths.
         self.bound &= code != HOLE

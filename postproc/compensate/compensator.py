@@ -13,16 +13,19 @@ import numpy as np
 
 from postproc.compensate import approach, cut, cutter, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
-from postproc.errors import MotionFault, Notice
+from postproc.errors import MachineError, MotionFault, Notice
+from postproc.machine import poses, tip
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
+from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
 
 # mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
 # (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
+FEW = 32  # motions that are worked out at once behind one that is left as it is
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,9 @@ class Options:
     arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a
     hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
     least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
-    taken up (None: as the machine says)."""
+    taken up (None: as the machine says); orientation: whether rotary words are corrected for the
+    tool's lean; passes_unknown: whether feeds whose place can not be known are left as they are, and
+    counted, rather than refused."""
 
     tolerance: float | None = None
     outside: str | None = None
@@ -42,6 +47,8 @@ class Options:
     arc_mismatch: float = 0.005
     hole_tolerance: float | None = None
     hysteresis: float | None = None
+    orientation: bool = False
+    passes_unknown: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,8 @@ class Carry:
     """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
     position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
-    last motion inside it ended; largest: mm, the largest correction so far."""
+    last motion inside it ended; largest: mm, the largest correction so far; told: the space and the
+    tool's length (A,) ticks in which `issued` is told."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -57,6 +65,7 @@ class Carry:
     sure: bool = False
     heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
+    told: tuple[Space | None, tuple[int, ...]] = (None, ())
 
 
 class Compensator:
@@ -87,7 +96,7 @@ class Compensator:
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold, self.inner = self.chord / 2, inner
-        self.by_tool: dict[tuple[float, ...], Compensator] = {}
+        self.by_tool: dict[tuple[Space | None, tuple[int, ...]], Compensator] = {}
         self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
         self._directions()
 
@@ -95,6 +104,8 @@ class Compensator:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes that never turn back
         within a stroke but by a take-up."""
         m = self.machine
+        if isinstance(m, tip.TipMachine):  # sides by the slides' own way, block by block (sides.of_slides)
+            self.mode = "step" if self.mode in ("step", "ramp") else "mean"
         self.follows = self.mode != "mean"
         slides = np.array([x in XYZ for x in m.letters]) & m.two_way
         self.band = np.where(slides, 2 * round(self.hysteresis / 2 * TICKS_PER_MM), 0)
@@ -107,6 +118,8 @@ class Compensator:
         self.reach[~slides] = 0
         self.overshoots = slides & (m.least_play < -self.chord)
         self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else np.zeros(0, np.int64)
+        if isinstance(m, tip.TipMachine):
+            self.overshoots, self.followed = np.zeros_like(slides), self.followed[:0]
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""
@@ -127,22 +140,27 @@ class Compensator:
             return _untouched(motions), carry, []
         if self.machine.is_zero:
             return _untouched(motions), carry, []
-        if self.machine.turns and motions.length.any():
+        turned = self.machine.turns and bool(motions.length.any())
+        if turned or motions.space.any() or carry.told[0] is not None:
             return self._by_tool(motions, carry)
         return self._run(motions, carry)
 
     def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
-        """The same where tools have lengths: every run of motions on the machine with its own tool."""
-        length = motions.length
-        edges = [0, *(np.flatnonzero((length[:, 1:] != length[:, :-1]).any(axis=0)) + 1).tolist(), len(motions)]
+        """The same where tools have lengths: every run of motions on the machine with its own tool, in its own space."""
+        both = np.concatenate([motions.length, motions.space[None]])
+        edges = [0, *(np.flatnonzero((both[:, 1:] != both[:, :-1]).any(axis=0)) + 1).tolist(), len(motions)]
         parts, notices = [], []
         for first, stop in pairwise(edges):
             one = motions.part(first, stop)
+            space, length = one.spaces[int(one.space[0])], one.length[:, 0]
             try:
-                pieces, carry, more = self._of_tool(one.length[:, 0])._run(one, carry)
+                carry = self._retold(carry, space, length)
+                pieces, carry, more = self._of_tool(length, space)._run(one, carry)
             except MotionFault as fault:
                 fault.motion += first
                 raise
+            except MachineError as fault:  # a pose at which no slide helps
+                raise MotionFault(first, fault.message, fault.advice) from None
             arcs = int(np.searchsorted(motions.arcs.motion, first))
             parts.append(
                 replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
@@ -150,13 +168,29 @@ class Compensator:
             notices += [replace(n, line=n.line + first) for n in more]
         return joined(parts), carry, notices
 
-    def _of_tool(self, length: np.ndarray) -> Compensator:
-        """The machine with a tool of this `length` (A,), ticks."""
-        letters = self.machine.letters
-        x, y, z = (float(length[letters.index(x)]) / TICKS_PER_MM if x in letters else 0.0 for x in XYZ)
-        if (x, y, z) not in self.by_tool:
-            self.by_tool[x, y, z] = Compensator(self.machine.with_tool((x, y, z)), self.options)
-        return self.by_tool[x, y, z]
+    def _retold(self, carry: Carry, space: Space | None, length: np.ndarray) -> Carry:
+        """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides do not outlast the change."""
+        one, had = carry.told
+        told = (space, tuple(length.tolist()))
+        if one is None and space is None:
+            return replace(carry, told=told)
+        if carry.told == told:
+            return carry
+        before = np.array(had or (0,) * len(length)) / TICKS_PER_MM
+        slides = poses.out_of(self.machine, one, before, carry.issued[:, None] / TICKS_PER_MM)
+        place = poses.into(self.machine, space, length / TICKS_PER_MM, slides)[:, 0]
+        issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
+        none = approach.initial(len(issued))
+        sides, way = replace(none, side=carry.sides.side), np.zeros_like(carry.way)
+        return replace(carry, issued=issued, told=told, sides=sides, way=way, sure=False)
+
+    def _of_tool(self, length: np.ndarray, space: Space | None = None) -> Compensator:
+        """The machine with a tool of this `length` (A,), ticks, in a space."""
+        key = (space, tuple(length.tolist()))
+        if key not in self.by_tool:
+            machine = tip.seen_by_tip(self.machine, length / TICKS_PER_MM, space, self.options.orientation)
+            self.by_tool[key] = Compensator(machine, self.options)
+        return self.by_tool[key]
 
     def keeps(self, motions: Motions) -> bool:
         """Whether the holes among these motions of one tool can stay with their cycles under --expand:
@@ -171,6 +205,53 @@ class Compensator:
             return False
 
     def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        b = self._worked_out(motions, carry)
+        if self.options.passes_unknown and limits.at_stop(b).any():
+            return self._with_stops(motions, carry)
+        return self._finished(b, carry)
+
+    def _with_stops(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        """The same where motions begin or end at the end of an axis' travel: those that lead beyond are left as they are,
+        one after the other, since each changes where the next one begins."""
+        parts, notices, first, size = [], [], 0, FEW
+        while first < len(motions):
+            one = motions.part(first, min(first + size, len(motions)))
+            b = self._worked_out(one, carry)
+            hit = limits.at_stop(b)
+            if hit[0]:
+                one = one.part(0, 1)
+                b = self._worked_out(replace(one, alone=one.alone | True), carry)
+                b.notices.append(Notice("stop", limits.AT_STOP, 0, counts=(1,)))
+            elif hit.any():
+                one = one.part(0, int(hit.argmax()))
+                b = self._worked_out(one, carry)
+            pieces, carry, more = self._finished(b, carry)
+            arcs = int(np.searchsorted(motions.arcs.motion, first))
+            parts.append(
+                replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
+            )
+            notices += [replace(n, line=n.line + first) for n in more]
+            first, size = first + len(one), FEW if hit.any() else 2 * size
+        return joined(parts), carry, notices
+
+    def _finished(self, b: Batch, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
+        """The pieces of a batch that is worked out."""
+        parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
+        pieces = without_rests(in_order([p for p in parts if p is not None]))
+        largest = limits.check_limits(b)
+        after = replace(
+            carry,
+            sides=b.sides,
+            issued=b.end[:, -1].copy(),
+            way=b.way,
+            sure=bool(b.sure_after[-1]),
+            heading=cutter.heading(b),
+            largest=max(carry.largest, largest),
+        )
+        return pieces, after, b.notices
+
+    def _worked_out(self, motions: Motions, carry: Carry) -> Batch:
+        """The batch with where every stroke begins and ends."""
         b = Batch(self, motions, carry)
         limits.refuse(b)
         limits.refuse_turning_arcs(b)
@@ -178,6 +259,7 @@ class Compensator:
         cutter.tell(b)
         b.strokes()
         limits.check_inside(b)
+        limits.check_poses(b)
         b.approach()
         b.ends()
         holes.settle(b)
@@ -188,18 +270,9 @@ class Compensator:
         b.spread_reversals()
         b.lead_beyond()
         threads.say(b)
-        parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
-        pieces = without_rests(in_order([p for p in parts if p is not None]))
-        largest = limits.check_limits(b)
-        after = Carry(
-            b.sides,
-            b.end[:, -1].copy(),
-            b.way,
-            bool(b.sure_after[-1]),
-            cutter.heading(b),
-            max(carry.largest, largest),
-        )
-        return pieces, after, b.notices
+        limits.tell_orientation(b)
+        limits.tell_play(b)
+        return b
 
 
 def _bottoms(motions: Motions) -> np.ndarray:

@@ -18,8 +18,11 @@ from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.errors import MotionFault, Notice
 from postproc.machine.model import Machine
+from postproc.machine.tip import TipMachine
 from postproc.motions import Holes, Motions
 from postproc.units import TICKS_PER_MM, UM
+
+DEPTHS = 33  # places down a hole that lies along no slide
 
 if TYPE_CHECKING:
     from postproc.compensate.compensator import Compensator
@@ -148,6 +151,8 @@ def _depth(machine: Machine, holes: Holes, k: int, place: np.ndarray) -> np.ndar
     row = int(holes.axis[k])
     top, bottom = holes.level[k] / TICKS_PER_MM, holes.bottom[k] / TICKS_PER_MM
     inner = np.unique(np.concatenate([np.zeros(0), *machine.knots.get(machine.letters[row], [])]))
+    if isinstance(machine, TipMachine):  # it passes nodes of several slides: looked at all along
+        inner = np.linspace(min(top, bottom), max(top, bottom), DEPTHS)
     inner = inner[(inner > min(top, bottom)) & (inner < max(top, bottom))]
     depth = np.concatenate([[top], inner if bottom > top else inner[::-1], [bottom]])
     target = np.repeat(place[:, None], len(depth), axis=1)

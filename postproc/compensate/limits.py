@@ -8,9 +8,16 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
-from postproc.motions import FEED, RAPID
-from postproc.units import TICKS_PER_MM
+from postproc.machine.tip import TipMachine
+from postproc.motions import COUNTER, FEED, RAPID
+from postproc.units import TICKS_PER_MM, UM
 
+LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
+UNKNOWN = (
+    "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where the axes stand there "
+    "is not known (--start, or home in machine.toml, says where a program begins and where G28 goes)"
+)
+AT_STOP = "motions left as they are, since an axis stands at the end of its travel and its correction leads beyond: {0}"
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
@@ -36,25 +43,30 @@ def refuse_turning_arcs(b: Batch) -> None:
 
 
 def check_unknown(b: Batch) -> None:
-    """A feed to an unknown place can not be corrected; a rapid is left as it is, and said."""
+    """What can not be corrected since a place is not known: a rapid is left as it is, and a feed where a program begins
+    like that (printers, routers); elsewhere it is refused. All that is left is counted, and said."""
     if b.known.all() and b.start_known.all():
         return
     lost = ~b.known & ~b.m.alone
-    for i in (lost & (b.m.code != RAPID)).nonzero()[0][:1]:
+    feeds = lost & (b.m.code != RAPID)
+    fault = None
+    refused = feeds & (b.m.code != FEED) if b.options.passes_unknown else feeds
+    for i in (refused if refused.any() else feeds).nonzero()[0][:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
-        raise MotionFault(
+        fault = MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
             f"move {axes} to an absolute position first, or say where it is: --start {axes.split()[0]}100",
         )
-    for i in lost.nonzero()[0][:1]:
-        b.notices.append(
-            Notice("rapid", "rapids before every axis that matters has its position are left as they are", int(i))
-        )
-    for i in (b.free & ~b.start_known & (b.m.code == FEED)).nonzero()[0][:1]:
-        b.notices.append(
-            Notice("first feed", "a feed from an unknown place: its end is corrected, its way is not", int(i))
-        )
+        if refused.any():  # an arc from a corrected place to one that is not would miss its end
+            raise fault
+    half = b.free & ~b.start_known & (b.m.code == FEED)
+    left = lost | half
+    for i in left.nonzero()[0][:1]:
+        counts = (int(lost.sum()), int(feeds.sum()), int(half.sum()))
+        never = (fault.message, fault.advice) if fault else ("", "")
+        i = fault.motion if fault else i
+        b.notices.append(Notice("unknown", UNKNOWN, int(i), refusal=never, counts=counts))
 
 
 def check_inside(b: Batch) -> None:
@@ -86,6 +98,66 @@ def check_inside(b: Batch) -> None:
                 int(b.motion[i]), f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter} ({first:g} to {last:g} {unit_of(letter)})",
                 "stay inside it, measure further out, or hold the end value with --outside clamp",
             )  # fmt: skip
+
+
+def check_poses(b: Batch) -> None:
+    """The slides that hold the tip must stay within their travels and tables all along; rapids count by their ends."""
+    if not isinstance(b.machine, TipMachine):
+        return
+    base = b.machine.base
+    which = (b.free[b.motion] & (b.m.code[b.motion] <= COUNTER)).nonzero()[0]
+    if not len(which):
+        return
+    way = b.known_before[which] & (b.m.code[b.motion[which]] != RAPID)
+    for t in np.linspace(0.0, 1.0, LOOKS):
+        stroke = which if t == 1.0 else which[way]
+        if not len(stroke):
+            continue
+        there = b.t0[stroke] + (b.t1 - b.t0)[stroke] * t
+        slides = b.machine.slides(b.nominal(b.motion[stroke], there))
+        for row, letter in enumerate(b.machine.letters):
+            if letter not in base.chain.axes:
+                continue
+            (low, high), what = base.axes[letter].travel, "travel"
+            if b.c.outside == "error" and letter in base.ranges:
+                first, last = base.ranges[letter]
+                (low, high), what = (max(low, first), min(high, last)), "travel or the error table"
+            for i in ((slides[row] < low - EDGE) | (slides[row] > high + EDGE)).nonzero()[0][:1]:
+                raise MotionFault(
+                    int(b.motion[stroke[i]]), f"to hold the tip there {letter} goes to {slides[row, i]:.4f} {unit_of(letter)}, beyond the {what} of {letter} "
+                    f"({low:g} to {high:g} {unit_of(letter)})",
+                    "check the work offset, the tool's length, and the centres of the rotary axes in machine.toml",
+                )  # fmt: skip
+
+
+def tell_play(b: Batch) -> None:
+    """Say that no lost motion is taken up in blocks of the tip where the mean of both directions is asked for by
+    --reversal off: nothing is spread there."""
+    if (
+        not isinstance(b.machine, TipMachine)
+        or not b.machine.base.two_way.any()
+        or b.c.follows
+        or b.options.reversal != "off"
+    ):
+        return
+    half: dict[str, float] = {}
+    for letter, table in b.machine.base.every_table:
+        half[letter] = half.get(letter, 0.0) + float(np.linalg.norm(np.abs(table.half[:3]).max(axis=1)))
+    for grid in b.machine.base.grids:
+        half[grid.letter] = half.get(grid.letter, 0.0) + float(np.abs(grid.forward - grid.reverse)[:3].max()) / 2
+    axes = " ".join(x for x, row in half.items() if row)
+    left = float(np.linalg.norm(list(half.values())))
+    for i in b.free.nonzero()[0][:1]:
+        said = f"lost motion of {axes} is corrected by the mean of both directions where X Y Z are places of the tool tip or of a tilted plane: up to {left / UM:.1f} um of it stay"
+        b.notices.append(Notice("lost motion of the tip", said, int(i)))
+
+
+def tell_orientation(b: Batch) -> None:
+    """Say once that feeds between places of the slides keep their lean, where orientation was asked for."""
+    if b.options.orientation and not (isinstance(b.machine, TipMachine) and b.machine.oriented):
+        for i in (b.free & (b.m.code == FEED)).nonzero()[0][:1]:
+            said = "--orientation holds where the control holds the tool tip; elsewhere the tip is corrected, and the tool leans as it did"
+            b.notices.append(Notice("orientation", said, int(i)))
 
 
 def unit_of(letter: str) -> str:
@@ -122,6 +194,24 @@ def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
     return result
 
 
+def at_stop(b: Batch) -> np.ndarray:
+    """(N,) bool: motions that begin or end with an axis at the very end of its travel, where homing leaves it, and would
+    lead it beyond."""
+    result = np.zeros(len(b.m), bool)
+    free = (b.free & (b.m.code <= FEED))[b.motion]
+    for row in b.rows:
+        edges = b.machine.axes[b.machine.letters[row]].travel
+        for nominal, place, told in (
+            (b.begin_nominal[row], b.begin[row], b.m.start_known[row, b.motion] & b.known_before),
+            (b.end_nominal[row], b.end[row], b.m.target_known[row, b.motion]),
+        ):
+            low, high = (np.abs(nominal - edge) <= EDGE for edge in edges)
+            at = place / TICKS_PER_MM
+            out = (low & (at < edges[0] - EDGE)) | (high & (at > edges[1] + EDGE))
+            result[b.motion[free & told & out]] = True
+    return result
+
+
 def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction, mm."""
     free = b.free[b.motion]
@@ -143,7 +233,7 @@ def check_limits(b: Batch) -> float:
         letter = b.machine.letters[b.rows[row]]
         raise MotionFault(
             int(b.motion[i]),
-            f"the correction of {letter} is {correction[row, i]:.4f} mm (limit max_correction = {largest:g} mm)",
+            f"the correction of {letter} is {correction[row, i]:.4f} {unit_of(letter)} (limit max_correction = {largest:g} mm)",
             "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml",
         )
     axis = b.machine.axes[what]

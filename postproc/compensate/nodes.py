@@ -32,7 +32,7 @@ def candidates(
             owners.append(owner)
             times.append((nodes[first[owner] + index] - start[row][owner]) / way[row][owner])
             axes.append(np.full(len(owner), row if row in machine.corrected else -1))
-    parts = np.ceil(np.sqrt(machine.bounds.bend(way) / slack)).astype(np.int64)
+    parts = machine.bounds.parts(start, target, slack)
     owner, index = spread(np.maximum(parts - 1, 0))
     owners.append(owner)
     times.append((index + 1) / np.maximum(parts, 1)[owner])
@@ -43,7 +43,7 @@ def candidates(
 def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the end of a table where it is
     held beyond (`clamped`), or product terms."""
-    result = machine.bounds.bend(target - start) > slack
+    result = machine.bounds.parts(start, target, slack) > 1
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         before, after = table.place(np.stack((start[row], target[row])))[0]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
+from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
 from postproc.units import TICKS_PER_MM
 
@@ -163,6 +164,21 @@ class Course:
         self.exact = self.commands(side, known)
         held = middle + side * (self.band // 2)[:, None]
         self.behind = np.where(self.given | self.stays, 0, held - place[1])
+
+
+def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
+    """(A, S) sides where words are places of the tool tip: each slide bears on the side to which the block as a whole moves
+    it, if by more than the hysteresis; and what the next batch must know."""
+    assert isinstance(b.machine, TipMachine)
+    known = b.known_before & b.known[b.motion]
+    travel = np.zeros(b.travel.shape, np.int64)
+    if known.any():
+        ends = [b.machine.slides(p[:, known]) for p in (b.begin_nominal, b.end_nominal)]
+        travel[:, known] = np.rint((ends[1] - ends[0]) * TICKS_PER_MM).astype(np.int64)
+    moves = (np.abs(travel) > b.c.band[:, None]) & b.machine.two_way[:, None]
+    lost = ~known | b.jumps.any(axis=0)
+    side = hold_last(np.where(lost, 0, np.sign(travel)), moves | lost, b.carry.sides.side)
+    return side.astype(float), replace(b.carry.sides, side=side[:, -1])
 
 
 def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
+from postproc.machine.tip import TipMachine
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
 
@@ -19,13 +20,14 @@ if TYPE_CHECKING:
     from postproc.compensate.batch import Batch
 
 SAMPLES = (8, 64)  # of an arc, at least and at most
+LOOKS = 17  # places on a motion of the tip at which its slides are looked at
 APART = 1e-9  # of a motion: closer places are one
 
 
 def divided(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(S,) motion, t0 and t1 of the strokes of a batch."""
     motion, t0, t1 = np.arange(len(b.m)), np.zeros(len(b.m)), np.ones(len(b.m))
-    found = [_quadrants(b), *_induced(b)]
+    found = _of_slides(b) if isinstance(b.machine, TipMachine) else [_quadrants(b), *_induced(b)]
     if not any(len(owner) for owner, _ in found):
         return motion, t0, t1
     motion = np.concatenate([motion, *(owner for owner, _ in found)])
@@ -38,12 +40,38 @@ def divided(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return motion, t0, np.where(goes_on, np.concatenate([t0[1:], [1.0]]), 1.0)
 
 
+def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Per two-way slide (K,) motion and t of the places where it turns back by more than the hysteresis while the tip goes
+    straight: looked for at LOOKS places, and put where a parabola through three of them turns."""
+    assert isinstance(b.machine, TipMachine)
+    m = b.m
+    chosen = ((m.code == FEED) & b.free & b.start_known & (m.cutter == FREE)).nonzero()[0]
+    if not len(chosen):
+        return []
+    t = np.linspace(0.0, 1.0, LOOKS)
+    start, target = m.start[:, chosen] / TICKS_PER_MM, m.target[:, chosen] / TICKS_PER_MM
+    places = (start[:, :, None] + (target - start)[:, :, None] * t).reshape(len(start), -1)
+    slides = b.machine.slides(places).reshape(len(start), len(chosen), LOOKS)
+    found = []
+    for row in np.flatnonzero(b.machine.two_way):
+        for side in (slides[row], -slides[row]):
+            k = np.argmax(side, axis=1)
+            each, inner = np.arange(len(k)), np.clip(k, 1, LOOKS - 2)
+            before, here, behind = (side[each, inner + d] for d in (-1, 0, 1))
+            bend = np.maximum(2 * here - before - behind, 1e-12)
+            at = t[inner] + np.clip((behind - before) / (2 * bend), -1, 1) / (LOOKS - 1)
+            top = here + (behind - before) ** 2 / (8 * bend)
+            turns = (top - np.maximum(side[:, 0], side[:, -1]) > b.c.hysteresis) & (at > 0) & (at < 1)
+            found.append(_on_increments(b, chosen[turns], at[turns]))
+    return found
+
+
 def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     """(K,) motion and t of the places where a two-way axis of an arc's plane turns back."""
     arcs, two_way = b.m.arcs, b.machine.two_way
     if not len(arcs):
         return np.zeros(0, np.int64), np.zeros(0)
-    turning = (two_way[arcs.first] | two_way[arcs.second]) & (b.m.cutter[arcs.motion] == FREE)
+    turning = (two_way[arcs.first] | two_way[arcs.second]) & (b.m.cutter[arcs.motion] == FREE) & b.free[arcs.motion]
     if not turning.any():
         return np.zeros(0, np.int64), np.zeros(0)
     arc, t = turning_points(arcs, b.arc_start, b.arc_target)

@@ -155,6 +155,11 @@ class Bounds:
             result += self._turning(way) / 8
         return result
 
+    def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
+        """(M,) into how many equal parts straight motions (A, M) must be cut, so that products bend the deviation by
+        `slack` mm at most within one; nodes apart. 1: not at all."""
+        return np.maximum(np.ceil(np.sqrt(self.bend(target - start) / slack)), 1).astype(np.int64)
+
     def _turning(self, way: np.ndarray) -> np.ndarray:
         """(N,) mm: bound of the second derivative over the whole motion of everything that a rotary axis turns.
 

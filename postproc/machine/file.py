@@ -22,11 +22,12 @@ from postproc.machine.effect_file import read_effects
 from postproc.machine.model import Axis, ControlTable, Expansion, Limits, Machine
 from postproc.machine.tables import COMPONENTS, GridTable
 from postproc.machine.toml_file import TomlFile
+from postproc.machine.tool_point import read_tool_point
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-machine/1"
 KEYS = {
-    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table", "signs"},
+    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table", "signs", "tool_point", "home"},
     "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat", "left_out"},
     "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
     "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
@@ -95,10 +96,21 @@ def read_machine(folder: Path) -> Machine:
         control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
         square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=read_effects(toml, axes),
-        source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal,
-        square_u=_squareness_u(toml, axes), signs=signs,
+        source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal, home=_home(toml, axes),
+        square_u=_squareness_u(toml, axes), signs=signs, tool_stated="tool" in data, tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
     )  # fmt: skip
+
+
+def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
+    """`home = { X = 0.0, Y = 0.0, Z = 0.0 }`: where the slides stand after homing, mm, radius."""
+    home = toml.data.get("home", {})
+    if not isinstance(home, dict):
+        raise toml.fault("", "home", f"home = {home!r}", "like home = { X = 0.0, Y = 0.0, Z = 0.0 }")
+    for x in home:
+        if x not in axes:
+            raise toml.fault("", "home", f"home names {x!r}, which is no axis of the machine")
+    return {x: toml.number("", home, x, at="home") for x in home}
 
 
 def _limits(toml: TomlFile) -> Limits:
@@ -167,6 +179,7 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
         letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
         grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
         uncertainty=uncertainty, left_out=_left_out(toml, name, letter, section),
+        centre_stated=tuple(section.get("centre", {})),
     )  # fmt: skip
 
 

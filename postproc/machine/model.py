@@ -14,6 +14,7 @@ from postproc.machine.bounds import Bounds
 from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, leans, tip_deviation
 from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
+from postproc.machine.tool_point import ToolPoint
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ class Axis:
     a rotary axis' line while all slides stand at zero; location (6,): mm and rad, how that line
     lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
     table, None where the folder states none; left_out: components that were measured and are
-    within their uncertainty, so that no table holds them."""
+    within their uncertainty, so that no table holds them; centre_stated: the directions in which
+    the folder states the centre."""
 
     letter: str
     travel: tuple[float, float]
@@ -56,6 +58,7 @@ class Axis:
     expansion: Expansion | None = None
     uncertainty: AxisUncertainty | None = None
     left_out: tuple[str, ...] = ()
+    centre_stated: tuple[str, ...] = ()
 
     @property
     def bare(self) -> Axis:
@@ -111,8 +114,9 @@ class Limits:
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
     U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,) mm;
-    offsets: name to axis to mm; signs: "verified" where a measurement after compensation has shown
-    them, "unverified" where it is said that none has, "" where nothing is said."""
+    offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which they
+    are stated; signs: "verified" where a measurement after compensation has shown them, "unverified" where it is said that none has, "" where nothing is said; tool_stated:
+    whether the folder states the tool's point; tool_point: how the control follows it."""
 
     name: str
     title: str
@@ -132,6 +136,9 @@ class Machine:
     square_u: dict[str, float] = field(default_factory=dict)
     square_stated: tuple[str, ...] = ()
     signs: str = ""
+    tool_stated: bool = False
+    tool_point: ToolPoint = field(default_factory=ToolPoint)
+    home: dict[str, float] = field(default_factory=dict)
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
@@ -308,9 +315,7 @@ class Machine:
         approach (A, N): -1 to +1, in which direction each axis last moved; 0 is the mean. Axes that the chain does not
         name have none. A deviation along a direction that the machine has no axis for is left out.
         """
-        q = {x: position[i] for i, x in enumerate(self.letters)}
-        s = {x: approach[i] for i, x in enumerate(self.letters)}
-        each = {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
+        q, each = self._at(position, approach)
         if self.chain.rotary:
             parts = rotary.tip_deviation(self.geometry, each, q)
         else:
@@ -345,10 +350,19 @@ class Machine:
 
     def orientation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
+        return self.carried(position, approach)[1]
+
+    def carried(self, position: np.ndarray, approach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(3, N) mm by which the tip is off and (3, N) rad by which the tool leans, both in the frame of the workpiece,
+        which turns with it. A chain with rotary axes."""
+        q, each = self._at(position, approach)
+        return rotary.carried(self.geometry, each, q)
+
+    def _at(self, position: np.ndarray, approach: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, Parts]]:
+        """Axis to its position, and to its deviations there."""
         q = {x: position[i] for i, x in enumerate(self.letters)}
         s = {x: approach[i] for i, x in enumerate(self.letters)}
-        each = {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
-        return rotary.orientation(self.geometry, each, q)
+        return q, {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
 
     @cached_property
     def _added(self) -> dict[str, list[AxisTable]]:

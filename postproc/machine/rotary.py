@@ -7,7 +7,7 @@ a rotary axis are those of ISO 230-7: about a point on its centre line, in the f
 centre line lies beside the nominal one (X0C, Y0C) or leans (A0C, B0C) is a motion before N_j and taken back behind it.
 
 The result is told along the slides, as a correction must move them: a table that turns the part turns their directions.
-Orientation of the tool is not corrected, its size is told by `orientation`.
+How far the tool leans is told by `orientation`; rotary words are corrected for it where that is asked for (tip.py).
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ def tip_deviation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.n
 
     Raises MachineError at a pose where the slides' directions do not span what must be corrected.
     """
-    off, _ = _carried(g, parts, position)
+    off, _ = carried(g, parts, position)
     return _along_slides(g.chain, off, position)
 
 
 def orientation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> np.ndarray:
     """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
-    return _carried(g, parts, position)[1]
+    return carried(g, parts, position)[1]
 
 
-def _carried(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def carried(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """(3, N) mm deviation of the tip and (3, N) rad of the tool, in the workpiece's frame."""
     n = len(next(iter(position.values())))
     tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)

@@ -61,7 +61,10 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
                 "choose the plane with G17, G18 or G19",
             )
         centre_word[0, of], centre_word[1, of] = word[i][of], word[j][of]
-        strange = word["IJK".replace(i, "").replace(j, "")][of] >= 0
+        other = word["IJK".replace(i, "").replace(j, "")][of]
+        strange = other >= 0
+        if batch.dialect.skips_centre:
+            strange &= (words.mantissa[np.maximum(other, 0)] != 0) | (word["R"][of] >= 0)
         batch.blame(
             blocks[strange],
             f"a centre word that does not belong to the {a}{b} plane",

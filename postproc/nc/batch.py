@@ -11,7 +11,7 @@ from postproc.motions import no_presets
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
-from postproc.nc.lexer import KEYWORD_LETTER, POWERS, Words
+from postproc.nc.lexer import HOMING, KEYWORD_LETTER, POWERS, Words
 from postproc.nc.state import NONE, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
@@ -80,6 +80,7 @@ class Batch:
         self.cycle: InCycle | None = None
         self.presets = no_presets()
         self.zero_known = True
+        self.condition = int(state.codes.get("condition", NONE))
         self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
@@ -204,6 +205,17 @@ class Batch:
         if self.dialect.carried:
             self._carried_mode()
 
+    def read_homing(self) -> None:
+        """$H of GRBL takes all axes where homing takes them: like G28, unless that has a place of its own."""
+        place = self.places.get(chr(HOMING))
+        if place is None:
+            return
+        block = self.words.block[place]
+        if "G28" in self.offsets or "G28" in self.setup.offsets:
+            self.loses[block] = self.taken[block] = True
+            return
+        self.single[280] = np.sort(np.concatenate([self.single.get(280, NO_WORDS), block]))
+
     def _carried_mode(self) -> None:
         """Whether words of carried axes are absolute (900) or increments (910): M82 M83, and G90 G91 where they count."""
         column = np.full(self.n, NONE, np.int64)
@@ -223,6 +235,8 @@ class Batch:
     def after(self) -> dict[str, int]:
         """The codes in force behind the batch."""
         result = dict(self.state.codes)
+        if self.condition != result.get("condition", NONE):
+            result["condition"] = self.condition
         for group, column in self.given.items():
             named = (column != NONE).nonzero()[0]
             if len(named):

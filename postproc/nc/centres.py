@@ -30,6 +30,8 @@ def centre_words(b: Batch) -> None:
     piece, arc = first_piece[mine], arc_of[mine]
     later = (~b.first & (p.arc >= 0)).nonzero()[0]
     _turns(b, mine[b.several[piece]])
+    if b.e.dialect.skips_centre:
+        _outside_plane(b, mine[p.arc[piece] < 0])
     _radii(b, mine, piece, arc, later)
     later = later[p.radius[later] == 0]
     for k in range(2):
@@ -155,6 +157,13 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
     prefix[:, 0] = np.where(b.spaced[motion], ord(" "), 0)
     prefix[:, 1] = letter
     b.splice.numbers(at, at, rank, number, decimals, prefix)
+
+
+def _outside_plane(b: Batch, motion: np.ndarray) -> None:
+    """Centre words outside of the plane, in what became a chord: no control takes them there."""
+    place = (np.isin(b.w.letter, [ord(x) for x in "IJK"]) & np.isin(b.w.block, b.m.block[motion])).nonzero()[0]
+    place = place[~np.isin(place, b.m.arcs.words)]
+    b.delete(place, np.searchsorted(b.m.block, b.w.block[place]))
 
 
 def _turns(b: Batch, motion: np.ndarray) -> None:

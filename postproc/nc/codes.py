@@ -35,11 +35,12 @@ class Code:
 
 KEYWORD = 10_000  # codes that are words (TRANS, DIAMON) rather than a letter and a number lie from here on
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
-# What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44, G49; G54.1 P;
-# TRANS, ATRANS.
+# What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44, G49; G54.1 P; G59 P;
+# TRANS, ATRANS; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800.
 FRAME_KEYS = (
     "local", "set", "set zero", "set off", "set back", "data", "length", "length words", "length more", "length minus",
     "no length", "extended", "trans", "atrans", "no frame", "store", "frame",
+    "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align", "swivel",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
 CYCLE_KEYS = ("drill", "tap", "there and back", "thread")
@@ -60,7 +61,11 @@ def code_number(word: str) -> int:
 # Sentences of refusal: what is wrong, a colon, the way out.
 EXPAND = "--expand writes it out as plain blocks"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
+RADIUS_CYCLE = (
+    "its motions are worked out by the control: --expand writes it out under G8; under G7 releases differ on I J K"
+)
 FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
+SPLINE = "corrected points do not lie on such a curve: --expand writes it out as straight lines"
 CALL = f"the same text runs at several places: {EXPAND}"
 LENGTH = "tool lengths come with the T word here: program with G49"
 CUTTER = "it leads the tool beside the words by a radius: let the CAM program write the tool centre path"
@@ -72,12 +77,14 @@ TILTED = "the words are coordinates of a tilted plane: let the CAM program write
 TOOL_POINT = (
     "the control swings the slides about the tool tip: let the CAM program write the places of the axes themselves"
 )
+DIRECTION = "its I J K are the tool's direction: let the CAM program write the rotary axes, under G43.4"
 ITSELF = "the control moves an axis by itself: write its motion out, or take it out"
 CORNER = "it changes the contour before it: write the corner out"
 # The same where nothing writes it out.
 INLINE = "the same text runs at several places: write it out in line"
 UNTURNED = "it turns, scales or mirrors the coordinates: let the CAM program write them as they are"
 RESTORED = "modes come back from where they were kept: write the codes out"
+BROUGHT_BACK = "modes come back from where they were kept: --expand writes the codes out"
 
 END_OF_PROGRAM = (2, 30)  # M codes after which the control reads no further
 CALLS = {97: "local subprogram", 98: "subprogram call", 99: "end of subprogram, or again from the top"}

@@ -374,13 +374,14 @@ class Batch:
         text = self.w.text
         if stop >= len(text):
             return self.state.newline or b"\n", b""
-        if end == ord(";"):
+        if end == ord(";") or chr(end) == self.e.dialect.block_end:
+            mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
             line_end = text.find(b"\n", stop)
             rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
             if rest.strip():
-                return b" ", b";"
+                return b" ", mark
             if line_end < 0:
-                return self.state.newline or b"\n", b";"
+                return self.state.newline or b"\n", mark
             newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
-            return newline, b";"
+            return newline, mark
         return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"

@@ -9,6 +9,9 @@ ADVICE_EXPRESSION = (
     "variables, expressions, O-words and macro statements run with --expand, which writes them out as plain blocks; "
     "or is it for another control? --dialect"
 )
+ADVICE_POLAR = (
+    "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another control? --dialect"
+)
 STATEMENT = re.compile(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,
@@ -18,6 +21,7 @@ STATEMENT_WORD = re.compile(
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>", re.IGNORECASE,
 )  # fmt: skip
 LETTER_O = re.compile(rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)")
+POLAR = re.compile(rb"[@^][ \t]*[-+.0-9]")
 CORNER = re.compile(rb",[ \t]*[RCArca]")
 COMMA = re.compile(rb"[0-9],[0-9]")
 TWO_POINTS = re.compile(rb"[0-9]*\.[0-9]*\.")
@@ -45,6 +49,8 @@ def advice_at(code: bytes, offset: int) -> str:
         return "a number has one decimal point: take the other one out"
     if STATEMENT.search(line):
         return ADVICE_EXPRESSION
+    if POLAR.match(line, here):
+        return ADVICE_POLAR
     if LETTER_O.search(line) and line.strip()[:1] not in b"Oo":
         return "is that the letter O in the place of a zero?"
     return "give the letter its number, or take it out"

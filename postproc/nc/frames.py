@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.nc import planes, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import length_by, length_of, length_words, no_length, set_tool
@@ -58,6 +59,12 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             _extended(b, axis_words, "G54")
         else:  # a plain G54 takes the additional one back
             b.frame = with_known(replace(b.frame, extended=""), "extended")
+    tips.switched(b, axis_words)
+    tips.settle(b)
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
+        if b.live[0] and (b.single.get(number, np.ones(1))[:1] == 0).any():
+            planes.plane_align(b, b.dialect.by_number[number].word)
+    _swivelled(b)
 
 
 def _set(b: Batch, axis_words, word: str) -> None:
@@ -119,7 +126,7 @@ def _data(b: Batch, axis_words, word: str) -> None:
     additional work offset), L1 L10 L11 a tool's."""
     line, number = number_of(b, "L"), number_of(b, "P")
     values = values_of(b, axis_words)
-    if not values and number_of(b, "R") is None:
+    if not values and (number_of(b, "R") is None or b.dialect.carried):  # G10 P0 S200 R150: temperatures of a tool
         return
     if line is None and b.dialect.tool_offsets and number is not None:
         line = 10.0
@@ -197,6 +204,16 @@ def _extended(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, extended=f"G54.1 P{int(number)}"), "extended")
 
 
+def _numbered(b: Batch, axis_words, word: str) -> None:
+    """G59 of Mach3: with P one of 254 work offsets, which no --offset names."""
+    number = number_of(b, "P")
+    if number is None or number == 6:
+        b.frame = with_known(b.frame, "numbered")
+        return
+    reason = f"G59 P{number:g} is one of the control's further work offsets", "write the program in G54 to G59"
+    b.frame = with_known(b.frame, "numbered", reason)
+
+
 def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     """TRANS: the shift is replaced, of axes that are not named by none; ATRANS adds."""
     start = b.frame.trans if add else np.zeros_like(b.frame.trans)
@@ -207,10 +224,42 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     b.frame = frame if add else with_known(frame, "turned")
 
 
+def _swivelled(b: Batch) -> None:
+    """CYCLE800 turns the rotary axes itself."""
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "swivel"):
+        if not b.live[0] or (b.single.get(number, np.ones(1))[:1] != 0).all():
+            continue
+        if swivel.retracts(b):
+            known = b.state.known.copy()
+            known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
+            b.state = replace(b.state, known=known)
+        if swivel.direction(b):
+            planes.plane_align(b, swivel.WORD, swivel.direction(b))
+
+
+def _plain(b: Batch, axis_words, word: str) -> None:
+    """A length that takes the tool point back, where one code of the group calls it."""
+    if "tip" in b.dialect.frame_codes.values():
+        tips.tip_off(b, axis_words, word)
+
+
+def _length(b: Batch, axis_words, word: str, sign: int = 1) -> None:
+    _plain(b, axis_words, word)
+    length_of(b, axis_words, word, sign)
+
+
+def _no_length(b: Batch, axis_words, word: str) -> None:
+    _plain(b, axis_words, word)
+    no_length(b, axis_words, word)
+
+
 ACTIONS = {
     "local": _local, "set": _set, "set zero": _set_zero, "set off": _set_off, "set back": _set_back, "data": _data,
-    "length": length_of, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
-    "length minus": lambda b, a, w: length_of(b, a, w, sign=-1), "no length": no_length, "extended": _extended,
+    "length": _length, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
+    "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
+    "numbered": _numbered, "tip": tips.tip_by_length, "tip on": tips.tip_on, "tip off": tips.tip_off,
+    "plane": planes.plane_on, "plane off": planes.plane_off, "plane align": lambda b, a, w: None,  # below, behind the rest
+    "swivel": swivel.swivel,
     "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
     "store": _store, "frame": _turned,
 }  # fmt: skip

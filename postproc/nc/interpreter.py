@@ -23,15 +23,19 @@ from postproc.nc.batch import LINEAR, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import hold_last_float, spread
+from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, Words
+from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
+from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
     check_points,
+    drop_arguments,
     idle_letters,
     m_codes,
+    macros,
     refuse_motions,
     refused_groups,
     single_commands,
@@ -40,6 +44,7 @@ from postproc.nc.refusals import (
 )
 from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
 from postproc.nc.threads import thread_columns
+from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
 from postproc.nc.zeros import offset_columns
 from postproc.units import TICKS_PER_MM
 
@@ -81,21 +86,20 @@ class Interpreter:
         modal["motion"] = self.dialect.motion
         if "return" in modal:
             modal["return"] = self.dialect.returns
-        modal["work offset"] = 540 if "G54" in setup.offsets else NONE
-        start = [round(setup.start.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
-        return ModalState(
-            modal,
-            np.array(start, np.int64),
-            np.array([x in setup.start or x in self.dialect.carried for x in setup.axes]),
-            frame=self._first_frame(),
-        )
+        modal["work offset"] = 540 if "G54" in setup.offsets and 540 in self.dialect.by_number else NONE
+        stands = {**setup.home, **setup.start} if self.dialect.homes else setup.start
+        start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
+        known = np.array([x in stands or x in self.dialect.carried for x in setup.axes])
+        frame = self._first_frame()
+        position, known = retold(setup.kinematics, np.array(start, np.int64), known, (None, frame))
+        return ModalState(modal, position, known, frame=frame)
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""
         frame = no_frame(len(self.setup.axes))
         place = self.setup.offsets.get("G92") or self.setup.offsets.get("G52") or {}
         preset = [round(place.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
-        return replace(frame, preset=np.array(preset, np.int64))
+        return first_frame(self.setup.kinematics, replace(frame, preset=np.array(preset, np.int64)))
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
         """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""
@@ -122,11 +126,15 @@ class Interpreter:
         if state.ended:
             return [0, words.blocks]
         place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
-        if not len(place) and self.dialect.length_letter == "H":
+        switches = tip_codes(self.dialect, self.setup)
+        if not len(place) and self.dialect.length_letter == "H" and not switches:
             return [0, words.blocks]
         tools: list[int] = []
+        if switches:
+            switch = (words.letter == ord("M")) & np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
+            tools = words.block[switch].tolist()
         if self.dialect.length_letter != "H":
-            tools = words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
+            tools += words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
         number = written_codes(words, place)
         begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]].tolist()
         return sorted({0, words.blocks, *begins, *tools})
@@ -134,8 +142,11 @@ class Interpreter:
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     """In the order of a control: letters, codes, what they take away from the motion, then positions and arcs."""
+    drop_arguments(b)
     check_letters(b)
     b.read_codes()
+    if b.dialect.grammar.homing:
+        b.read_homing()
     if b.integers == "least increments":
         count_increments(b)
     axis_words = {x: (b.one_of(*absolute), b.one_of(*relative)) for x, absolute, relative in b.interpreter.spellings}
@@ -148,7 +159,12 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         frames.event(b, axis_words)
     refused_groups(b)
     offset_columns(b)
+    refuse_tips(b)
+    refuse_planes(b, axis_words)
     m_codes(b)
+    macros(b)
+    if b.dialect.conditions:
+        conditionals(b)
     check_points(b)
     centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
     centre_words = {c: place for c, place in centre_words.items() if len(place)}
@@ -164,6 +180,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
     refuse_motions(b, motion, moving)
+    refuse_cycles(b, motion, moving)
     if 40 in b.single:
         turning = np.zeros(b.n, bool)
         turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
@@ -264,10 +281,16 @@ def columns(
     else:
         renamed = np.zeros(0, bool)
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
+    untold = b.places.get(chr(UNTOLD))
     mode = b.held("feed mode")
     inverse = spread(mode, n)[block] == 930
     if np.any(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
+        if untold is not None:
+            told = inverse & np.isin(block, b.words.block[untold])
+            b.blame(
+                block[told], "G93 and an F whose value only the machine knows", "write the number of every F, or G94"
+            )
         b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
     alone = b.machine[block]
     circle = Circle(
@@ -283,6 +306,7 @@ def columns(
         feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
         reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
         length=np.repeat(b.frame.length[:, None], len(block), axis=1), whole=whole, lead=lead,
+        space=np.full(len(block), int(b.frame.space is not None)), spaces=[None, b.frame.space],
     )  # fmt: skip
     return refuse_beside(b, motions)
 

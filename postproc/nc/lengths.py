@@ -113,11 +113,14 @@ def _units_changed(b: Batch) -> bool:
 
 
 def length_by(b: Batch, letter: str, number: int) -> None:
-    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none."""
+    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none, and so is less."""
     name = f"{letter}{number}"
-    place = stated_tool(b, letter, number) if number else {}
+    place = stated_tool(b, letter, number) if number > 0 else {}  # T-1: no tool at all
     reason = None
-    if place is None:
+    if place is None and b.dialect.homes:
+        b.notices.append(Notice(name, f"{name}: no offset is stated for it, and it is taken as none, as with one nozzle; "
+                         f"else --offset {name}=X..,Y..,Z.. in mm", int(b.words.line[0])))  # fmt: skip
+    elif place is None:
         reason = (
             f"the tool length {name} is not stated",
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",

@@ -44,7 +44,9 @@ class Grammar(NamedTuple):
     what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`: whether X=1 is X1 and X=IC(1) a distance.
     `checksums`: whether *85 may end a line.
     `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what their group holds stays. `bare_letters`:
-    whether a letter may stand without a number where it moves nothing (G28 X Y, M84 E). `block_end`: a character that
+    whether a letter may stand without a number where it moves nothing (G28 X Y, M84 E). `macros`: regular expressions of
+    lines that run text which only the machine has, what their group holds stays; each with 0, or with the number, from 1, of
+    the sentence why it can not be followed. `homing`: a regular expression of what homes all axes. `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a character that
     ends a block besides the line's end."""
 
     semicolon: str = "comment"
@@ -56,23 +58,44 @@ class Grammar(NamedTuple):
     ignores: tuple[str, ...] = ()
     bare_letters: bool = False
     block_end: str = ""
+    macros: tuple[tuple[str, int], ...] = ()
+    homing: str = ""
+    untold: bool = False
 
     @property
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         return (
-            bool(self.keywords or self.spellings or self.ignores or self.bare_letters) or self.assigns or self.checksums
+            bool(self.keywords or self.spellings or self.ignores or self.bare_letters or self.macros or self.homing)
+            or self.assigns
+            or self.checksums
         )
 
 
 PLAIN = Grammar()
 # Letters, beyond those of a program, under which other spellings are handed on (postproc.nc.spellings): codes that are
 # words, parameters that move nothing, and axis or centre words with IC() or AC().
-KEYWORD_LETTER, PARAMETER, RELATIVE, ABSOLUTE = 0x80, 0x81, 0x90, 0xC0
+# None of these has the case bit 0x20, which is taken off. Macros, F words whose value only the machine knows, and axes that
+# are named alone (G28 X) need no number.
+KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING, RELATIVE, ABSOLUTE, BARE = (
+    0x80,
+    0x81,
+    0x82,
+    0x83,
+    0x84,
+    0x90,
+    0xC0,
+    0xD0,
+)
 AXES = "XYZABCUVWEIJK"
 SPELLED = bytes(
-    [KEYWORD_LETTER, PARAMETER, *range(RELATIVE, RELATIVE + len(AXES)), *range(ABSOLUTE, ABSOLUTE + len(AXES))]
-)
+    [
+        KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING,
+        *(first + k for first in (RELATIVE, ABSOLUTE, BARE) for k in range(len(AXES))),
+    ]
+)  # fmt: skip
+NEEDS_NUMBER = np.ones(256, bool)
+NEEDS_NUMBER[[MACRO, UNTOLD, HOMING, *range(BARE, BARE + len(AXES))]] = False
 SKIPPED = {
     "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
     "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
@@ -163,7 +186,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         code = AFTER_SEMICOLON.sub(_blank, text)
     if drop and b"/" in code:
         code = SKIPPED[semicolon].sub(_only_slash, code)
-    if grammar.is_respelled:
+    spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
+    if spelled:
         from postproc.nc.spellings import respelled
 
         code = respelled(code, grammar)
@@ -172,7 +196,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
-    kind = np.frombuffer(code.translate(_classes(semicolon, grammar.is_respelled, grammar.block_end)), dtype=np.uint8)
+    kind = np.frombuffer(code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8)
     at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
     if len(at) < len(kind):
         kind, byte = kind[at], byte[at]
@@ -198,6 +222,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     whole = np.where(pointed, point, stop) - begin
     decimals = np.where(pointed, stop - point - 1, 0)
     digits = whole + decimals
+    if spelled:
+        digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
 
     used = np.zeros(len(mark_kind), dtype=bool)
     used[first] = True

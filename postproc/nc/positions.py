@@ -9,8 +9,8 @@ import numpy as np
 
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
-from postproc.nc.lexer import ABSOLUTE
-from postproc.nc.zeros import stated
+from postproc.nc.lexer import ABSOLUTE, AXES, BARE
+from postproc.nc.zeros import homed, stated
 from postproc.units import TICKS_PER_MM
 
 
@@ -55,6 +55,8 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     for letter, row in b.rows.items():
         carried = letter in b.dialect.carried  # homing takes the slides away, not the filament
         distance = carried_held if carried else distance_held
+        if carried and b.dialect.relative_with_distance:
+            distance = np.where(distance_held == 910, 910, carried_held)
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
         least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (inch if letter in LINEAR else 0)
@@ -163,15 +165,32 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
             gone = drop.copy()
             _reference(b, number, letter, gone)
             away[b.single[number]] = gone[b.single[number]]
-            reference = stated(b, f"G{number // 10}")
+            reference = homed(b) if number == 280 else stated(b, "G30")
+            place = None
             if reference is None or letter not in reference:
                 drop = gone
-                continue
-            block_of = b.single[number]
-            drop[block_of] = False
-            there = block_of[gone[block_of]]
-            position, named = _sent(position, named, there, round(reference[letter] * TICKS_PER_MM))
+            else:
+                block_of = b.single[number]
+                drop[block_of] = False
+                there = block_of[gone[block_of]]
+                place = round(reference[letter] * TICKS_PER_MM)
+                position, named = _sent(position, named, there, place)
+            if number == 280 and letter in b.dialect.home_z_over:
+                drop = _taken_along(b, letter, place, position, drop)
     return position, named, drop, away
+
+
+def _taken_along(b: Batch, letter: str, place: int | None, position: np.ndarray, drop: np.ndarray) -> np.ndarray:
+    """(B,) lost places, with those of an axis that homing Z alone may take along; one that is at home stays there."""
+    own, z = np.zeros(b.n, bool), np.zeros(b.n, bool)
+    _reference(b, 280, letter, own)
+    _reference(b, 280, "Z", z)
+    for block in np.flatnonzero(z & ~own):
+        before = position[block - 1] if block else b.state.position[b.rows[letter]]
+        if place is None or before != place:
+            drop = drop.copy()
+            drop[block] = True
+    return drop
 
 
 def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:
@@ -220,6 +239,8 @@ def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:
     mine = np.zeros(b.n, bool)
     reverse = {u: b.setup.axes[row] for u, row in b.interpreter.increment_rows.items()}
     for other, place in b.places.items():
+        if ord(other) >= BARE:
+            other = AXES[ord(other) - BARE]
         if other in b.rows or other in reverse:
             named[b.words.block[place]] = True
             if reverse.get(other, other) == letter:

@@ -1,9 +1,9 @@
-"""Which control a program is written for, told by what stands in it.
+"""Which control a program is written for, told by what its text requires and by what it excludes.
 
-Every dialect says what its programs show and others do not (`signs`,
-    `remarks`). Beside these count codes that a dialect
-has not, letters that mean nothing to it, and how `;` and ( ) are used. Programs of plain G0 and G1 fit many dialects,
-and then many names come back, with nothing for any of them.
+Every dialect says what its programs show and others do not (`signs`, `remarks`): what the text *requires*. It *excludes* a
+dialect by codes that the control has not, by letters that mean nothing to it, by how `;` and ( ) are used, and by what its
+file lists (`excludes`). Programs of plain G0 and G1 fit many dialects, and then many names come back, with nothing for any
+of them. `better` is what a hint needs: another dialect, and what it reads that the one in use does not.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ REMARK = re.compile(r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t
 ROUND = re.compile(r"(?:^|[ \t])\([^()\n]*[A-Z][^()\n]*\)", re.MULTILINE)
 BARE = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?[XYZ][ \t]*[-+]?\.?\d", re.MULTILINE)
 ACROSS = re.compile(r"(?<![A-Z0-9_])Y[ \t]*[-+]?\.?\d|(?<=\d|\.)Y[ \t]*[-+]?\.?\d")
+# What is left of the last word that a pattern found: of X=IC(5) behind X=I, of P200 behind P2.
+ASSIGNED, VALUE = re.compile(r"=[ \t]*[^\s=]?\Z"), re.compile(r"[-+A-Z0-9.]*(?:\([^()\n]*\))?")
+NUMBER = re.compile(r"(?<=[A-Z])[ \t]*[-+]?[0-9][0-9.]*|(?<=[A-Z])[ \t]*[-+]?\.[0-9]+|(?<=[0-9.])[0-9.]+")
 FEW, MOST_NAMED = 2, 5  # M codes that a machine's builder may have added; unknown ones that are named
 MANY = 0.5  # share of lines that end in ; where it is the end of a block
 
@@ -34,10 +37,11 @@ class Text:
     """A program's first part, upper case, and without its comments."""
 
     def __init__(self, text: bytes):
-        head = text[:HEAD].decode("latin-1").upper().replace("\r", "")
+        written = text[:HEAD].decode("latin-1").replace("\r", "")
         if len(text) > HEAD:
-            head = head[: head.rfind("\n") + 1]
-        self.whole = head
+            written = written[: written.rfind("\n") + 1]
+        head = written.upper()
+        self.whole, self.written = head, written.split("\n")
         self.code = COMMENT.sub(" ", COMMENT.sub(_blank, head))
         self.remarks = "\n".join(COMMENT.findall(head))
         self.lines = max(1, sum(1 for line in head.split("\n") if line.strip()))
@@ -56,6 +60,15 @@ class Text:
         if key not in self.found:
             self.found[key] = pattern.search(getattr(self, part))
         return self.found[key]
+
+    def quoted(self, match: re.Match[str], line: int) -> str:
+        """What a pattern found, to the end of its last word, and in the case in which it stands in its line."""
+        found, own = match[0].strip(), self.written[line - 1]
+        at = own.upper().find(found)
+        if at < 0:
+            return _short(found)
+        rest = (VALUE if ASSIGNED.search(found) else NUMBER).match(own.upper(), at + len(found))
+        return _short(own[at : rest.end() if rest else at + len(found)])
 
     def line(self, offset: int, text: str = "") -> int:
         """The number of the line, from 1, at an offset into a text."""
@@ -94,6 +107,21 @@ def between(text: bytes) -> list[str]:
     return [name for name, evidence in found if len(evidence) == len(found[0][1])]
 
 
+def better(text: bytes, name: str) -> tuple[str, str] | None:
+    """Another dialect than `name` that the text is clearly of, and what it requires that `name` has not; None where there is
+    none, or several."""
+    found = recognise(text)
+    if not found or name in (n for n, evidence in found if len(evidence) >= len(found[0][1])):
+        return None
+    first, evidence = found[0]
+    if sum(len(e) == len(evidence) for _, e in found) > 1:
+        return None
+    shown = Text(text)
+    own = {*_signs(shown, dialects.load(name)), *_layout(shown, dialects.load(name))}
+    reason = next((e for e in evidence if e not in own), None)
+    return None if reason is None else (first, reason)
+
+
 def verdict(text: bytes) -> str:
     """A sentence on the result."""
     names = between(text)
@@ -126,6 +154,11 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
         match = shown.search(pattern) if speaks else None
         if match:
             yield f"{what} (line {shown.line(match.start(), shown.code)})"
+    for pattern in _patterns(dialect.excludes):
+        match = shown.search(pattern)
+        if match:
+            line = shown.line(match.start(), shown.code)
+            yield f"{shown.quoted(match, line)} (line {line})"
     if dialect.block_end and not re.search(rf"{re.escape(dialect.block_end)}[ \t]*$", shown.code, re.MULTILINE):
         yield f"no block ends in {dialect.block_end}"
     if dialect.grammar.semicolon != "comment":
@@ -140,7 +173,8 @@ def _signs(shown: Text, dialect: Dialect) -> Iterator[str]:
     for pattern in _patterns(dialect.signs):
         match = shown.search(pattern)
         if match:
-            yield f"{_short(match[0])} in line {shown.line(match.start(), shown.code)}"
+            line = shown.line(match.start(), shown.code)
+            yield f"{shown.quoted(match, line)} in line {line}"
     for pattern in _patterns(dialect.remarks):
         match = shown.search(pattern, "remarks")
         if match:

@@ -11,17 +11,39 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, PARAMETER, RELATIVE
+from postproc.nc.lexer import ABSOLUTE, AXES, BARE, HOMING, KEYWORD_LETTER, MACRO, PARAMETER, RELATIVE, UNTOLD
 from postproc.nc.state import NONE
+from postproc.nc.tips import tip_codes
 
 CENTRES = range(AXES.index("I"), len(AXES))
+
+
+def drop_arguments(b: Batch) -> None:
+    """What stands in a block that calls a macro is handed over to it: no axis, no feed, and I J K may stand there ten times."""
+    place = b.places.get("G")
+    if place is None or not b.dialect.calls:
+        return
+    number = b.words.mantissa[place] * 10 // 10 ** np.minimum(b.words.decimals[place], 6)
+    calls = b.words.block[place[np.isin(number, b.dialect.calls)]]
+    if not len(calls):
+        return
+    for letter in [x for x in b.places if x not in "GMNOP"]:
+        kept = b.places[letter]
+        kept = kept[~np.isin(b.words.block[kept], calls)]
+        b.places[letter] = kept
+    b.places = {letter: kept for letter, kept in b.places.items() if len(kept)}
 
 
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
     for letter, place in b.places.items():
         code = ord(letter)
-        if code in (KEYWORD_LETTER, PARAMETER) or code - RELATIVE in CENTRES or code - ABSOLUTE in CENTRES:
+        if (
+            code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
+            or code >= BARE
+            or code - RELATIVE in CENTRES
+            or code - ABSOLUTE in CENTRES
+        ):
             continue
         if code >= RELATIVE:
             letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
@@ -99,7 +121,7 @@ def m_codes(b: Batch) -> None:
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
-        elif number not in b.dialect.m_codes:
+        elif number not in b.dialect.m_codes and number not in tip_codes(b.dialect, b.setup):
             b.notices.append(
                 Notice(
                     f"M{number}",
@@ -107,6 +129,35 @@ def m_codes(b: Batch) -> None:
                     int(b.words.line[block[0]]),
                 )
             )
+
+
+def macros(b: Batch) -> None:
+    """Text that only the machine has: it may move every axis, so no place is known behind it; what shifts the coordinates
+    or brings modes back can not be followed."""
+    if b.dialect.tools_move and "T" in b.places:
+        b.loses[b.words.block[b.places["T"]]] = True
+    place = b.places.get(chr(MACRO))
+    if place is None:
+        return
+    block = b.words.block[place]
+    b.loses[block] = b.taken[block] = True
+    number = np.where(b.words.number[place] < b.words.stop[place], b.words.mantissa[place], 0)
+    for i in np.flatnonzero(number):
+        b.foreign[block[i]] = True
+        name, why = _name_of(b, int(place[i])), b.dialect.macro_refuses[number[i] - 1]
+        b.reason[block[i]] = b.because(f"{name} can not be followed", why)
+    if not number.all():
+        first = int(place[number == 0][0])
+        b.notices.append(
+            Notice("macro", f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are taken to be "
+                   "behind it what they were, and no axis has a known place until the program names one", int(b.words.line[b.words.block[first]]))
+        )  # fmt: skip
+
+
+def _name_of(b: Batch, place: int) -> str:
+    """The first word of the text that a macro's word stands for."""
+    text = b.words.text[b.words.start[place] :][:60].decode("latin-1")
+    return text.split("\n")[0].split("=")[0].split()[0].rstrip(";")
 
 
 def _called(b: Batch, number: int) -> str:
@@ -182,5 +233,7 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
         b.blame(
             block[straight[block]],
             f"{letter} in a straight motion",
-            "corner rounding and chamfers are not followed: write the corner out",
+            "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
+            if b.dialect.grammar.assigns
+            else "corner rounding and chamfers are not followed: write the corner out",
         )

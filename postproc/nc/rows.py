@@ -62,8 +62,8 @@ PROBE = rows(
     {"38.2": "probe", "38.3": "probe", "38.4": "probe away", "38.5": "probe away"},
     refuses=codes.PROBE,
 )
-SPLINE = rows("motion", {"5": "cubic spline", "5.1": "quadratic spline"}, refuses=codes.CURVE)
-NURBS = rows("motion", {"5.2": "NURBS", "5.3": "NURBS end"}, refuses=codes.CURVE)
+SPLINE = rows("motion", {"5": "cubic spline", "5.1": "quadratic spline"}, refuses=codes.SPLINE)
+NURBS = rows("motion", {"5.2": "NURBS", "5.3": "NURBS end"}, refuses=codes.SPLINE)
 PECKS = rows("motion", {"73": "drilling, chip breaking", "83": "peck drilling"}, does="drill")
 DRILL = rows("motion", {"81": "drilling", "82": "drilling with dwell"}, does="drill")
 BORE = rows("motion", {"85": "boring", "86": "boring, spindle stop", "89": "boring with dwell"}, does="drill")

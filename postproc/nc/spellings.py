@@ -14,11 +14,15 @@ from postproc.nc import checksums
 from postproc.nc.lexer import (
     ABSOLUTE,
     AXES,
+    HOMING,
     KEYWORD_LETTER,
+    MACRO,
     PARAMETER,
     RELATIVE,
+    UNTOLD,
     Grammar,
-)  # fmt: skip
+)
+from postproc.nc.lexer import BARE as ALONE
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 ASSIGNED = re.compile(
@@ -31,10 +35,18 @@ ASSIGNED = re.compile(
 )
 NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8": a name, no number
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
-HOMING = re.compile(
+MOVELESS = re.compile(
     rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
 )
 BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
+SETTINGS = re.compile(rb"[D-FH-MO-TQ][ \t]*[+-]?[0-9.]+", re.IGNORECASE)  # of homing: R5, P0 T300
+TOGETHER = re.compile(rb"[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")  # G28 XY
+HOME = re.compile(rb"[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?[Gg][ \t]*0*28(?![0-9.])")
+# F#5, S#<_hal[spindle-speed]>, F[#<feed> * 2]: brackets may nest once.
+MACHINE_KNOWS = re.compile(
+    rb"(?<![A-Za-z0-9_<#])([FfSs])[ \t]*(?:#[ \t]*(?:[0-9]+|<[^>\n]*>|\[[^\[\]\n]*\])|"
+    rb"\[(?:[^\[\]\n]|\[[^\[\]\n]*\])*\])"
+)
 MARKS = bytes(range(0x80, 0x100))
 REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))
 
@@ -46,8 +58,14 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         code = checksums.cover(code)
     for pattern in _ignored(grammar):
         code = pattern.sub(_blank, code)
+    if grammar.homing:
+        code = _homing(grammar.homing).sub(_homes, code)
+    for pattern, number in _macros(grammar):
+        code = pattern.sub(partial(_macro, number), code)
+    if grammar.untold and (b"#" in code or b"[" in code):
+        code = MACHINE_KNOWS.sub(_untold, code)
     if grammar.bare_letters:
-        code = HOMING.sub(_without_bare, code)
+        code = MOVELESS.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
         code = NAMED.sub(_named, code)
         for pattern, letter in _spelled(grammar):
@@ -62,6 +80,20 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
 @lru_cache
 def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
     return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores)
+
+
+@lru_cache
+def _homing(text: str) -> re.Pattern[bytes]:
+    return re.compile(text.encode(), re.IGNORECASE | re.MULTILINE)
+
+
+def _homes(match: re.Match[bytes]) -> bytes:
+    return bytes([HOMING]).ljust(len(match[0]))
+
+
+@lru_cache
+def _macros(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], int], ...]:
+    return tuple((re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number) for text, number in grammar.macros)
 
 
 @lru_cache
@@ -112,8 +144,31 @@ def _stands(letter: bytes, match: re.Match[bytes]) -> bytes:
 
 
 def _without_bare(match: re.Match[bytes]) -> bytes:
-    """Homing and M codes name axes without a number."""
+    """Homing and M codes name axes without a number; which ones G28 names says what it moves."""
+    home = HOME.match(match[0])
+    if home:
+        behind = SETTINGS.sub(_blank, match[0][home.end() :])
+        return home[0] + TOGETHER.sub(_named_alone, behind)
     return BARE.sub(b" ", match[0])
+
+
+def _named_alone(match: re.Match[bytes]) -> bytes:
+    letter = match[0].decode().upper()
+    return bytes([ALONE + AXES.index(letter)]) if letter in AXES else b" "
+
+
+def _macro(number: int, match: re.Match[bytes]) -> bytes:
+    """One word that stands for the text behind a name: MACRO, and the number of the reason why not."""
+    begin = match.end(1) if match.re.groups and match[1] else match.start()
+    kept, text = match[0][: begin - match.start()], match[0][begin - match.start() :]
+    blank = text[: len(text) - len(text.lstrip())]
+    word = bytes([MACRO]) + (b"%d" % number if number else b"")
+    return kept + blank + word.ljust(len(text) - len(blank))
+
+
+def _untold(match: re.Match[bytes]) -> bytes:
+    """S is gone, F a word without a number."""
+    return (b" " if match[1].upper() == b"S" else bytes([UNTOLD])).ljust(len(match[0]))
 
 
 def _assigned(match: re.Match[bytes]) -> bytes:

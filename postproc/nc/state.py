@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from postproc.nc.shifted import Shifted
+from postproc.spaces import Kinematics, Space
 
 NONE = -1  # no code of that group yet
 
@@ -14,8 +15,9 @@ NONE = -1  # no code of that group yet
 @dataclass(frozen=True)
 class Setup:
     """What the text must be told of the machine: its axes, which words are diameters, least increments (mm), work and
-    tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start (mm, machine coordinates), and how
-    block delete and arc centres are read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as in the dialect)."""
+    tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start and after homing (mm, machine coordinates), and how
+    block delete and arc centres are read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as in the dialect).
+    kinematics: of a machine with rotary axes, whose tool tip can be followed."""
 
     axes: tuple[str, ...]
     diameter: frozenset[str] = frozenset()
@@ -25,6 +27,8 @@ class Setup:
     block_delete: bool = False
     arc_centre: str = "incremental"
     integers: str = ""
+    kinematics: Kinematics | None = None
+    home: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Frame:
     local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens; due: what of it the
     next increment of an axis travels too. extended: the
     name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units in which the length was set. unknown: message and advice, by part, for a shift that is in force
-    and not known."""
+    and not known. tip: the tool point's frame, plane: a tilted plane's, where they are in force."""
 
     local: np.ndarray
     preset: np.ndarray
@@ -45,11 +49,21 @@ class Frame:
     extended: str = ""
     length_units: int = 210
     unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
+    tip: Space | None = None
+    plane: Space | None = None
+
+    @property
+    def space(self) -> Space | None:
+        """The frame in which X Y Z are places of the tool tip; None: they are the slides'."""
+        if self.tip is not None and self.plane is not None:
+            return self.tip.of(self.plane)
+        return self.tip if self.plane is None else self.plane
 
     @property
     def shift(self) -> np.ndarray:
-        """(A,) ticks: their sum."""
-        total: np.ndarray = self.local + self.length + self.trans
+        """(A,) ticks: their sum. Words that are places of the tool tip know no length."""
+        total: np.ndarray = self.local + self.trans
+        total = total + self.length if self.space is None else total
         return total + self.preset if self.preset_on else total
 
 

@@ -76,6 +76,16 @@ def stated(b: Batch, name: str) -> dict[str, float] | None:
     return b.setup.offsets.get(name) if found is None else found
 
 
+def homed(b: Batch) -> dict[str, float] | None:
+    """mm by axis: where G28 takes the axes: the reference point that the program or the user states, else the places
+    after homing, else, on printers and routers, where the machine is said to have stood. None: nobody says."""
+    found = b.offsets.get("G28")  # G28.1 of the program
+    if found is not None:
+        return found
+    first = b.setup.start if b.dialect.homes else {}
+    return {**first, **b.setup.home, **b.setup.offsets.get("G28", {})} or b.setup.offsets.get("G28")
+
+
 def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
     """mm by axis: the length that H, D or T names; a tool table knows tools by T."""
     for name in (f"{letter}{number}", f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}"):

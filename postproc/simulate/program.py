@@ -155,6 +155,7 @@ class Reader:
         for which, what, advice in (
             (motions.code == HOLE, "a canned cycle is not simulated as it stands", "--expand writes it out as plain blocks"),
             (motions.code == THREAD, "a thread is not simulated: its feed hangs on the spindle", "write it as G1"),
+            (motions.space > 0, "X Y Z are places of the tool tip or of a tilted plane, which is not simulated", "write the places of the slides"),
             (motions.cutter != FREE, "under cutter radius compensation the slides go beside the words", "program the tool centre path"),
         ):  # fmt: skip
             for k in np.flatnonzero(which)[:1]:

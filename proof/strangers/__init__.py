@@ -6,6 +6,10 @@ not by a trace with sees = "scale"; servo, friction, vibration of a slide, stick
 steps are seen by both; laser, delay and clock errors are put into the reading only.  A reading
 of an angle is the rotation vector along `sensitive` (keys X, Y, Z).  Parts are cut where the
 map is zero; they have no free zero.  See the module docstrings for sources.
+
+Families of kinds: open, held (drawn in sealed trials, known by name from one), fresh (numbered).
+Who works on the tool that is judged runs no case of the fresh family, and reads neither the
+modules fresh_*.py nor their tests.
 """
 
 from .base import Case

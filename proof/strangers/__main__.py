@@ -6,17 +6,18 @@ import argparse
 import json
 from pathlib import Path
 
+from .registry import FAMILIES
 from .tiers import TIERS, make
 
 
 def main() -> None:
-    """python -m proof.strangers --seed S --tier T --count N -o FOLDER [--family held]."""
+    """python -m proof.strangers --seed S --tier T --count N -o FOLDER [--family held|fresh]."""
     p = argparse.ArgumentParser(prog="proof.strangers")
     p.add_argument("--seed", default="0")
     p.add_argument("--tier", choices=[*TIERS, "all"], default="all")
     p.add_argument("--count", type=int, default=1)
     p.add_argument("--first", type=int, default=0)
-    p.add_argument("--family", choices=["open", "held"], default="open")
+    p.add_argument("--family", choices=FAMILIES, default="open")
     p.add_argument("-o", "--out", default="strangers-out/cases")
     p.add_argument("--check", action="store_true")
     a = p.parse_args()

@@ -11,6 +11,7 @@ import tomllib
 
 from .base import Case
 from .plans import EFFECTS
+from .registry import FAMILIES
 from .tiers import TIERS, make
 
 NEED = {
@@ -103,8 +104,8 @@ def check_case(c: Case, tier: str) -> None:
 
 
 def check(count: int = 5) -> None:
-    """All tiers of both families; prints a line for each."""
-    for family in ("open", "held"):
+    """All tiers of all families; prints a line for each."""
+    for family in FAMILIES:
         for tier in TIERS:
             t0, seen, total = time.time(), 0, 0
             for k in range(count):

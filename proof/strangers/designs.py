@@ -7,10 +7,14 @@ ISO 230-4.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .base import Array, Rec, Rng, logu, pick
 from .machines import Machine
+
+ORDERS: dict[str, Callable[[Array, int, float], list[tuple[float, int]]]] = {}  # orders filed elsewhere
 
 
 def header_meta(m: Machine, **kw: object) -> dict:
@@ -42,6 +46,8 @@ def order(r: Rng, p: Array, pattern: str, runs: int, over: float) -> list[tuple[
                 out += [(p[i + 1], k), (p[i], k), (p[i + 1], k)]
         elif pattern == "random":
             out += [(p[0] - over, 0)] + [(x, k) for x in r.permutation(p)]
+        elif pattern in ORDERS:
+            out += ORDERS[pattern](p, k, over)
         else:
             for x in p:
                 out += [(x - over, 0), (x, k), (x + over, 0), (x, k)]

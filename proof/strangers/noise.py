@@ -5,6 +5,7 @@ ou (Ornstein-Uhlenbeck), walk (Wiener), iou (integrated OU), flicker (1/f as a s
 decades, Milotti 1995), settle (exponential after set-up), quant (rounding), outlier.
 Held: modulated (periodic variance), arma (moving-average part), levy (jumps that relax),
 hum (narrow-band, unstable frequency), tempwander (follows the room), telegraph (two states).
+Fresh: see LATER; the modules that file them are not for those who work on the judged tool.
 A slow kind is given to the oracle as a kernel (FITC approximation on knots in time); kinds that
 are not Gaussian enter with their second moments.
 """
@@ -29,6 +30,9 @@ HELD_SLOW = ["levy", "hum", "tempwander", "telegraph"]
 OPEN_KINDS = sorted(set(FAST_TRACE + SLOW + ["quant", "outlier"]))
 HELD_KINDS = sorted(set(HELD_FAST_TRACE + HELD_SLOW))
 Kernel = Callable[[Array, Array], Array]
+LATER: dict[str, dict[str, list[str]]] = {
+    "held": {"fast": HELD_FAST, "trace": HELD_FAST_TRACE, "slow": HELD_SLOW, "parts": HELD_FAST, "all": HELD_KINDS}
+}
 
 
 @dataclass
@@ -43,6 +47,14 @@ class Noise:
     kernels: list[tuple[Kernel, Array]] = field(default_factory=list)
     columns: list[Array] = field(default_factory=list)
     quant: float = 0.0
+    gone: Array | None = None
+
+
+FastKind = Callable[[Rng, float, Rec], Noise]
+SlowKind = Callable[[Rng, Noise, float, Rec, World, int], None]
+MORE_FAST: dict[str, FastKind] = {}
+MORE_SLOW: dict[str, SlowKind] = {}
+LOSSES: dict[str, Callable[[Rng, Rec], Array | None]] = {}  # rows that are missing, by family
 
 
 def ou(r: Rng, t: Array, tau: float) -> Array:
@@ -183,6 +195,11 @@ def modulate(k: Kernel, trig: Array, t: Array) -> Kernel:
     return f
 
 
+def spread(rows: Array, n: int) -> Array:
+    """Rows that a whitening filter of reach n draws from the given ones (bool)."""
+    return np.convolve(rows, np.ones(n))[: len(rows)] > 0.5
+
+
 def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[Noise]:
     """Noise for each channel of a file; the kinds are shared by the channels of a file."""
     trace = rec.kind in ("trace", "ballbar")
@@ -190,14 +207,15 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     lo, hi = scale.get(rec.kind, (0.05, 1.5 if harsh else 1.0))
     sd = logu(r, lo, hi)
     fasts = FAST_TRACE if trace else FAST
+    own = LATER[world.family if held else "held"]
     if held and r.random() < 0.5:
-        fasts = HELD_FAST_TRACE if trace else HELD_FAST
+        fasts = own["trace" if trace else "parts" if rec.kind == "features" else "fast"]
     kinds = [pick(r, fasts)]
-    pool = SLOW + (HELD_SLOW * 2 if held else [])
+    pool = SLOW + (own["slow"] * 2 if held else [])
     many = int(r.integers(1, 4)) if harsh else int(pick(r, [0, 1, 1, 2]))
     kinds += [pick(r, pool) for _ in range(many)] if rec.kind != "features" else []
-    if held and not set(kinds) & set(HELD_KINDS):
-        kinds[1 if len(kinds) > 1 else 0 : 2] = [pick(r, HELD_SLOW)] if len(kinds) > 1 else ["modulated"]
+    if held and not set(kinds) & set(own["all"]):
+        kinds[1 if len(kinds) > 1 else 0 : 2] = [pick(r, own["slow"])] if len(kinds) > 1 else own["fast"][:1]
     sizes = [logu(r, 0.1, 3.0 if harsh else 1.5) for _ in kinds[1:]]
     quant = float(pick(r, [0.01, 0.1, 0.1, 0.5, 1.0])) if r.random() < 0.35 else 0.0
     if rec.kind == "trace" and quant > 0.1:
@@ -205,19 +223,28 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     out = []
     t = rec.t_obs - rec.t_obs[0]
     gross = r.random() < (0.5 if harsh else 0.2)
+    gone = LOSSES[world.family](r, rec) if world.family in LOSSES else None
     for c in rec.channels:
-        x = fast(r, kinds[0], sd * (r.uniform(0.7, 1.4) if trace else 1), t, trace)
+        size = sd * (r.uniform(0.7, 1.4) if trace else 1)
+        x = MORE_FAST[kinds[0]](r, size, rec) if kinds[0] in MORE_FAST else fast(r, kinds[0], size, t, trace)
         for kind, s in zip(kinds[1:], sizes, strict=False):
-            add_slow(r, x, kind, s, t, world, rec.t_obs)
-        x.quant = quant
-        if quant:
+            if kind in MORE_SLOW:
+                MORE_SLOW[kind](r, x, s, rec, world, c)
+            else:
+                add_slow(r, x, kind, s, t, world, rec.t_obs)
+        if quant and not x.quant:  # a reading is rounded once
+            x.quant = quant
             gain = (lfilter(x.white_a, x.white_b, np.r_[1.0, np.zeros(400)]) ** 2).sum()
             x.var = x.var + gain * quant**2 / 12
             x.spec.append({"kind": "quant", "um": quant})
         if gross and c == rec.channels[0]:
-            i = int(r.integers(0, len(t)))
+            i = int(r.integers(0, len(t)) if gone is None else pick(r, np.flatnonzero(~gone)))
             x.values[i] += pick(r, [-1, 1]) * (6 * sd + logu(r, 3, 30))
             x.var[i : i + (25 if len(x.white_a) > 1 else 1)] += 1e6
-            x.spec.append({"kind": "outlier", "row": i + 1})
+            x.spec.append({"kind": "outlier", "row": i + 1 - (0 if gone is None else int(gone[:i].sum()))})
+        if gone is not None:
+            x.gone = gone
+            x.var = x.var + 1e8 * spread(gone, 25 if len(x.white_a) > 1 else 1)
+            x.spec.append({"kind": f"{world.family}-0", "rows": int(gone.sum())})
         out.append(x)
     return out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from . import fresh_designs
 from .base import AX, Rec, Rng, pick
 from .designs import ballbar, diagonal, features, inside, targets
 from .machines import Machine, draw_machine
@@ -49,9 +50,10 @@ PLANS: dict[str, list[str]] = {
 EFFECTS = sorted(PLANS)
 
 
-def experiment(r: Rng, suspect: str, held: bool, masked: bool) -> tuple[Machine, list[Rec], dict, str]:
+def experiment(r: Rng, suspect: str, family: str, masked: bool) -> tuple[Machine, list[Rec], dict, str]:
     """Machine, files in order of time, drivers asked for, and the plan's name."""
     plan = pick(r, PLANS.get(suspect, ["laser", "long", "mix", "trace_tool", "straight", "diag"]))
+    held, fresh = family == "held", family == "fresh"
     if (held and plan == "diag") or (masked and plan in ("features", "trace_scale")):
         plan = "diag" if plan == "diag" else "laser"
     kind = None
@@ -66,7 +68,8 @@ def experiment(r: Rng, suspect: str, held: bool, masked: bool) -> tuple[Machine,
     }
     t, recs = float(np.round(r.uniform(0, 60), 1)), []
     for i, kind in enumerate(files(r, plan)):
-        recs.append(one(r, m, kind, t, f"r{i + 1}", held, plan))
+        made = fresh_designs.draw(r, m, kind, t, f"r{i + 1}") if fresh else None
+        recs.append(made or one(r, m, kind, t, f"r{i + 1}", held, plan))
         t = float(recs[-1].t[-1]) + pick(r, [120.0, 600.0, 1800.0, 5400.0]) * r.uniform(0.7, 1.5)
         t = float(np.round(t, 1))
     return m, recs, drivers, plan

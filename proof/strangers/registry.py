@@ -1,4 +1,10 @@
-"""Register of textbook forms: effect name -> list of (form, family, function)."""
+"""Register of textbook forms: effect name -> list of (form, family, function).
+
+Three families of kinds: "open" to development; "held" back from it, until a trial has shown them;
+"fresh", which no run has used.  A case draws from its own family and from the open one.  Forms,
+noises and aliens of the fresh family bear numbers for names, so that the page of a trial does not
+give away what they are.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +17,7 @@ from .world import World
 
 Form = Callable[[World, Rng, int], "Shape | None"]
 FORMS: dict[str, list[tuple[str, str, Form]]] = {}
+FAMILIES = ("open", "held", "fresh")
 
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
@@ -21,6 +28,17 @@ def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]
         return f
 
     return add
+
+
+def fresh(effect: str) -> Callable[[Form], Form]:
+    """Decorator that files a form of the fresh family under its effect, numbered."""
+    mine = sum(family == "fresh" for _, family, _ in FORMS.get(effect, []))
+    return form(effect, f"fresh-{mine + 1}", "fresh")
+
+
+def allowed(effect: str, family: str) -> list[tuple[str, str, Form]]:
+    """Forms of an effect that a family may draw: the open ones and its own."""
+    return [f for f in FORMS[effect] if f[1] in ("open", family)]
 
 
 def along(rec: Rec, ax: int, value: Array) -> Array:

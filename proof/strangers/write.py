@@ -77,9 +77,19 @@ def vec(v: Array, axes: list[int]) -> str:
 
 
 def recording(
-    rec: Rec, w: World, value: Array, u: float | None, r: Rng, hide: set[str], current: dict[int, Array]
+    rec: Rec,
+    w: World,
+    value: Array,
+    u: float | None,
+    r: Rng,
+    hide: set[str],
+    current: dict[int, Array],
+    gone: Array | None = None,
 ) -> tuple[str, dict]:
-    """Text of one file from its channel values (um; channels x readings) and thermometer notes."""
+    """Text of one file from its channel values (um; channels x readings) and thermometer notes.
+
+    Rows where `gone` is true were taken, but are missing in the file.
+    """
     m, meta = w.machine, rec.meta
     top = [
         'format = "gcomp-recording/1"',
@@ -162,6 +172,8 @@ def recording(
             v, note = thermometer(r, w.at(series, rec.t), rec.t, w.family == "held")
             add(name, col(v, 2))
             notes[name] = note
+    if gone is not None:
+        cols = [[c[i] for i in np.flatnonzero(~gone)] for c in cols]
     return text(top, head, cols), notes
 
 

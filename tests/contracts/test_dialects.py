@@ -102,8 +102,9 @@ def test_expand_is_promised_only_where_it_is(name):
     dialect = dialects.load(name)
     written = family(dialect)
     ways = set(written.cycles) | set(written.control.codes if _codes(written) else ())
+    ways |= set(getattr(written.before, "codes", ()))
     for code in dialect.codes:
-        if codes.EXPAND not in code.refuses:
+        if "--expand" not in code.refuses:
             continue
         if code.refuses == codes.CALL:
             assert dialect.language, f"{code.word}: nobody runs this language"
@@ -242,7 +243,8 @@ HEAD = """# Dialects
 
 Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of
 data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
-machine.toml chooses it, `--dialect auto` looks at the program.
+machine.toml chooses it, `--dialect auto` goes by what the program requires (`signs`) and what it excludes (`excludes`, and codes
+that the control has not). An error names another dialect only where the program, read in it, comes farther.
 
 - **followed**: the code is obeyed,
     and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
@@ -250,8 +252,16 @@ machine.toml chooses it, `--dialect auto` looks at the program.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, coordinates given to the place where the machine stands.
 - **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.
-- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first.
+- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first, and
+  `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md, "One run").
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
+
+`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing (mm, radius): there G28 and `$H` take
+them, unless `--offset G28=` or G28.1 says otherwise, and there a program begins on printers and routers. Without it G28 leads
+them to `--start` there, elsewhere to places that nobody knows. What could not be corrected for that reason is counted in one line.
+
+An F or S whose value only the machine knows (`F#<_hal[feed]>`, `S#5`) moves no axis and passes where the language has
+variables, with `--expand` too.
 
 Which axis words are diameters is said by machine.toml (`diameter`),
     by G7 G8 or DIAMON DIAMOF where there are such codes.
@@ -305,8 +315,23 @@ def chapter(dialect: dialects.Dialect) -> str:
     rows.append(("ends with", _words([f"M{n}" for n in dialect.ends]) or "the text"))
     if dialect.carried:
         rows.append(("carried along", " ".join(dialect.carried)))
+    rows += _of_printers(dialect)
     table = "\n".join(f"| {what} | {which} |" for what, which in rows)
     return f"## {dialect.name}\n\n{dialect.title}.\n\n| | |\n|---|---|\n{table}\n"
+
+
+def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
+    rows = []
+    if dialect.homes:
+        rows.append(
+            ("where a program begins", "at `home`, or `--start`; feeds before that is known are left and counted")
+        )
+    if dialect.skips_centre:
+        rows.append(("a centre word outside the plane", "0 is passed over"))
+    if dialect.grammar.macros:
+        rows.append(("names, macros and files", "pass; places are lost behind them, modes stay"))
+    rows += [("refused among them", reason) for reason in dialect.macro_refuses]
+    return rows
 
 
 def _tolerance(dialect: dialects.Dialect) -> str:

@@ -78,7 +78,6 @@ MIXED = {
     "reprap_25000_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
     "reprap_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
 }
-NEXT_OF_KIN = {"mach3": "linuxcnc"}
 FRAGMENTS = {"mixed/_gcodeLexer_samples.ngc", "mixed/_samples.ngc"}
 ABSOLUTE_CENTRES = {
     "fanuc/BOTTLE.NC",
@@ -142,10 +141,7 @@ def chosen(folder: str, name: str) -> tuple[str, str]:
         return "siemens", ""
     if folder == "fanuc":
         return ("fanuc-lathe", LATHE) if "TURN" in name else ("fanuc-mill", "")
-    dialect, why = MIXED.get(name, ("linuxcnc", "not looked at yet"))
-    if dialect not in dialects.names() and dialect in NEXT_OF_KIN:
-        return NEXT_OF_KIN[dialect], f"{why}; there is no {dialect}, and this is its next of kin"
-    return dialect, why
+    return MIXED.get(name, ("linuxcnc", "not looked at yet"))
 
 
 def recognised(text: bytes) -> str:

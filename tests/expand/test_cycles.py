@@ -296,7 +296,7 @@ def test_turning_without_pockets_is_linuxcncs(program):
 @pytest.mark.parametrize(
     ("cycle", "why"),
     [
-        ("G71.1 Q100", "pockets"), ("G71", "without the subroutine"),
+        ("G71.1", "without the subroutine"), ("G71", "without the subroutine"), ("G72.2 Q100", "never ends"),
         ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"),
     ],
 )  # fmt: skip

@@ -490,7 +490,6 @@ def test_expressions_drawn_by_chance():
         ("M99", "M99 in the main program"), ("G0 X1\nM99\nM2", "M99 in the main program"),
         ("M98 P5 X1\nM2\nO5\nM99", "followed by more than P and L"),
         ("o1 do\no1 while [0]\no1 do\no1 while [0]", "o1 is used already, in line 1"),
-        ("o1 sub\nM73\no1 endsub\no1 call", "M73 within sub o1"), ("o1 sub\nM70\nM72\no1 endsub\no1 call", "M70 within sub o1"),
         ("X[TAN[90]]", "X would be -3.98679763e+19"), ("X[ROUND[3000000000]]", "ROUND of 3000000000"),
         ("X[1e30]", "']' is missing"), ("X[" + 400 * "9" + "]", "a number of 400 digits"),
         ("o1 repeat [9999999999]\no1 endrepeat", "a repeat count of 9999999999"),

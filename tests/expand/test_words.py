@@ -79,12 +79,16 @@ P, Q = "P10/8", "Q20/30"
 
 
 FACING = "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|X4 Z-3|O100 ENDSUB|O101 SUB|G0 Z-9|G1 X8|X4 Z-3|O101 ENDSUB|"
+POCKET = "O100 SUB|G0 X4|G1 X6 Z-4|X3 Z-8|X6 Z-12|O100 ENDSUB|O101 SUB|G0 X3|G1 X5 Z-4|X3 Z-8|X7 Z-12|O101 ENDSUB|"
 THREAD = "X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"
 START_POINT = "Q100/101 X10/11 Z1/2"
 LINUXCNC_SAMPLES = {
     "G70": Sample(values(f"{START_POINT} D.4/.5 E.1/.2 P2/3"), TURN, aside=SUB),
     "G71": Sample(values(f"{START_POINT} D.1/.2 I2.5/2 R.3/.4"), TURN, aside=SUB),
     "G72": Sample(values(f"{START_POINT} D.1/.2 I.5/.7 R.3/.4"), TURN, aside=FACING),
+    "G71.1": Sample(values(f"{START_POINT} D.1/.2 I2.5/2 R.3/.4"), TURN, aside=SUB),
+    "G71.2": Sample(values(f"{START_POINT} D.1/.2 I.5/.4 R.3/.4"), TURN, aside=POCKET),
+    "G72.1": Sample(values(f"{START_POINT} D.1/.2 I.5/.7 R.3/.4"), TURN, aside=FACING),
     "G76": Sample(values(THREAD), TURN),
 }
 

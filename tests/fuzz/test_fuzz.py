@@ -93,11 +93,13 @@ def test_programs_keep_the_laws(name, data):
 def test_any_bytes_keep_the_laws():
     seed = time.time_ns() % 10**9 if NEW or SECONDS else 1
     fuzzer = mutate.run(seed, 0 if SECONDS else CASES, SECONDS, guided=bool(NEW or SECONDS))
+    waits = {p.values[0].text for p in found() if p.values[1]}
     told = [
         f"{f.told}\n    {small.options()}\n    {small.text!r}"
         for f in fuzzer.found.values()
         if wrong(f.told)
         for small in [laws.smallest(f.case, 300)]
+        if small.text not in waits  # a case of found/ by itself
     ]
     assert not told, f"seed {seed}:\n" + "\n".join(told)
 

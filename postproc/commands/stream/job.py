@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import copy
 import hashlib
 import os
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import ports
-from postproc.commands import reading
+from postproc.commands import expansion, reading
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
@@ -146,8 +147,6 @@ def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, l
 
     job = Job(options, fresh, protocol, live, [*base.notices, *notices], name)
     if options.expand:
-        from postproc.commands import expansion
-
         with ports.opened(options.file) as (stream, _, _):
             job.whole = stream.read(expansion.LARGEST + 1)
         if len(job.whole) > expansion.LARGEST:
@@ -249,8 +248,30 @@ def with_hint(error: ProgramError, job: Job) -> ProgramError:
     """The error, with the control that the program looks written for."""
     if not is_file(job.options.file):
         return error
+
+    def tried(name: str) -> ProgramError | None:
+        options, mine = copy.copy(job.options), job.fresh()
+        options.dialect = name
+        other = reading.filter_of(options, mine.machine)
+        setup = replace(other.setup, offsets=mine.setup.offsets)
+        filter_ = type(mine)(other.machine, other.dialect, setup, other.options, mine.name)
+        lives.stand(filter_, job.live)
+        with ports.opened(options.file) as (stream, _, _):
+            try:
+                if options.expand:
+                    written = expansion.written_out(filter_, stream, options)
+                    for _ in expansion.through(filter_, written, lambda size: None):
+                        pass
+                else:
+                    for data in ports.chunks(stream, live=False):
+                        filter_.feed(data)
+                    filter_.finish()
+            except ProgramError as wrong:
+                return wrong
+        return None
+
     with ports.opened(job.options.file) as (stream, _, _):
-        return reading.with_hint(error, job.fresh().dialect, ports.head(stream))
+        return reading.with_hint(error, job.fresh().dialect, ports.head(stream), tried)
 
 
 def journal_path(options: argparse.Namespace) -> Path | None:

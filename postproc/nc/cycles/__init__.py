@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.corners_siemens import Corners
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
@@ -19,20 +20,26 @@ from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
+from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
+from postproc.nc.cycles.pole_heidenhain import PoleArcs
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.spline_marlin import SPLINE, MarlinSpline
+from postproc.nc.cycles.splines import Splines
 from postproc.nc.cycles.threading import LinuxcncThread
 from postproc.nc.cycles.turning_fanuc import Repetitive
 from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
 from postproc.nc.cycles.turning_single import Stays, Turn
 from postproc.nc.cycles.words import Form
 from postproc.nc.dialects import Dialect
+from postproc.nc.expand import Line
 
 
 class Cycle(Protocol):
     """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its own."""
 
-    modal: bool
+    @property
+    def modal(self) -> bool: ...
 
     def forms(self, code: int) -> tuple[Form, ...]: ...
 
@@ -41,6 +48,18 @@ class Cycle(Protocol):
     def wants(self, scene: Scene, block: Block) -> bool: ...
 
     def end(self) -> None: ...
+
+
+class Before(Protocol):
+    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes out."""
+
+    codes: tuple[int, ...]
+
+    def wants(self, line: Line) -> bool: ...
+
+    def take(self, line: Line) -> list[Line]: ...
+
+    def finish(self) -> list[Line]: ...
 
 
 class Control(Protocol):
@@ -66,23 +85,35 @@ class Control(Protocol):
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
-    code (G0 G1 G2 G3) that was in force before the cycle."""
+    code (G0 G1 G2 G3) that was in force before the cycle. `before`: what writes out
+    what depends on blocks around it: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
     control: Callable[[Scene], Control] | None = None
     restores: bool = False
+    before: Callable[[Scene], Before] | None = None
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
     holes = LinuxcncDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*ACTIONS, *REFUSED], holes)
     turning = dict.fromkeys((700, 710, 711, 712, 720, 721, 722), LinuxcncTurning())
+    splines = Splines()
+    cycles |= dict.fromkeys(splines.codes, splines)
     return Family(cycles | {760: LinuxcncThread()} | turning, LinuxcncRotation)
+
+
+def grblhal(dialect: Dialect, synchronised: bool) -> Family:
+    """Its holes and threads stay: nobody has measured them."""
+    splines = Splines(nurbs=False)
+    return Family(dict.fromkeys(splines.codes, splines))
 
 
 def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
     holes = FanucDrilling(synchronised=synchronised)
-    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), FanucFrames, restores=True)
+    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
+    cycles[NURBS] = FanucNurbs()
+    return Family(cycles, FanucFrames, restores=True)
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
@@ -118,14 +149,25 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames)
+    return Family(control=SiemensFrames, before=Corners)
+
+
+def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(before=PoleArcs)
+
+
+def marlin(dialect: Dialect, synchronised: bool) -> Family:
+    return Family({SPLINE: MarlinSpline()})
 
 
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
     "linuxcnc": linuxcnc,
+    "grblhal": grblhal,
     "fanuc": fanuc_mill,
     "fanuc-lathe": fanuc_lathe,
     "siemens": siemens,
+    "marlin": marlin,
+    "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,
 }

@@ -73,7 +73,7 @@ class Frames:
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
         scene, changed = self.scene, {}
-        factor = self._factor()
+        factor = self.factor()
         for i, w in enumerate(block.words):
             number = number_of(w)
             if number in SIDES and factor is not None and factor < 0:
@@ -142,7 +142,7 @@ class Frames:
         before = {x: self.known(x) for x in mixed}
         unnamed = [x for x in mixed if x not in words or distance[x]]
         sized = next((w for w in scene.block.words if w.letter in CORNERS), None)
-        if sized and self._factor() not in (1.0, -1.0):
+        if sized and self.factor() not in (1.0, -1.0):
             raise scene.fault(
                 f"{sized.letter} within {self.why}", "a corner does not keep its size: write it out", sized
             )
@@ -175,7 +175,8 @@ class Frames:
 
     # -- arcs ----------------------------------------------------------------------------------------------------------
 
-    def _factor(self) -> float | None:
+    def factor(self) -> float | None:
+        """By how much lengths of the plane grow, below 0 where it is mirrored; None: unlike in its two axes."""
         first, second, _ = self.scene.plane
         return self.map.similarity(first, second)
 
@@ -226,7 +227,7 @@ class Frames:
         self, block: Block, changed: dict[int, bytes], new: list[bytes], moves: bool, place: int | None = None
     ) -> bytes:
         """The text, with the motion code that the output needs."""
-        factor = self._factor()
+        factor = self.factor()
         turned = factor is not None and factor < 0
         wanted = {20: 30, 30: 20}.get(self.motion, self.motion) if turned else self.motion
         named = False

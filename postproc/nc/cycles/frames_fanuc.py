@@ -86,6 +86,9 @@ class FanucFrames:
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
         own = [c for c in block.codes if c in CODES]
+        if TURN_OFF in own and self._tilted:  # it ends the tilted plane too, which stays in the program
+            self._no_turn(block)
+            return [block.text]
         for code in own:
             block = self._set(block, code)
         if own and not block.words and not block.text.strip(b" \t\r/"):
@@ -102,6 +105,12 @@ class FanucFrames:
             block = self.polar.take(block)
             self.scene.extra_decimals = 0
         return self.frames.take(block)
+
+    @property
+    def _tilted(self) -> bool:
+        """Whether a tilted plane (G68.2) is in force."""
+        row = self.scene.table.get(self.scene.tracker.code("rotation"))
+        return row is not None and row.does == "plane"
 
     def _taken(self, block: Block) -> bool:
         """Whether another code takes the axis words, or they are machine coordinates."""

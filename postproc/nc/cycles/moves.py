@@ -42,7 +42,8 @@ class Moves:
 
     def words(self, code: str, *words: bytes) -> None:
         """A motion whose axis words are written already."""
-        head = [code.encode()] if code != self._code or not self.lines else []
+        named = code != self._code or not self.lines or not self.scene.dialect.modal_motion
+        head = [code.encode()] if named else []
         self._code = code
         self.line(*head, *words)
 

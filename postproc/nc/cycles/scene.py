@@ -17,6 +17,7 @@ Fault = Callable[[str, str, bytes], ProgramError]  # message, advice, and what t
 CLOCKWISE, COUNTER = 20, 30
 PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}  # first and second axis, and the one across
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
+CHORD_MM = 0.001  # how far lines may leave a curve where nobody says it: a least increment of most controls
 
 
 class Scene:
@@ -30,6 +31,7 @@ class Scene:
         self.table: dict[int, Code] = {code_number(code.word): code for code in self.dialect.codes}
         self.spindle = 0  # M3 or M4, as last named; 5 or 0: it stands
         self.extra_decimals = 0
+        self.tolerance = CHORD_MM
         self.frame: Callable[[str], float | None] | None = None
         self.block = Block(b"", (), True, False)
         self.source = 0  # the line that the block stands in
@@ -86,6 +88,11 @@ class Scene:
     def is_diameter(self, axis: str) -> bool:
         mode = self.code("diameter") if axis == "X" else -1
         return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
+
+    @property
+    def chord(self) -> float:
+        """How far straight lines may leave the curve that they stand for, program's unit."""
+        return self.tolerance / 25.4 if self.inch else self.tolerance
 
     # -- places --------------------------------------------------------------------------------------------------------
 

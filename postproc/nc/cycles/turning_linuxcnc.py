@@ -1,11 +1,10 @@
-"""LinuxCNC's G70, G71 and G72 over a shape in a subroutine, for shapes without pockets, as measured on its
-interpreter 2.9.
+"""LinuxCNC's G70, G71 and G72 over a shape in a subroutine, as measured on its interpreter 2.9.
 
 LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape,
 leaves it at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one
 the tool goes along the shape and out to the depth it started from, and stays there. D (G70: from D to E in P passes)
-keeps a distance and rounds outer corners. Refused: pockets and the codes that choose them (G71.1 G71.2 G72.1 G72.2), U
-and W.
+keeps a distance and rounds outer corners. Pockets, and the codes that choose them (G71.1 G71.2 G72.1 G72.2): see
+pockets_linuxcnc.py. Refused: U and W.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
+from postproc.nc.cycles.pockets_linuxcnc import TooMany, roughing, turning_back
 from postproc.nc.cycles.profile import Element, Profile, shape
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
@@ -28,7 +28,7 @@ BEGIN = {"Q": "subroutine of the shape", "X": "start point", "Z": "start point"}
 FINISH = BEGIN | {"D": "distance of the first pass", "E": "distance of the last one", "P": "how many passes"}
 ROUGH = BEGIN | {"D": "distance left", "I": "depth of a cut", "R": "escape from a cut"}
 MOVES = {"U": "it moves the shape", "W": "it moves the shape"}
-POCKETS = "it chooses pockets"
+ENDLESS = "LinuxCNC never ends with it"
 MOST_PASSES = 10_000
 NEAR = 1e-6
 
@@ -45,8 +45,8 @@ class LinuxcncTurning:
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of the cycle (convert_g7x of the interpreter)."""
-        if code not in (700, 710, 720):
-            return (Form(KIND, never=POCKETS),)
+        if code == 722:
+            return (Form(KIND, never=ENDLESS),)
         return (Form(KIND, FINISH) if code == 700 else Form(KIND, ROUGH, refused=MOVES, zero="UW"),)
 
     def end(self) -> None:
@@ -69,15 +69,13 @@ class LinuxcncTurning:
         if code == 700:
             self._finish(scene, block, elements, m)
         else:
-            self._rough(scene, block, elements, m, deep=1 if code == 710 else 0)
+            self._rough(scene, block, elements, m, code)
         return Outcome(m.finish())
 
     def _check(self, scene: Scene, block: Block, code: int) -> None:
         name = f"G{code / 10:g}"
-        if code not in (700, 710, 720):
-            raise scene.fault(
-                f"{name} chooses pockets", "only G70, G71 and G72 over a shape without pockets are written out"
-            )
+        if code == 722:
+            raise scene.fault(f"{name}: {ENDLESS}", "write G72, or the pockets as shapes of their own")
         if scene.incremental:
             raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
         if scene.code("plane") != 180:
@@ -165,71 +163,44 @@ class LinuxcncTurning:
             for x in path[1:]:
                 self._element(m, x)
 
-    def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, deep: int) -> None:
-        """G71, and G72 with Z and X changed over."""
+    def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, code: int) -> None:
+        """G71 and G72, with pockets, without, or pockets alone."""
+        deep = 1 if code < 720 else 0
         along = 1 - deep
         flat = abs(elements[-1].end[deep] - elements[0].end[deep]) < NEAR
-        if (flat and (deep == 0 or elements[0].end[1] > elements[0].start[1] or block.get("D"))) or abs(
-            elements[-1].end[along] - elements[0].end[along]
-        ) < NEAR:
+        if (flat and block.get("D")) or abs(elements[-1].end[along] - elements[0].end[along]) < NEAR:
             raise scene.fault(
                 "the shape does not vary in both X and Z", "LinuxCNC takes the wrong side of it: write it out"
             )
         side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
-        if (elements[0].end[along] - elements[0].start[along]) * side < -NEAR:
-            raise scene.fault(
-                "the first block of the shape moves away from it", "let it move towards the shape, or in alone"
-            )
+        if (elements[0].end[along] - elements[0].start[along]) * side < 0:  # it begins beside its first point then
+            begin = list(elements[0].start)
+            begin[along] = elements[0].end[along]
+            elements = [replace(elements[0], start=(begin[0], begin[1])), *elements[1:]]
         elements = self._at(scene, elements, block.get("D") or 0.0, along)
-        first, rest = elements[0], elements[1:]
-        start = first.start
-        if first.is_arc or abs(first.end[deep] - start[deep]) < NEAR:
-            raise scene.fault(
-                f"the first block of the shape must move {'ZX'[deep]}",
-                "others begin a pocket, which is not written out",
-            )
-        sense = 1 if first.end[deep] > start[deep] else -1
-        for e in rest:
+        for e in elements[1:]:
             self._closes(scene, e)
-            out = (e.end[deep] - e.start[deep]) * sense
-            if out > NEAR or (e.end[along] - e.start[along]) * side < -NEAR or not e.monotonic:
-                raise scene.fault(
-                    "the shape turns back, or has a pocket", "only shapes without pockets are written out"
-                )
-        if (start[deep] - rest[-1].end[deep]) * sense < -NEAR:
-            out_end = list(rest[-1].end)
-            out_end[deep] = start[deep]
-            rest = [*rest, Element(10, rest[-1].end, (out_end[0], out_end[1]))]
         step = block.get("I")
         retract = block.get("R")
         step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract
-        if step <= 0 or retract <= 0 or abs(first.end[deep] - start[deep]) / step > MOST_PASSES:
+        if step <= 0 or retract <= 0 or abs(elements[0].end[deep] - elements[0].start[deep]) / step > MOST_PASSES:
             raise scene.fault(
                 f"I{step:g} R{retract:g}", f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)"
             )
-        self._to(m, "G0", start)
-        level = start[deep]
-        while (first.end[deep] - level) * sense > NEAR:
-            stop = next((v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along])
-            share = (level - start[deep]) / (first.end[deep] - start[deep])
-            edge = start[along] + share * (first.end[along] - start[along])
-            here = self._point(deep, level, edge)
-            self._to(m, "G0", here)
-            length = abs(stop - edge)
-            if length >= NEAR:
-                self._to(m, "G1", self._point(deep, level, stop))
-                share = min(1.0, length / 2 / retract) * retract
-                self._to(m, "G0", self._point(deep, level - sense * share, stop - side * share))
-                self._to(m, "G0", self._point(deep, level - sense * share, edge + side * share))
-                self._to(m, "G0", here)
-            level += sense * step
-        self._to(m, "G0", first.end)
-        for e in rest:
-            self._element(m, e)
-
-    @staticmethod
-    def _point(deep: int, level: float, other: float) -> tuple[float, float]:
-        return (other, level) if deep == 1 else (level, other)
+        rough = roughing(elements, deep, step, retract)
+        if any(turning_back(rough.pieces)):
+            raise scene.fault("the shape turns back along its cuts", "LinuxCNC refuses it: not monotonic")
+        try:
+            way = rough.way(code % 10)
+        except TooMany:
+            raise scene.fault(
+                "this shape is never roughed out", "LinuxCNC does not end with it: write it out"
+            ) from None
+        for s in way:
+            if s.code in ("G0", "G1"):
+                self._to(m, s.code, s.end)
+            else:
+                self._arc(m, s.code, s.end, s.centre)
 
     @staticmethod
     def _to(m: Moves, code: str, to: tuple[float, float]) -> None:
@@ -237,11 +208,18 @@ class LinuxcncTurning:
         m.move(code, {"X": to[1] * half, "Z": to[0]})
 
     def _element(self, m: Moves, e: Element) -> None:
-        if not e.is_arc:
+        if e.is_arc:
+            self._arc(m, "G2" if e.code == CLOCKWISE else "G3", e.end, e.centre)
+        else:
             self._to(m, "G1", e.end)
-            return
-        e = replace(e, words=())
-        scene, (z, x) = m.scene, (e.centre[0] - e.start[0], e.centre[1] - e.start[1])
-        words = [scene.text("I", x), scene.text("K", z)]
+
+    @staticmethod
+    def _arc(m: Moves, code: str, end: tuple[float, float], centre: tuple[float, float]) -> None:
+        """An arc from where the last motion ended."""
+        scene = m.scene
         half = 2 if scene.is_diameter("X") else 1
-        m.move("G2" if e.code == CLOCKWISE else "G3", {"X": e.end[1] * half, "Z": e.end[0]}, *words)
+        words = [
+            scene.text("I", centre[1] - scene.at("X") / half),
+            scene.text("K", centre[0] - scene.at("Z")),
+        ]
+        m.move(code, {"X": end[1] * half, "Z": end[0]}, *words)

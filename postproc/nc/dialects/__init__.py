@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
-from postproc.nc.codes import CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
+from postproc.nc.codes import CALL, CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
@@ -49,7 +50,7 @@ class Dialect:
     NONE for a program that names none. `thread_words`: letters of a thread's lead.
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
-    outside of them. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
+    outside of them. `excludes`: like `signs`: what its programs never have. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
     motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
     line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
@@ -59,7 +60,17 @@ class Dialect:
     whose number names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
     printers). `carried_codes`: M codes that make the carried axes absolute and incremental; `carried_by_distance`:
     whether G90 and G91 do so too, the last one counts. `block_end`: a character that ends a block besides the
-    line's end (* of DIN/ISO).
+    line's end (* of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
+    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where it matters);
+    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on (True) and off.
+
+    `homes`: printers and routers: where homing left the slides is where they stand when a program begins, and feeds
+    before the axes have places pass as they are, counted. `home_z_over`: axes that homing Z may take to a place of its
+    own (above the bed's middle). `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word
+    outside of the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
+    code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them. `tools_move`: T runs macros that may move the tool.
+    `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the machine, or nothing.
+    `conditions`: lines behind if and while that are indented further run when the control says so.
     """
 
     name: str
@@ -96,6 +107,7 @@ class Dialect:
     threads_under: tuple[int, ...] = (NONE, 640)
     thread_words: str = ""
     remarks: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
     ends: tuple[int, ...] = END_OF_PROGRAM
     modal_motion: bool = True
     one_command: bool = False
@@ -109,6 +121,18 @@ class Dialect:
     carried_codes: tuple[int, ...] = ()
     carried_by_distance: bool = False
     block_end: str = ""
+    tip_frame: str = "zero"
+    plane_frame: str = ""
+    tip_codes: dict[int, bool] = field(default_factory=dict)
+    homes: bool = False
+    home_z_over: str = ""
+    g_takes: tuple[int, ...] = ()
+    skips_centre: bool = False
+    relative_with_distance: bool = False
+    macro_refuses: tuple[str, ...] = ()
+    tools_move: bool = False
+    other_codes_are_macros: bool = False
+    conditions: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:
@@ -178,6 +202,12 @@ class Dialect:
         return tuple(n for n in self.exact_stops if n in self.by_number and self.by_number[n].group)
 
     @cached_property
+    def calls(self) -> tuple[int, ...]:
+        """Ten times the G codes that hand the words of their block over to a macro."""
+        sentence = CALL.partition(":")[0]
+        return tuple(code_number(c.word) for c in self.codes if c.word[0] == "G" and c.refuses.startswith(sentence))
+
+    @cached_property
     def beside(self) -> tuple[int, ...]:
         """Codes by which the control shifts the path sideways by the tool's radius."""
         return tuple(code.number for code in self.codes if code.group == "cutter" and code.does == "cutter")
@@ -228,11 +258,22 @@ def load(name: str) -> Dialect:
 def _grammar(dialect: Dialect) -> Grammar:
     """The grammar with what the dialect's own fields say about its text."""
     ignores = dialect.grammar.ignores
+    head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
+    if dialect.g_takes:
+        numbers = "|".join(map(str, dialect.g_takes))
+        ignores += (head + rf"(G[ \t]*0*(?:{numbers}))(?![0-9.])[^;\n]*",)
     if dialect.m_takes:
-        head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
         text = "|".join(map(str, dialect.m_text))
         if text:
             ignores += (head + rf"(M[ \t]*0*(?:{text}))(?![0-9])[^;\n]*",)
         rest = r"[^;\n]" if dialect.one_command else r"(?![GM][ \t]*[0-9])[^;\n]"
         ignores += (head + rf"(M[ \t]*[0-9]+(?:\.[0-9]+)?)(?:{rest})*",)
-    return dialect.grammar._replace(ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end)
+    macros = dialect.grammar.macros
+    if dialect.other_codes_are_macros:
+        own = "|".join(re.escape(code.word[1:]) for code in dialect.codes)
+        alone = "" if dialect.one_command else r"(?![^;\n]*[GM][ \t]*[0-9])"
+        macros += ((rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))[ \t]*[0-9.]+{alone}[^;\n]*", 0),)
+    return dialect.grammar._replace(
+        macros=macros, ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end,
+        untold=dialect.language in ("linuxcnc", "fanuc"),
+    )  # fmt: skip

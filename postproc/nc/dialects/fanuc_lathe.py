@@ -73,4 +73,5 @@ DIALECT = Dialect(
         r"G7[78][ \t]*X",
     ),
     remarks=(r"\bFANUC\b", r"\bSTUDER\b"),
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
 )  # fmt: skip

@@ -61,4 +61,5 @@ DIALECT = Dialect(
         r"G99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
     ),
     remarks=(r"\bFANUC\b",),
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
 )  # fmt: skip

@@ -56,4 +56,5 @@ DIALECT = Dialect(
         r"G7[01][ \t]*$",
     ),
     remarks=(r"\bFANUC\b",),
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
 )  # fmt: skip

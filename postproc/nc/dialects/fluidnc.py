@@ -5,6 +5,7 @@ Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp,
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
+from postproc.nc.dialects.grbl import HOMING, ONE_AXIS
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import (
     CENTRE_BY_START,
@@ -41,8 +42,11 @@ DIALECT = Dialect(
     m_refuses={},
     language="linuxcnc",
     expand_decimals=4,
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
     plane=170,
+    motion=0,
+    homes=True,
+    skips_centre=True,
     dwell="P",
     turns=True,
     arc_tolerance_mm=0.005,

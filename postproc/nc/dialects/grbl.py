@@ -1,7 +1,8 @@
 """GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no
 program.
 
-Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
+Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line: a program begins in G0, as the state is cleared to; the
+words I J K of an arc are taken together, and those outside of the plane are not looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
 from postproc.nc.dialects import Dialect
@@ -23,6 +24,9 @@ from postproc.nc.rows import (
     rows,
 )
 
+HOMING = r"^[ \t]*\$H[ \t\r]*$"
+ONE_AXIS = (r"^[ \t]*\$H[A-Z][ \t\r]*$", 0)
+
 DIALECT = Dialect(
     name="grbl",
     title="GRBL 1.1",
@@ -36,8 +40,11 @@ DIALECT = Dialect(
         9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
     },
     m_refuses={},
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",)),  # reports and unlocking; $H and $J move
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
     plane=170,
+    motion=0,
+    homes=True,
+    skips_centre=True,
     dwell="P",
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,

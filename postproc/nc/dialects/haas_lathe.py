@@ -136,8 +136,12 @@ DIALECT = Dialect(
         r"M97[ \t]*P\d",
         r"G50[ \t]*S\d",
         r"G7[1-2][ \t]*P\d+[ \t]*Q\d+.*\bD",
+        r"G7[0-3][ \t]*P\d+[ \t]*Q\d+",
+        r"G9[024][ \t]*X-?[\d.]+[ \t]*Z",
+        r"G99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
         *MACRO_SIGNS,
         r"^O\d{5}\b(?![ \t]*[A-Z])",
     ),
-    remarks=(r"\bHAAS\b", r"\bST-?\d{2}\b"),
+    remarks=(r"\bHAAS\b", r"\b[SD]ST?-?\d{2}Y?\b", r"\bTL-?\d\b"),
+    excludes=(r"G76[ \t]*P\d{6}",),  # the thread of two blocks
 )  # fmt: skip

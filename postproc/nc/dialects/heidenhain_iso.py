@@ -11,8 +11,9 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
-_POLE = "its centre is the pole, which I and J set for all blocks behind: let the CAM program write straight lines"
+_POLE = "its centre is the pole, which I and J set for all blocks behind: --expand writes it out as straight lines"
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
+_TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
 
 DIALECT = Dialect(
@@ -26,7 +27,8 @@ DIALECT = Dialect(
         *rows("motion", {"5": "arc, either way", "6": "arc, tangential"},
             refuses="its circle follows from other places: let the CAM program write straight lines"),
         *rows("motion", {"7": "along one axis"}, refuses=codes.WRITE_OUT),
-        *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar", "12": "arc, polar", "13": "arc, polar",
+        *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar"}, refuses=_TO_POLE),
+        *rows("motion", {"12": "arc, polar", "13": "arc, polar",
               "15": "arc, polar", "16": "arc, polar"}, refuses=_POLAR),
         *rows("", {"24": "chamfer", "25": "rounded corner", "26": "tangential approach", "27": "tangential departure"},
               refuses=codes.CORNER),
@@ -55,21 +57,21 @@ DIALECT = Dialect(
         98: "open contour corners", 103: "plunge feed", 107: "tool change", 108: "tool change", 109: "feed at the edge",
         110: "feed at the edge", 111: "feed at the path", 116: "feed of rotary axes", 117: "feed of rotary axes",
             120: "look ahead",
-        126: "shorter way", 127: "longer way", 136: "feed per turn", 137: "feed per minute", 141: "probe monitoring",
+        126: "shorter way", 127: "longer way", 128: "tool centre point", 129: "no tool centre point",
+            136: "feed per turn", 137: "feed per minute", 141: "probe monitoring",
             143: "no rotation",
         148: "lift off", 149: "no lift off",
     },
     m_refuses={
         89: codes.WRITE_OUT, 99: codes.WRITE_OUT,
         91: "its block is in machine coordinates, which are not told apart here: write it at the datum in force",
-        92: _DATUM, 94: codes.ITSELF, 114: codes.TOOL_POINT, 118: codes.ITSELF, 124: codes.ITSELF,
-            128: codes.TOOL_POINT,
-        129: codes.TOOL_POINT, 130: codes.TILTED, 138: codes.TOOL_POINT, 140: codes.WRITE_OUT, 142: codes.RESTORED,
+        92: _DATUM, 94: codes.ITSELF, 114: codes.TOOL_POINT, 118: codes.ITSELF, 124: codes.ITSELF, 130: codes.TILTED, 138: codes.TOOL_POINT, 140: codes.WRITE_OUT, 142: codes.RESTORED,
             144: codes.TOOL_POINT,
     },
     grammar=Grammar(ignores=(r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",)),  # the name; its unit stays
     plane=170,
     dwell="F",
+    tip_codes={128: True, 129: False},
     arc_centre="pole",
     length_letter="T",
     block_end="*",

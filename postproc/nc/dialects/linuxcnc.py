@@ -49,7 +49,7 @@ DIALECT = Dialect(
         *RETURN, *DATA, *LOCAL, *SET, *SET_ZERO, *SET_OFF, *STORE_REFERENCE, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE,
         *PROBE, *SPLINE, *NURBS, *PECKS, *DRILL, *BORE, *BORE_BY_HAND, *TAP, *BACK_BORE, *THREAD,
         *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.CYCLE),
+        *rows("motion", {"76": "threading in many passes"}, refuses=codes.RADIUS_CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
         *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
             refuses=codes.CYCLE),
@@ -62,7 +62,7 @@ DIALECT = Dialect(
         62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
         68: "analog output", 70: "save modal state", 71: "forget modal state",
     },
-    m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
+    m_refuses={72: codes.BROUGHT_BACK, 73: codes.BROUGHT_BACK, 98: codes.CALL, 99: codes.CALL},
     grammar=Grammar(ignores=(r"\$[ \t]*[0-9]+",)),  # $0 names a spindle
     language="linuxcnc",
     expand_decimals=4,

@@ -3,7 +3,10 @@
 Codes, one command a line, text behind M117 and its kin: MarlinFirmware/Marlin, Marlin/src/gcode/gcode.h (list of
 codes), parser.cpp (parse), queue.cpp (N and * checksums). A motion code is not modal unless GCODE_MOTION_MODES is
 built in; G90 and G91 hold for E too, until M82 or M83 (gcode.h, set_relative_mode). M30 deletes a file; no M code
-ends the program.
+ends the program. A line that begins with two letters is no command, and passed over with a message, and so is a G code that it has not
+(parser.cpp, parse; gcode.cpp, process_parsed_command); printers of other makers have more of them (G280). Arcs take the two centre words of the plane (motion/G2_G3.cpp). G28 Z may go to the bed's
+middle (calibrate/G28.cpp, home_z_safely). G80 levels the bed on Prusa's printers (Prusa-Firmware, Marlin_main.cpp); Tx, Tc
+and T? load filament there.
 """
 
 from postproc.nc import codes
@@ -15,7 +18,6 @@ from postproc.nc.rows import (
     MACHINE_FRAME,
     MORE_WORK,
     MOTION,
-    NO_MOTION,
     PLANE,
     SET,
     SET_ZERO,
@@ -72,33 +74,43 @@ _M = {
     912: "drivers", 913: "threshold", 914: "stall", 919: "chopper", 928: "log to a file", 951: "parking extruder",
     993: "backup", 994: "backup", 995: "touch screen", 997: "firmware", 999: "go on",
 }  # fmt: skip
+HEAD = r"^([ \t]*N[ \t]*\d+)?[ \t]*"
+NOTHING = r"^[ \t]*(?:@[^;\n]*|T[ \t]*[?xc][ \t\r]*$)"  # commands of the host (@pause), filament of Prusa's printers
+# It parks, and goes back: sequences of its own (feature/pause.cpp, gcode/feature/pause).
+FILAMENT = HEAD + r"M[ \t]*0*(?:125|600|701|702)(?![0-9.])[^;\n]*"
+# A line that is no command, or a tool's parking place on Prusa's changers (P0 S1, of Prusa-Firmware-Buddy).
+TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
+ONLY_IF = HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"  # G28 O: unless it has homed before
 _SHIFTS = "it shifts the coordinates by what the printer keeps: set it before the print, and take the line out"
 
 DIALECT = Dialect(
     name="marlin",
     title="Marlin 2",
     codes=(
-        *MOTION, *PLANE, *DISTANCE, *UNITS, *WORK, *MORE_WORK, *MACHINE_FRAME, *DWELL, *NO_MOTION, *SET, *SET_ZERO,
+        *MOTION, *PLANE, *DISTANCE, *UNITS, *WORK, *MORE_WORK, *MACHINE_FRAME, *DWELL, *SET, *SET_ZERO,
         *rows("shift", {"92.9": "set position, homing too"}, takes=True, does="set"),
         *rows("", {"10": "retract filament", "11": "recover filament", "31": "dock the probe", "32": "undock the probe",
               "60": "store the position"}, takes=True, does="words"),
         *rows("", {"28": "home", "12": "clean the nozzle", "26": "test print", "27": "park", "29": "level the bed",
               "30": "probe the bed", "33": "calibrate", "34": "align Z", "35": "bed corners", "42": "to a mesh point",
-              "61": "back to a stored position", "76": "calibrate the probe", "425": "calibrate"}, takes=True),
-        *rows("motion", {"5": "Bezier curve"}, refuses=codes.CURVE),
+              "61": "back to a stored position", "76": "calibrate the probe", "80": "end of a motion mode, or level the bed",
+              "425": "calibrate"}, takes=True),
+        *rows("motion", {"5": "Bezier curve"}, refuses=codes.SPLINE),
         *rows("motion", {"6": "motor steps"}, refuses=codes.TRANSFORM),
         *rows("motion", {f"38.{n}": "probe" for n in (2, 3, 4, 5)}, refuses=codes.PROBE),
     ),
     m_codes=_M,
     m_refuses={
-        32: codes.INLINE, 48: codes.PROBE, 125: codes.WRITE_OUT, 206: _SHIFTS, 218: _SHIFTS, 290: _SHIFTS, 428: _SHIFTS,
+        32: codes.INLINE, 48: codes.PROBE, 206: _SHIFTS, 218: _SHIFTS, 290: _SHIFTS, 428: _SHIFTS,
         360: codes.TRANSFORM, 361: codes.TRANSFORM, 362: codes.TRANSFORM, 363: codes.TRANSFORM, 364: codes.TRANSFORM,
-        600: codes.WRITE_OUT, 605: _SHIFTS, 665: codes.TRANSFORM, 666: codes.TRANSFORM, 701: codes.WRITE_OUT,
-        702: codes.WRITE_OUT, 808: codes.INLINE,
+        605: _SHIFTS, 665: codes.TRANSFORM, 666: codes.TRANSFORM, 808: codes.INLINE,
             852: "the firmware leans the axes against each other: take the squareness of "
         "machine.toml or M852, not both", **dict.fromkeys(range(810, 820), codes.INLINE),
     },
-    grammar=Grammar(checksums=True),
+    grammar=Grammar(
+        checksums=True, ignores=(NOTHING,),
+        macros=((TEXT, 0), (FILAMENT, 0), (ONLY_IF, 0)),
+    ),
     plane=170,
     dwell="PS",
     turns=True,
@@ -113,6 +125,11 @@ DIALECT = Dialect(
     m_text=(16, 20, 23, 28, 30, 32, 33, 117, 118, 928, *range(810, 820)),
     bare_letters=True,
     length_letter="T",
+    homes=True,
+    other_codes_are_macros=True,
+    home_z_over="XY",
+    g_takes=(12, 26, 27, 29, 33, 34, 35, 42, 76, 80, 425),
+    skips_centre=True,
     signs=(
         r"M10[4579]\b|M106\b",
         r"M1[149]0\b",

@@ -3,12 +3,14 @@
 Codes: Duet3D/RepRapFirmware, src/GCodes/GCodes2.cpp (HandleGcode, HandleMcode); what a line holds:
 GCodeBuffer/StringParser.cpp (DecodeCommand, FindParameters): a G or M outside of quotes begins a further command, and a
 block without a code goes on with G0-G3 in CNC and laser mode (M452, M453) alone. G90 and G91 leave E alone. M0 stops
-and ends a file; M30 deletes one. `if`, `while`, `var`, { } are commands of its own.
+and ends a file; M30 deletes one. `if`, `while`, `var`, { } are commands of its own (GCodeBuffer/StringParser.cpp,
+ProcessConditionalGCode). T runs macros that may move the tool, and so does a G code that it has not (GCodes2.cpp, HandleTcode,
+HandleGcode: G1009.g). Arcs take the two centre words of the plane (GCodes.cpp, DoArcMove).
 """
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.marlin import _M, _SHIFTS
+from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, TEXT
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import (
     DATA,
@@ -25,6 +27,10 @@ from postproc.nc.rows import (
     rows,
 )
 
+META = r"^[ \t]*(?:echo|var|global|set|param|skip|abort|if|elif|else|while|break|continue)\b[^\n]*"
+
+FILES = HEAD + r"M[ \t]*0*(?:98|125|226|600|701|702)(?![0-9.])[^;\n]*"  # each runs a macro file
+
 DIALECT = Dialect(
     name="reprap",
     title="RepRapFirmware 3",
@@ -38,7 +44,7 @@ DIALECT = Dialect(
         *rows("motion", {f"38.{n}": "probe" for n in (2, 3, 4, 5)}, refuses=codes.PROBE),
     ),
     m_codes={
-        **{n: meaning for n, meaning in _M.items() if n not in (10, 11, 12, 16, 43, 100, 121, 413, 414, 430, 851, 862)},
+        **{n: meaning for n, meaning in _M.items() if n not in (10, 226, 11, 12, 16, 43, 100, 121, 413, 414, 430, 851, 862)},
         2: "end of program", 36: "file information", 37: "simulation", 38: "hash of a file", 39: "media",
         116: "wait for temperatures", 120: "keep the modes", 144: "bed standby", 260: "I2C", 291: "message",
             292: "message read", 307: "heater model",
@@ -55,14 +61,18 @@ DIALECT = Dialect(
         915: "stall", 916: "resume", 917: "standstill current", 929: "log", 950: "ports", 952: "board", 953: "board",
     },
     m_refuses={
-        32: codes.INLINE, 98: codes.INLINE, 99: codes.INLINE, 121: codes.RESTORED, 206: _SHIFTS, 218: _SHIFTS,
+        32: codes.INLINE, 99: codes.INLINE, 121: codes.RESTORED, 206: _SHIFTS, 218: _SHIFTS,
         290: _SHIFTS,
             556: "it leans the axes against each other: take the squareness of machine.toml or M556, not both",
-        579: codes.UNTURNED, 584: codes.TRANSFORM, 585: codes.PROBE, 600: codes.WRITE_OUT, 665: codes.TRANSFORM,
-            666: codes.TRANSFORM,
-        675: codes.PROBE, 701: codes.WRITE_OUT, 702: codes.WRITE_OUT,
+        579: codes.UNTURNED, 584: codes.TRANSFORM, 585: codes.PROBE, 665: codes.TRANSFORM, 666: codes.TRANSFORM,
+        675: codes.PROBE,
     },
-    grammar=Grammar(checksums=True),
+    grammar=Grammar(
+        checksums=True,
+        ignores=(META,),
+        macros=((TEXT, 0), (FILES, 0)),
+    ),
+    conditions=True,
     plane=170,
     dwell="PS",
     carried=("E",),
@@ -73,6 +83,12 @@ DIALECT = Dialect(
     m_text=(23, 28, 30, 32, 36, 38, 117),
     bare_letters=True,
     length_letter="T",
+    tools_move=True,
+    other_codes_are_macros=True,
+    homes=True,
+    home_z_over="XY",
+    g_takes=(29, 32),
+    skips_centre=True,
     extended_by_p=False,
     signs=(
         r"M10[4579]\b|M106\b",

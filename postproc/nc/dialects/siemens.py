@@ -96,12 +96,12 @@ DIALECT = Dialect(
         *rows("language", {"291": "ISO language"},
             refuses="the words mean other things from here on: take the ISO part into a "
               "program of its own and choose its --dialect"),
-        *rows("transformation", {"TRAFOOF": "no transformation"}),
+        *rows("transformation", {"TRAFOOF": "no transformation"}, does="tip off"),
         *rows("transformation", {"TRANSMIT": "end face in X and Y", "TRACYL": "cylinder in X and Y",
             "TRAANG": "inclined axis"},
               refuses=codes.TRANSFORM),
-        *rows("transformation", {"TRAORI": "tool centre point"}, refuses=codes.TOOL_POINT),
-        *rows("", {"CYCLE800": "tilted plane"}, refuses=codes.TILTED),
+        *rows("transformation", {"TRAORI": "tool centre point"}, does="tip on"),
+        *rows("", {"CYCLE800": "tilted plane"}, does="swivel"),
         *rows("", dict.fromkeys(_CYCLES.split(), "cycle"), refuses=codes.WRITE_OUT),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
         *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
@@ -116,7 +116,11 @@ DIALECT = Dialect(
     grammar=Grammar(
         parentheses=False,
         keywords=_KEYWORDS,
-        spellings=(("CR", "R"), ("TURN", "P"), *((name, "") for name in _PARAMETERS.split())),
+        spellings=(
+            ("CR", "R"), ("TURN", "P"),
+            ("RND", "R"), ("CHF", "R"), ("CHR", "R"),  # refused in a straight motion, and beside CR= in an arc
+            *((name, "") for name in _PARAMETERS.split()),
+        ),
         ignores=(
             r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
             r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
@@ -128,6 +132,7 @@ DIALECT = Dialect(
         assigns=True,
     ),
     language="siemens",
+    plane_frame="zero",
     motion=10,
     increments_travel_shifts=True,
     expand_decimals=2,

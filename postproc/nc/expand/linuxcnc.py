@@ -7,7 +7,7 @@ run once; break and continue are for while and do only. A call looks for a sub t
 name, then further down. M98 and M99 call Fanuc-style programs (O100 alone in a line).
 
 Refused beyond what LinuxCNC refuses: a do label used twice (it goes back to the first), M99 in the main program (it begins
-again, for ever), subs within called subs, and M70 to M73 within subs (there is no sub in what is written out).
+again, for ever), and subs within called subs.
 
 Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
 """
@@ -23,6 +23,8 @@ from postproc.nc.expand.linuxcnc_blocks import Control, read
 from postproc.nc.expand.linuxcnc_expressions import Refusal, whole
 from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
 from postproc.nc.expand.linuxcnc_parameters import Memory
+from postproc.nc.expand.linuxcnc_polar import right_angled
+from postproc.nc.expand.linuxcnc_states import States
 from postproc.nc.expand.tracker import Tracker
 
 CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
@@ -42,6 +44,7 @@ class Run:
         self.program, self.tracker, self.limits = program, tracker, limits
         self.memory = Memory(tracker)
         self.flow = Flow(program, self.memory, limits.depth)
+        self.states = States(tracker)
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
@@ -58,6 +61,8 @@ class Run:
             if until > at and flow.skip is None:
                 name = file.name
                 for number, text in enumerate(file.lines[at:until], at + 1):
+                    if self.states.watching:
+                        self.states.watch(text)
                     yield Line(text, number, name)
             steps += until - at
             if until >= len(file.lines):
@@ -72,13 +77,19 @@ class Run:
                         "does a loop not end? or raise the limit",
                     )
                 plain = self._step(file, at, text)
+                back = self.states.called(len(flow.calls))
             except Refusal as e:
                 raise self._fault(Place("", file, at), e) from None
             except BlockFault as e:
                 before = Refusal(f"what holds here is not known, because of a line before: {e.message}", e.advice)
                 raise self._fault(Place("", file, at), before) from None
+            for line in back:
+                yield Line(line, at + 1, file.name)
             if plain is not None:
-                yield Line(plain, at + 1, file.name)
+                if self.states.watching:
+                    self.states.watch(plain)
+                for line in plain.split(b"\n"):
+                    yield Line(line, at + 1, file.name)
                 if at == self.opening and file is self.main:
                     _ = self.tracker.state  # read alone: of what stands behind "%" in the same text, nothing is read
             if self.ended:
@@ -110,12 +121,15 @@ class Run:
             code = whole(value, "M")
             if code in CALLS:
                 raise Refusal(f"M{code} is not the first word of its line", f"write M{code} into a line of its own")
-            if code in STATES and flow.calls:
-                raise Refusal(
-                    f"M{code} within {flow.sub}: the modes of a call are kept and come back with it",
-                    "there is no call in what is written out: write the codes that hold, and those that come back",
-                )
+            if code in STATES:
+                if len(outcome.m) > 1 or outcome.g or outcome.letters.strip("mn"):
+                    raise Refusal(f"M{code} beside other words", f"write M{code} into a line of its own")
+                lines = self.states.take(code)
+                return outcome.text if code in (70, 71) and not flow.calls else b"\n".join(lines) or None
             self.ended |= code in ENDS
+        if outcome.text is not None and ("@" in outcome.letters or "^" in outcome.letters):
+            codes = {round(10 * value) for value in outcome.g}
+            return right_angled(outcome.text, codes, outcome.letters, memory)
         return outcome.text
 
     def _mark(self, file: File, at: int) -> bytes | None:

@@ -104,6 +104,9 @@ class Block:
                     memory.check_writable(index)
                     numbered.append((index, value(memory)))
             except Refusal as e:
+                if letter in "fs" and letter and only_of_the_machine(line[start:stop]):
+                    pieces.append(line[start:stop])
+                    continue
                 raise e if e.stop else Refusal(e.message, e.advice, start, stop) from None
             while line[at : at + 1] in (b" ", b"\t"):
                 at += 1
@@ -119,6 +122,13 @@ class Block:
             memory.numbers[index] = value_
         gone = not self.letters and not self.active and (named or numbered)
         return Outcome(None if gone else b"".join(pieces), codes["g"], codes["m"], self.letters)
+
+
+def only_of_the_machine(value: bytes) -> bool:
+    """Whether all that an expression reads are HAL pins and settings of the machine: it can stand in a plain line then, as
+    value of an F or an S, which move nothing."""
+    read = re.findall(rb"#\s*(<\s*_\s*(?:[Hh]\s*[Aa]\s*[Ll]|[Ii]\s*[Nn]\s*[Ii])\s*\[)?", value)
+    return bool(read) and all(read)
 
 
 def written(letter: str, value: float, memory: Memory) -> str:

@@ -17,7 +17,7 @@ from postproc.nc.cycles import Cycle, family
 from postproc.nc.cycles.affine import AXES
 from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drilling import UNDEFINED
-from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.scene import CHORD_MM, Scene
 from postproc.nc.cycles.words import form_of
 from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
@@ -30,7 +30,8 @@ READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")  # no motio
 
 class Resolver:
     """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone. `keeps`:
-    whether a drilling cycle's block can stay, by what it drills (None: never)."""
+    whether a drilling cycle's block can stay, by what it drills (None: never). `tolerance`: mm, by which the lines of a
+    spline may leave it."""
 
     def __init__(
         self,
@@ -38,11 +39,14 @@ class Resolver:
         tracker: Tracker,
         synchronised: bool = False,
         keeps: Callable[[Motions], bool] | None = None,
+        tolerance: float = CHORD_MM,
     ):
         self.program, self.tracker, self.grammar = program, tracker, tracker.dialect.grammar
         self.scene, self.keeps = Scene(tracker), keeps
+        self.scene.tolerance = tolerance
         self.family = family(tracker.dialect, synchronised)
         self.control = self.family.control(self.scene) if self.family.control else None
+        self.before_it = self.family.before(self.scene) if self.family.before else None
         if self.control:
             self.scene.frame = self.control.known
         self.active: Cycle | None = None
@@ -65,6 +69,36 @@ class Resolver:
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
         ProgramError."""
+        if self.before_it is None or not self.before_it.wants(line):
+            return self._take(line)
+        self.line, self.scene.source = line, line.source
+        try:
+            whole = self.before_it.take(line)
+        except BlockFault as error:
+            raise self._unread(error) from None
+        self._sized(line)
+        return [plain for one in whole for plain in self._take(one)]
+
+    def finish(self) -> list[Line]:
+        """The plain lines that are still to come where the program ends."""
+        rest = self.before_it.finish() if self.before_it else []
+        return [plain for one in rest for plain in self._take(one)]
+
+    def _sized(self, line: Line) -> None:
+        """A corner does not keep its size where lengths are scaled. Raises ProgramError."""
+        if self.control is not None and self.control.frames.factor() not in (1.0, -1.0):
+            self.scene.block = Block.of(line.text, self.grammar)
+            raise self.scene.fault(
+                f"RND or CHF within {self.control.frames.why}", "a corner does not keep its size: write it out"
+            )
+
+    def _unread(self, error: BlockFault) -> ProgramError:
+        """The tracker's interpreter could not read what it was asked about."""
+        at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else self.line
+        return fault(at.file or self.program.name, at.source, at.text, error.message, error.advice)
+
+    def _take(self, line: Line) -> list[Line]:
+        """A line without corners."""
         if self.skip is not None:
             file, first, last = self.skip
             if line.file == file and first <= line.source <= last:
@@ -80,9 +114,8 @@ class Resolver:
         self.line, self.scene.source = line, line.source
         try:
             texts = [text for block in blocks(line.text, self.grammar) for text in self._block(block)]
-        except BlockFault as error:  # the tracker's interpreter could not read what it was asked about
-            at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else line
-            raise fault(self.program.name, at.source, at.text, error.message, error.advice) from None
+        except BlockFault as error:
+            raise self._unread(error) from None
         return [line] if texts == [line.text] else [line._replace(text=text) for text in texts]
 
     @property
@@ -209,7 +242,7 @@ class Resolver:
             self.active, self.code = cycle, code
         else:
             self.active = None
-            if self.family.restores:
+            if self.family.restores or outcome.then is not None:
                 self.missing = self.before if outcome.then is None else outcome.then
         if outcome.skip:
             self.skip = (self.line.file, *outcome.skip)
@@ -318,7 +351,8 @@ class Resolver:
     def _fault(self, message: str, advice: str, mark: bytes = b"") -> ProgramError:
         start = self.line.text.find(mark) if mark else -1
         start, stop = (start, start + len(mark)) if start >= 0 else (0, 0)
-        return fault(self.program.name, self.line.source, self.line.text, message, advice, start, stop)
+        name = self.line.file or self.program.name
+        return fault(name, self.line.source, self.line.text, message, advice, start, stop)
 
 
 def _polar(block: Block) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 
 from postproc.errors import Notice
 from postproc.motions import Motions
+from postproc.nc.cycles.scene import CHORD_MM
 from postproc.nc.expand import Limits, Line, Program, lines_of
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
@@ -18,7 +19,7 @@ LINES_AT_ONCE = 4000
 class Written:
     """A program written out for one dialect and set-up. Iterate over it once; `source(n)` then tells of plain line n
     (from 1) the line and file that it came from. `keeps`: whether a drilling cycle's block can stay, by what it
-    drills (None: every one is written out)."""
+    drills (None: every one is written out); `tolerance`: mm, by which the lines of a spline may leave it."""
 
     def __init__(
         self,
@@ -26,16 +27,18 @@ class Written:
         interpreter: Interpreter,
         limits: Limits,
         keeps: Callable[[Motions], bool] | None = None,
+        tolerance: float = CHORD_MM,
     ):
-        self.program, self.limits, self.keeps = program, limits, keeps
+        self.program, self.limits, self.keeps, self.tolerance = program, limits, keeps, tolerance
         self.tracker = Tracker(interpreter)
         self.notices: list[Notice] = []  # by the lines that were written by hand
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
         self._sources, self._files = array("L"), array("H")
         self._names: list[str] = [""]
+        self._texts: dict[str, list[bytes]] = {}
 
     def __iter__(self) -> Iterator[bytes]:
-        resolver = Resolver(self.program, self.tracker, keeps=self.keeps)
+        resolver = Resolver(self.program, self.tracker, keeps=self.keeps, tolerance=self.tolerance)
         resolver.scene.notices = self.notices
         language = self.tracker.dialect.language
         source = lines_of(language, self.program, self.tracker, self.limits) if language else self._plain()
@@ -47,6 +50,9 @@ class Written:
             if len(waiting) >= LINES_AT_ONCE:
                 yield self.newline.join(waiting) + self.newline
                 waiting.clear()
+        for plain in resolver.finish():
+            self._note(plain)
+            waiting.append(plain.text)
         if waiting:
             yield self.newline.join(waiting) + (self.newline if self.program.text.endswith(b"\n") else b"")
 
@@ -61,6 +67,22 @@ class Written:
             self._names.append(line.file)
         self._sources.append(line.source)
         self._files.append(self._names.index(line.file))
+
+    @property
+    def lines(self) -> int:
+        """Plain lines so far."""
+        return len(self._sources)
+
+    def own_line(self, line: int, file: str) -> str | None:
+        """A line (from 1) of the program, or of the file that it calls, as it was written by hand; None where there is
+        none."""
+        if file not in self._texts:
+            text = self.program.text
+            if file:
+                text = self.program.library(file) or self.program.library(file.lstrip("Oo0")) or b""
+            self._texts[file] = Program(file, text).lines()
+        lines = self._texts[file]
+        return lines[line - 1].decode("latin-1") if 0 < line <= len(lines) else None
 
     def source(self, line: int) -> tuple[int, str]:
         """Line and file ("": the main program) of the plain line with this number."""

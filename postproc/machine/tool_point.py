@@ -1,0 +1,43 @@
+"""[tool_point] of machine.toml: what the control's tool centre point mode is set to on this machine."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from postproc.machine.toml_file import TomlFile
+
+KEYS = {"frame", "planes", "on", "off", "at_start"}
+FRAMES = ("zero", "call")
+
+
+@dataclass(frozen=True)
+class ToolPoint:
+    """frame: where the tables stand while the axes of the program's frame are the machine's: "zero", at zero; "call", where
+    they stand when the mode is called; "": as the control does. planes: the same of tilted planes. codes: M numbers that switch the mode on (True) and off;
+    at_start: whether it is on when a program begins."""
+
+    frame: str = ""
+    planes: str = ""
+    codes: dict[int, bool] = field(default_factory=dict)
+    at_start: bool = False
+
+
+def read_tool_point(toml: TomlFile) -> ToolPoint:
+    """The section, or what holds without it."""
+    data = toml.table("tool_point")
+    toml.check_keys("tool_point", data, KEYS)
+    frames = {key: toml.string("tool_point", data, key, "") for key in ("frame", "planes")}
+    for key in (key for key, frame in frames.items() if frame not in ("", *FRAMES)):
+        raise toml.fault("tool_point", key, f"{key} = {frames[key]!r}", "where the tables stand while X Y Z of the program are "
+                         'the machine\'s: "zero", or "call", as they stand when the mode is called')  # fmt: skip
+    start = data.get("at_start", False)
+    if not isinstance(start, bool):
+        raise toml.fault("tool_point", "at_start", f"at_start = {start!r} is neither true nor false")
+    codes: dict[int, bool] = {}
+    for key in ("on", "off"):
+        for word in data.get(key, []) if isinstance(data.get(key, []), list) else [data[key]]:
+            if not isinstance(word, str) or not re.fullmatch(r"M\d{1,4}", word):
+                raise toml.fault("tool_point", key, f"{key} = {data[key]!r}", f'M codes, like {key} = ["M428"]')
+            codes[int(word[1:])] = key == "on"
+    return ToolPoint(**frames, codes=codes, at_start=start)

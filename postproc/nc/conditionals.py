@@ -1,0 +1,56 @@
+"""Conditions and loops that a control runs by itself, told by indentation: RepRapFirmware's if, elif, else and while.
+
+Which of their lines run, and how often, is known at the machine alone. What moves nothing may stand there; behind homing and
+levelling no place is known; what moves, or changes what words mean, can not be followed.
+
+Source: Duet3D/RepRapFirmware, GCodes/GCodeBuffer/StringParser.cpp (CheckMetaCommand, ProcessConditionalGCode): a block
+ends where a line is indented no further than the line that began it.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from postproc.nc.batch import Batch
+from postproc.nc.state import NONE
+
+FLOW = re.compile(rb"[ \t]*(?:if|elif|else|while)\b", re.IGNORECASE)
+GROUP = "condition"  # of the modal state: the indentation of the line that began it
+WAY_OUT = "write the lines that shall run, without the condition"
+
+
+def conditionals(b: Batch) -> None:
+    """Look for lines inside conditions, and what they do; sets b.condition for the next batch."""
+    text, held = b.words.text, b.state.codes.get(GROUP, NONE)
+    starts, stops = b.words.block_start, b.words.block_stop
+    if held == NONE and (not b.n or not re.search(rb"(?i)\b(?:if|while)\b", text[starts[0] : stops[-1]])):
+        return
+    inside = np.zeros(b.n, bool)
+    for block, (start, stop) in enumerate(zip(starts.tolist(), stops.tolist(), strict=True)):
+        line = text[start:stop].rstrip()
+        bare = line.lstrip()
+        if not bare or bare.startswith(b";"):
+            continue
+        indent = len(line) - len(bare)
+        flow = bool(FLOW.match(line))
+        if held != NONE and indent <= held and not (flow and indent == held):
+            held = NONE
+        if held == NONE and flow:
+            held = indent
+        inside[block] = held != NONE
+    b.condition = held
+    _judge(b, inside)
+
+
+def _judge(b: Batch, inside: np.ndarray) -> None:
+    moved = inside & b.has_axis & ~b.taken
+    for column in b.given.values():
+        moved |= inside & (column != NONE)
+    for block in b.single.values():
+        b.loses[block[inside[block]]] = True
+    b.single = {number: block[~inside[block]] for number, block in b.single.items() if not inside[block].all()}
+    b.loses |= inside & b.taken
+    b.foreign |= moved
+    b.blame(np.flatnonzero(moved), "a line that moves, or changes modes, inside if or while", WAY_OUT)

@@ -1,0 +1,267 @@
+"""RND=, CHF=, CHR= and RNDM= of Sinumerik: the corner behind a straight line, written out as an arc or a line.
+
+Siemens, SINUMERIK NC Programming Manual, "Chamfer, rounding (CHF, CHR, RND, RNDM, FRC, FRCM)": RND is the radius of an arc
+that touches both lines, RNDM the same for all corners until RNDM=0; CHR is how far a chamfer begins before the corner,
+CHF how long it is, and it stands alike on both. The corner lies in the plane in force, behind the block that names it.
+
+Followed between two straight feeds in the plane. Refused: corners at arcs and rapids, beside polar words, with a feed of
+their own (FRC), longer than their lines. None is made at the end of the program or where both lines go on straight.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.frames import CORNERS
+from postproc.nc.cycles.scene import CENTRES, Scene
+from postproc.nc.expand import Line
+from postproc.nc.expand.tracker import number
+
+FOUND = re.compile(rb"(?<![A-Za-z0-9_$])(?:RNDM?|CHF|CHR)[ \t]*=", re.IGNORECASE)
+FEED, DIAM90 = 10, "DIAM90"
+ENDS = (2, 17, 30)
+IDLE = "NMFSTHD"  # letters of blocks between the lines of a corner
+WRITE = "write the corner out"
+NEAR = 1e-9
+
+
+@dataclass
+class Held:
+    """A straight line whose end waits for the next one. `start` and `end`: along the plane's two axes, X as a radius;
+    `word`: what makes the corner, its `size`; `between`: lines that only
+    switch something; `modal`: whether RNDM says it."""
+
+    line: Line
+    block: Block
+    start: tuple[float, float]
+    end: tuple[float, float]
+    word: str
+    size: float
+    between: list[Line]
+    modal: bool
+
+
+class Corners:
+    """Holds a line back until the next one says which corner it makes."""
+
+    codes: tuple[int, ...] = ()
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.held: Held | None = None
+        self.modal = 0.0  # of RNDM
+
+    def wants(self, line: Line) -> bool:
+        """Whether a line must go through here."""
+        return self.held is not None or self.modal > 0 or bool(FOUND.search(line.text))
+
+    def finish(self) -> list[Line]:
+        """What is still held when the program ends: no corner is made behind it."""
+        held, self.held = self.held, None
+        return [] if held is None else [held.line, *held.between]
+
+    def take(self, line: Line) -> list[Line]:
+        """Lines that can be followed now, without the words of corners. Raises ProgramError."""
+        scene = self.scene
+        block = Block.of(line.text, scene.dialect.grammar)
+        scene.block = block
+        if not block.plain:
+            if self.held is not None:
+                raise scene.fault("a corner, and then more than words and numbers", WRITE)
+            return [line]
+        if self.held is not None and self._switches(block):
+            if any(m in ENDS for m in block.m_codes()):
+                return [*self.finish(), line]
+            self.held.between.append(line)
+            return []
+        rndm, own, plain = self._words(block)
+        if self.held is not None and own is None and self._switches(plain):  # RNDM alone
+            if self.held.modal:
+                raise scene.fault("RNDM changes behind a line that it rounds", "write it into the block of that line")
+            self.modal = rndm or 0.0
+            self.held.between += [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
+            return []
+        modal, self.modal = self.modal, self.modal if rndm is None else rndm
+        if self.held is None and own is None and not (modal or self.modal):
+            return [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
+        return self._line(line, plain, own)
+
+    def _switches(self, block: Block) -> bool:
+        return all(w.letter in IDLE for w in block.words)
+
+    def _words(self, block: Block) -> tuple[float | None, Word | None, Block]:
+        """The value of RNDM, the word of this block's own corner, and the block without them."""
+        scene = self.scene
+        strange = next((w for w in block.words if w.letter in ("FRC", "FRCM", "ANG")), None)
+        if strange:
+            raise scene.fault(f"{strange.letter} beside corners", "it is not followed: write the corner out", strange)
+        found = [w for w in block.words if w.letter in CORNERS and w.letter != "RNDM"]
+        if len(found) > 1:
+            raise scene.fault(f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1])
+        if found and (found[0].value or 0.0) <= 0:
+            raise scene.fault(f"{found[0].letter}={found[0].raw}", "a corner has a size above 0", found[0])
+        out = {i for i, w in enumerate(block.words) if w.letter in CORNERS}
+        rndm = block.get("RNDM")
+        plain = Block.of(block.written(out), scene.dialect.grammar) if out else block
+        return rndm, found[0] if found else None, plain
+
+    # -- lines ---------------------------------------------------------------------------------------------------------
+
+    def _line(self, line: Line, block: Block, own: Word | None) -> list[Line]:
+        """A block that moves, or means to: the end of a corner, and perhaps the beginning of the next one."""
+        scene, held = self.scene, self.held
+        names = scene.plane[:2]
+        moves = any(w.letter in names for w in block.words)
+        if held is None and own is None and not (moves and self._motion(block) == FEED):
+            return [line._replace(text=block.text)]  # under RNDM: nothing that could be rounded
+        named = own.letter if own else held.word if held else "RNDM"
+        self._check(block, named, moves)
+        start = held.end if held else self._here(names)
+        end = self._end(block, names, start)
+        lines: list[Line] = []
+        if held is not None:
+            start, block, lines = self._corner(held, block, names, start, end)
+        self.held = None
+        size = (own.value or 0.0) if own else self.modal
+        if not size:
+            return [*lines, line._replace(text=block.text)]
+        word = own.letter if own else "RND"
+        self.held = Held(line._replace(text=block.text), block, start, end, word, size, [], own is None)
+        return lines
+
+    def _motion(self, block: Block) -> int:
+        scene = self.scene
+        own = [c for c in block.codes if scene.group_of(c) == "motion"]
+        return own[-1] if own else FEED if self.held else scene.code("motion")
+
+    def _check(self, block: Block, word: str, moves: bool) -> None:
+        scene = self.scene
+        if any(w.letter in ("AP", "RP") for w in block.words):
+            raise scene.fault(f"{word} beside polar words", WRITE)
+        if self._motion(block) != FEED or not moves:
+            raise scene.fault(
+                f"{word} between this block and another one that is no straight feed (G1) in the plane"
+                if not moves else f"{word} at a motion that is no straight feed (G1)", WRITE,
+            )  # fmt: skip
+        if any(w.letter in "ABCUVW" or w.letter == scene.plane[2] for w in block.words):
+            raise scene.fault(f"{word} at a line that leaves the plane", WRITE)
+        known = (900, 910, FEED)
+        strange = next((c for c in block.codes if c not in known), None)
+        if strange is not None:
+            name = scene.table[strange].word if strange in scene.table else f"G{strange / 10:g}"
+            raise scene.fault(f"{name} at a line with {word}", "write it in a block before the corner")
+        if any(row.word == DIAM90 and scene.code("diameter") == row.number for row in scene.table.values()):
+            raise scene.fault(f"{word} under DIAM90", "write DIAMON or DIAMOF")
+
+    def _half(self, axis: str) -> float:
+        return 2.0 if self.scene.is_diameter(axis) else 1.0
+
+    def _here(self, names: tuple[str, ...]) -> tuple[float, float]:
+        a, b = (self.scene.at(x) / self._half(x) for x in names)
+        return a, b
+
+    def _relative(self, block: Block, word: Word) -> bool:
+        own = next((c for c in reversed(block.codes) if c in (900, 910)), None)
+        held = own == 910 if own is not None else self._incremental
+        return word.mode == "IC" or (held and word.mode != "AC")
+
+    @property
+    def _incremental(self) -> bool:
+        codes = [c for c in self.held.block.codes if c in (900, 910)] if self.held else []
+        return codes[-1] == 910 if codes else self.scene.incremental
+
+    def _end(self, block: Block, names: tuple[str, ...], start: tuple[float, float]) -> tuple[float, float]:
+        place = list(start)
+        for i, axis in enumerate(names):
+            word = block.word(axis)
+            if word is not None:
+                value = (word.value or 0.0) / self._half(axis)
+                place[i] = value + start[i] if self._relative(block, word) else value
+        return place[0], place[1]
+
+    def _moved(
+        self,
+        block: Block,
+        names: tuple[str, ...],
+        start: tuple[float, float],
+        end: tuple[float, float],
+        head: bytes = b"",
+    ) -> Block:
+        """The block with other ends: from `start` to `end`."""
+        scene, changed = self.scene, {}
+        for i, word in enumerate(block.words):
+            if word.letter not in names:
+                continue
+            k = names.index(word.letter)
+            value = (end[k] - start[k] if self._relative(block, word) else end[k]) * self._half(word.letter)
+            text = number(scene.rounded(word.letter, value), scene.decimals(word.letter)).encode()
+            written = block.text[word.start : word.stop]
+            if word.mode:
+                changed[i] = b"%s=%s(%s)" % (word.letter.encode(), word.mode.encode(), text)
+            else:
+                changed[i] = word.letter.encode() + (b"=" if b"=" in written else b"") + text
+        if head:
+            first = min(changed)
+            changed[first] = head + b" " + changed[first]
+        return Block.of(block.written(set(), changed=changed), scene.dialect.grammar)
+
+    # -- the corner ----------------------------------------------------------------------------------------------------
+
+    def _corner(
+        self, held: Held, block: Block, names: tuple[str, ...], corner: tuple[float, float], end: tuple[float, float]
+    ) -> tuple[tuple[float, float], Block, list[Line]]:
+        """Where the next line begins then, its block, and the lines up to there."""
+        scene = self.scene
+        before = held.start[0] - corner[0], held.start[1] - corner[1]
+        behind = end[0] - corner[0], end[1] - corner[1]
+        lengths = math.hypot(*before), math.hypot(*behind)
+        if min(lengths) < NEAR:
+            raise scene.fault(f"{held.word} at a line without length", WRITE)
+        a = before[0] / lengths[0], before[1] / lengths[0]
+        b = behind[0] / lengths[1], behind[1] / lengths[1]
+        turn = a[0] * b[1] - a[1] * b[0]
+        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])  # between the lines: pi where they go on straight
+        if math.pi - angle < NEAR:
+            return corner, block, [held.line, *held.between]
+        if angle < NEAR:
+            raise scene.fault(f"{held.word} where the line runs back", WRITE)
+        away = {
+            "RND": lambda: held.size / math.tan(angle / 2), "CHR": lambda: held.size,
+            "CHF": lambda: held.size / 2 / math.sin(angle / 2),
+        }[held.word]()  # fmt: skip
+        if away > min(lengths) + NEAR:
+            raise scene.fault(
+                f"{held.word}={held.size:g} begins {away:.4g} before the corner, and a line there has {min(lengths):.4g}",
+                "the control makes it smaller then: write the corner out",
+            )
+        first = corner[0] + away * a[0], corner[1] + away * a[1]
+        second = corner[0] + away * b[0], corner[1] + away * b[1]
+        line = self._moved(held.block, names, held.start, first)
+        incremental = self._incremental
+        words = []
+        for k, axis in enumerate(names):
+            value = (second[k] - first[k] if incremental else second[k]) * self._half(axis)
+            words.append(scene.text(axis, value))
+        code = b"G1"
+        if held.word == "RND":
+            code = b"G2" if turn > 0 else b"G3"
+            middle = self._middle(corner, a, b, held.size, angle)
+            words += [scene.text(CENTRES[x], middle[k] - first[k]) for k, x in enumerate(names)]
+        skip = b"/" if held.block.skip else b""
+        own = any(c == FEED for c in block.codes)
+        block = self._moved(block, names, second, end, b"" if own or code == b"G1" else b"G1")
+        made = held.line._replace(text=skip + b" ".join([code, *words]))
+        return second, block, [held.line._replace(text=line.text), made, *held.between]
+
+    @staticmethod
+    def _middle(
+        corner: tuple[float, float], a: tuple[float, float], b: tuple[float, float], radius: float, angle: float
+    ) -> tuple[float, float]:
+        """The centre: on the line that halves the angle."""
+        way = a[0] + b[0], a[1] + b[1]
+        length = math.hypot(*way)
+        reach = radius / math.sin(angle / 2)
+        return corner[0] + reach * way[0] / length, corner[1] + reach * way[1] / length

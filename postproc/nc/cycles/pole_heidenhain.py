@@ -1,0 +1,184 @@
+"""G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as straight lines; G10 and
+G11: a rapid and a feed to the radius R and the angle H about it.
+
+HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and "Circular path with defined
+radius": in G90 the pole is a place, in G91 it counts from where the tool stands; G29 puts it there. End and start may lie
+0.016 mm unlike far from it (MP7431); an end at the start is a full circle. R above 0 is the shorter arc, below 0 the longer.
+Angles count from the first axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by the tolerance at most: an arc could not be written back, for its pole would move all behind it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
+from postproc.nc.expand import Line
+
+AT_LAST_PLACE, LABEL = 290, 980
+POLAR = {100: "G00", 110: "G01"}
+MISMATCH_MM = 0.016
+NEAR = 1e-9
+MOST_LINES = 100_000
+POINT = re.compile(rb"(?<=\d)\.(?!\d)")
+
+
+class PoleArcs:
+    """Follows pole and motion code, and writes arcs out."""
+
+    codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR)
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.pole: dict[str, float] = {}
+        self.motion = -1
+        self.called = False
+
+    def wants(self, line: Line) -> bool:
+        """Every line may move the pole."""
+        return True
+
+    def finish(self) -> list[Line]:
+        """Nothing is ever held back."""
+        return []
+
+    def take(self, line: Line) -> list[Line]:
+        """The line, or the lines that its arc becomes. Raises ProgramError."""
+        scene = self.scene
+        scene.forget()
+        body, star, rest = line.text.partition(b"*")
+        block = Block.of(body, scene.dialect.grammar)
+        scene.block = block
+        if not block.plain:
+            if self.motion in self.codes and re.search(rb"[XYZ][ \t]*[-+]?Q", body):
+                raise scene.fault("an arc to a place that Q parameters say", "they are not followed: write the numbers")
+            return [line]
+        scene.note(block)
+        for code in block.codes:
+            if scene.group_of(code) == "motion":
+                self.motion = code
+        self.called = self.called or (block.word("L") is not None and LABEL not in block.codes)
+        taken = any(scene.table[c].takes for c in block.codes if c in scene.table)
+        if AT_LAST_PLACE in block.codes:
+            self.pole = {CENTRES[x]: scene.at(x) for x in scene.plane[:2]}
+        elif not taken:
+            self._set(block)
+        if taken:
+            return [line]
+        if self.motion not in self.codes:
+            plain = self.motion in (0, 10) and not any(scene.table[c].refuses for c in block.codes if c in scene.table)
+            out = own_words(block, "IJK", set()) if plain and any(block.word(x) for x in "XYZ") else set()
+            return [line._replace(text=block.written(out) + star + rest) if out else line]
+        if self.motion in POLAR:
+            return [line._replace(text=text) for text in self._polar(block, star + rest)]
+        if not any(block.word(x) for x in "XYZ"):
+            return self._bare(line, block, star + rest)
+        return [line._replace(text=text) for text in self._arc(block, star + rest)]
+
+    def _set(self, block: Block) -> None:
+        """I J K in a block."""
+        if not any(block.word(letter) for letter in CENTRES.values()):
+            return
+        incremental = self.scene.incremental
+        for axis, letter in CENTRES.items():
+            value = block.get(letter)
+            if value is not None:
+                self.pole[letter] = value + (self.scene.at(axis) if incremental else 0.0)
+
+    def _bare(self, line: Line, block: Block, end: bytes) -> list[Line]:
+        """A block without a place: its code is not the control's own business any more."""
+        out = own_words(block, "", {CLOCKWISE, COUNTER})
+        text = block.written(out) if out else block.text
+        return [line._replace(text=text + end)] if text.strip(b" \t\r") else []
+
+    def _polar(self, block: Block, end: bytes) -> list[bytes]:
+        """G10 and G11: to a radius and an angle. Raises ProgramError."""
+        scene, radius, angle = self.scene, block.get("R"), block.get("H")
+        first, second, _ = scene.plane
+        own = own_words(block, "RHIJK", set(POLAR))
+        if radius is None and angle is None and not any(block.word(x) for x in "XYZ"):
+            text = block.written(own) if own else block.text
+            return [text + end] if text.strip(b" \t\r") else []
+        if radius is None or angle is None or block.word(first) or block.word(second):
+            raise scene.fault("polar words without R and H, or beside X and Y", "name the radius R and the angle H")
+        if scene.incremental:
+            raise scene.fault("polar words in G91", "write R and H in G90")
+        names = [CENTRES[x] for x in (first, second)]
+        if any(x not in self.pole for x in names):
+            raise scene.fault("polar words, and no pole is set", f"write {' and '.join(names)} before")
+        turn = math.radians(angle)
+        m = Moves(scene, own)
+        place = (self.pole[names[0]] + radius * math.cos(turn), self.pole[names[1]] + radius * math.sin(turn))
+        words = [m.word(axis, value) for axis, value in zip((first, second), place, strict=True)]
+        m.words(POLAR[self.motion], *words)
+        return [POINT.sub(b"", text) + end for text in m.finish()]
+
+    # -- the arc -------------------------------------------------------------------------------------------------------
+
+    def _arc(self, block: Block, end: bytes) -> list[bytes]:
+        scene = self.scene
+        first, second, across = scene.plane
+        if self.called:
+            raise scene.fault("an arc in a program that calls labels", "write the program out without L first")
+        if block.word(across):
+            raise scene.fault(
+                f"{across} in an arc", "a helix is written in polar words here: write it as straight lines"
+            )
+        at = scene.at(first), scene.at(second)
+        to = self._end(block, (first, second), at)
+        centre, sign = self._centre(block, at, to), 1 if self.motion == COUNTER else -1
+        arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (at, to)]
+        radii = [math.hypot(*arm) for arm in arms]
+        unit = 25.4 if scene.inch else 1.0
+        if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
+            raise scene.fault(
+                f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
+                "the control refuses more than 0.016 mm between them: check I and J",
+            )
+        begin = math.atan2(arms[0][1], arms[0][0])
+        sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * sign % math.tau
+        if math.dist(at, to) < NEAR or sweep < NEAR:
+            sweep = math.tau
+        flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
+        count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
+        if count > MOST_LINES:
+            raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
+        m = Moves(scene, own_words(block, "XYZIJKR", {CLOCKWISE, COUNTER}))
+        for k in range(1, count + 1):
+            share = k / count
+            angle, radius = begin + sign * sweep * share, radii[0] + (radii[1] - radii[0]) * share
+            place = to if k == count else (
+                centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
+            )  # fmt: skip
+            m.move("G01", dict(zip((first, second), place, strict=True)))
+        return [POINT.sub(b"", line) + end for line in m.finish()]
+
+    def _end(self, block: Block, names: tuple[str, str], at: tuple[float, float]) -> tuple[float, float]:
+        scene = self.scene
+        incremental, place = scene.incremental, []
+        for axis, here in zip(names, at, strict=True):
+            value = block.get(axis)
+            place.append(here if value is None else here + value if incremental else value)
+        return place[0], place[1]
+
+    def _centre(self, block: Block, at: tuple[float, float], to: tuple[float, float]) -> tuple[float, float]:
+        """The pole, or the centre that R says. Raises ProgramError."""
+        scene, radius = self.scene, block.get("R")
+        if radius is None:
+            names = [CENTRES[x] for x in scene.plane[:2]]
+            missing = [x for x in names if x not in self.pole]
+            if missing:
+                raise scene.fault("an arc, and no pole is set", f"write {' and '.join(names)} before")
+            return self.pole[names[0]], self.pole[names[1]]
+        chord = to[0] - at[0], to[1] - at[1]
+        length = math.hypot(*chord)
+        if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
+            raise scene.fault(f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end")
+        away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
+        left = (self.motion == COUNTER) == (radius > 0)  # of the way: where the shorter arc against the clock has it
+        side = 1 if left else -1
+        normal = -chord[1] / length * side, chord[0] / length * side
+        middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
+        return middle[0] + away * normal[0], middle[1] + away * normal[1]

@@ -1,0 +1,83 @@
+"""Marlin's G5, a cubic Bezier curve in XY, as straight lines.
+
+Marlin/src/gcode/motion/G5.cpp: I J count from the start, P Q from the end, one that is left out is 0, and nothing is
+kept from curve to curve. planner_bezier.cpp, cubic_b_spline: Z and E go evenly with the curve's parameter. The firmware
+itself leaves the curve by as much as 0.1 mm (SIGMA); the lines here lie nearer to it.
+"""
+
+from __future__ import annotations
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.curve import bezier
+from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
+from postproc.nc.expand.tracker import number
+
+SPLINE = 50
+E_DECIMALS = 5  # as slicers write it
+WORDS = {
+    "X": "end", "Y": "end", "Z": "end", "E": "filament", "I": "first pole, from the start",
+    "J": "first pole, from the start", "P": "second pole, from the end", "Q": "second pole, from the end",
+}  # fmt: skip
+
+
+class MarlinSpline:
+    """G5."""
+
+    modal = False
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of a curve."""
+        return (Form("a Bezier curve", WORDS),)
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        return False
+
+    def end(self) -> None:
+        return
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        """The lines of the curve. Raises ProgramError."""
+        if scene.code("plane") not in (170, -1):
+            raise scene.fault("G5 outside the XY plane", "Marlin refuses it: write G17 before")
+        start = {x: scene.at(x) for x in "XYZ" if x in "XY" or block.get(x) is not None}
+        end = dict(start)
+        for axis, here in start.items():
+            value = block.get(axis)
+            if value is not None:
+                end[axis] = here + value if scene.incremental else value
+        fed = self._fed(scene, block)
+        z, dz = start.get("Z", 0.0), end.get("Z", 0.0) - start.get("Z", 0.0)
+        poles = [
+            (start["X"], start["Y"], z, 0.0),
+            (start["X"] + (block.get("I") or 0.0), start["Y"] + (block.get("J") or 0.0), z + dz / 3, 1 / 3),
+            (end["X"] + (block.get("P") or 0.0), end["Y"] + (block.get("Q") or 0.0), z + dz * 2 / 3, 2 / 3),
+            (end["X"], end["Y"], z + dz, 1.0),
+        ]
+        m = Moves(scene, own_words(block, "".join(WORDS), {code}))
+        axes, last = tuple(start), 0.0
+        for x, y, height, share in bezier(*poles).points(scene.chord, 3):
+            place = dict(zip("XYZ", map(float, (x, y, height)), strict=True))
+            words = [m.word(axis, place[axis]) for axis in axes if scene.differs(axis, place[axis])]
+            if fed is not None:
+                begin, by, relative = fed
+                now = round(begin + by * float(share), E_DECIMALS)
+                words.append(b"E" + number(now - last if relative else now, E_DECIMALS).encode())
+                last = now
+            m.words("G1", *words)
+        if fed is not None and not fed[2]:
+            scene.moved("E", fed[0] + fed[1])
+        return Outcome(m.finish())
+
+    @staticmethod
+    def _fed(scene: Scene, block: Block) -> tuple[float, float, bool] | None:
+        """Where E begins (0 where its words are distances), by how much it goes, and whether they are; None: no E."""
+        value = block.get("E")
+        if value is None:
+            return None
+        if scene.tracker.code("carried") == 910:
+            return 0.0, value, True
+        begin = scene.at("E")
+        return begin, value - begin, False

@@ -1,0 +1,96 @@
+"""Klipper: printers. Marlin's commands, one a line, and commands with names: its own, and the printer's macros.
+
+Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, or a name with NAME=value behind it; case does not
+matter), klippy/extras/gcode_move.py (G0 G1 G20 G21 G90-G92 M82 M83 M114 M220 M221; E counts as incremental under G91
+or M83), homing.py (G28), gcode_arcs.py (G2 G3 G17-G19: centres by the two words of the plane; R and G91 are refused),
+firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other code and name is a macro of printer.cfg, if it is anything.
+"""
+
+from postproc.nc import codes
+from postproc.nc.dialects import Dialect
+from postproc.nc.dialects.marlin import _SHIFTS, HEAD
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
+
+_END = r"(?![A-Z0-9_])[^;\n]*"
+# Commands of Klipper's own that move nothing and shift nothing.
+_QUIET = (
+    HEAD
+    + (
+        r"(?:EXCLUDE_OBJECT(?:_START|_END|_DEFINE)?|SET_PRESSURE_ADVANCE|(?:RE)?SET_VELOCITY_LIMIT|SET_FAN_SPEED|"
+        r"SET_HEATER_TEMPERATURE|TEMPERATURE_WAIT|TURN_OFF_HEATERS|SET_PRINT_STATS_INFO|RESPOND|ECHO|STATUS|HELP|"
+        r"SET_DISPLAY_TEXT|SET_DISPLAY_GROUP|SET_LED(?:_TEMPLATE)?|SET_PIN|SET_SERVO|SET_FILAMENT_SENSOR|QUERY_[A-Z_]+|"
+        r"[SG]ET_RETRACTION|SET_INPUT_SHAPER|SET_TMC_(?:CURRENT|FIELD)|INIT_TMC|DUMP_TMC|SET_IDLE_TIMEOUT|SAVE_GCODE_STATE|"
+        r"SET_GCODE_VARIABLE|SAVE_VARIABLE|BED_MESH_(?:PROFILE|CLEAR|OUTPUT|MAP)|SET_EXTRUDER_ROTATION_DISTANCE|"
+        r"SYNC_EXTRUDER_MOTION|SET_TEMPERATURE_FAN_TARGET|SET_STEPPER_ENABLE|GET_POSITION|SDCARD_[A-Z_]+|"
+        r"SET_SKEW[ \t]+CLEAR=1)"
+    )
+    + _END
+)
+_NO_OFFSET = (
+    HEAD
+    + r"SET_GCODE_OFFSET(?:[ \t]+[XYZE](?:_ADJUST)?[ \t]*=[ \t]*[+-]?0*\.?0*(?![\d.])|[ \t]+MOVE(?:_SPEED)?=[\d.]+)+[ \t\r]*$"
+)
+_NO_INCH = "this control has no inches: let the slicer or CAM program write millimetres"
+
+DIALECT = Dialect(
+    name="klipper",
+    title="Klipper",
+    codes=(
+        *MOTION, *PLANE, *DISTANCE, *DWELL, *SET,
+        *rows("units", {"21": "millimetre"}),
+        *rows("units", {"20": "inch"}, refuses=_NO_INCH),
+        *rows("", {"10": "retract filament", "11": "recover filament"}, takes=True, does="words"),
+        *rows("", {"28": "home"}, takes=True),
+    ),
+    m_codes={
+        18: "motors off", 20: "list files", 21: "media in", 23: "select a file", 24: "start printing", 25: "pause",
+        26: "set the file's place", 27: "report", 73: "progress", 82: "E absolute", 83: "E incremental", 84: "motors off",
+        104: "hotend temperature", 105: "report temperatures", 106: "fan on", 107: "fan off",
+        109: "hotend temperature, wait", 110: "line number", 112: "emergency stop", 114: "report the position",
+        115: "report the firmware", 117: "message", 118: "message to the host", 119: "report endstops",
+        140: "bed temperature", 141: "chamber temperature", 190: "bed temperature, wait",
+        191: "chamber temperature, wait", 201: "acceleration limits", 203: "feed limits", 204: "acceleration",
+        205: "jerk", 220: "feed percentage", 221: "flow percentage", 400: "finish motions",
+        500: "store settings", 502: "factory settings", 503: "report settings", 862: "printer check", 900: "pressure advance",
+    },
+    m_refuses={},
+    grammar=Grammar(
+        checksums=True,
+        ignores=(r"^[ \t]*@[^;\n]*", _QUIET, _NO_OFFSET),
+        macros=(
+            (HEAD + "RESTORE_GCODE_STATE" + _END, 1),
+            (HEAD + "(?:SET_GCODE_OFFSET|SET_KINEMATIC_POSITION)" + _END, 2),
+            (HEAD + "(?:SET_SKEW|SKEW_PROFILE)" + _END, 3),
+            (HEAD + r"(?![GMTN][ \t]*-?\d)[A-Z_][A-Z_][^;\n]*", 0),
+            (HEAD + r"M[ \t]*0*(?:0|1|125|600|601|602|603|701|702)(?![0-9.])[^;\n]*", 0),
+            (HEAD + r"T[ \t]*-?\d[^;\n]*", 0),
+        ),
+    ),
+    macro_refuses=(
+        codes.RESTORED, _SHIFTS,
+        "it leans the axes against each other: take the squareness of machine.toml or the skew of Klipper, not both",
+    ),
+    plane=170,
+    dwell="PS",
+    carried=("E",),
+    carried_codes=(82, 83),
+    relative_with_distance=True,
+    ends=(),
+    modal_motion=False,
+    one_command=True,
+    m_takes=True,
+    m_text=(23, 117, 118),
+    bare_letters=True,
+    homes=True,
+    other_codes_are_macros=True,
+    home_z_over="XY",
+    skips_centre=True,
+    signs=(
+        r"^[ \t]*(?:EXCLUDE_OBJECT\w*|SET_PRESSURE_ADVANCE|SET_VELOCITY_LIMIT|(?:START|END)_PRINT|PRINT_(?:START|END)|"
+        r"SET_GCODE_OFFSET|SET_FAN_SPEED|SAVE_GCODE_STATE|RESTORE_GCODE_STATE|BED_MESH_\w+|TIMELAPSE_TAKE_FRAME|"
+        r"SET_FILAMENT_SENSOR|SET_PRINT_STATS_INFO|TEMPERATURE_WAIT|SET_HEATER_TEMPERATURE)\b",
+        r"^[ \t]*[A-Z]+_[A-Z_]+[ \t]+[A-Z_]+=",
+    ),
+    remarks=(r"\bKLIPPER\b", r"GCODE_FLAVOR[ \t]*=[ \t]*KLIPPER"),
+)  # fmt: skip

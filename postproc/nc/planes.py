@@ -1,0 +1,175 @@
+"""Tilted planes: G68.2 of Fanuc with its Euler angles, G53.1, which turns the tool into the plane, and G69.
+
+X Y Z are coordinates of the plane: a place w is the place O + Rz(I) Rx(J) Rz(K) w of the work offset's coordinates, O the
+words X Y Z of G68.2 (B-64484EN-2, "Tilted working plane indexing", Euler angles: about Z, the new X, the new Z). The frame
+goes with the part as it lies with the tables at zero. Once the tool stands across the plane, a tip at w is a tip in the
+part, and is followed as one (tips.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.errors import Notice
+from postproc.nc.batch import Batch
+from postproc.nc.tips import PLANE, STATE_FRAME, lost
+from postproc.nc.zeros import number_of, values_of, with_known, work_columns
+from postproc.spaces import Space
+from postproc.units import TICKS_PER_MM
+
+STANDS = 1e-4  # rad: closer to its normal a tool stands across the plane
+
+
+def plane_on(b: Batch, axis_words, word: str) -> None:
+    """G68.2 X Y Z I J K."""
+    reason: tuple[str, str] | None = None
+    if number_of(b, "P"):
+        reason = (f"{word} P{number_of(b, 'P'):g} tells the plane otherwise than by Euler angles",
+                  "let the CAM program write G68.2 with I J K alone")  # fmt: skip
+    values = {x: value / TICKS_PER_MM for x, (value, _) in values_of(b, axis_words).items()}
+    zero = np.array([values.get(x, 0.0) for x in "XYZ"])
+    turn = turned((2, 0, 2), [number_of(b, x) or 0.0 for x in "IJK"])
+    tilt(b, word, turn, zero, reason)
+
+
+def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
+    """(3, 3): turns about axes of their own (0 1 2: X Y Z), each in the frame that the one before has turned."""
+    result = np.eye(3)
+    for axis, angle in zip(axes, degrees, strict=True):
+        result = result @ _about(axis, float(np.radians(angle)))
+    return result
+
+
+def tilt(b: Batch, word: str, turn: np.ndarray, zero: np.ndarray, reason: tuple[str, str] | None) -> None:
+    """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work offset's."""
+    kinematics = b.setup.kinematics
+    if kinematics is None or kinematics.lacking or any(x not in b.rows for x in "XYZ"):
+        lacking = kinematics.lacking if kinematics is not None else None
+        why = lacking or ("the machine has no rotary axes", "choose the right --machine")
+        b.frame = with_known(b.frame, PLANE, (f"{word} (tilted plane) is in force, and {why[0]}", why[1]))
+        return
+    lost = [x for x in kinematics.carrying if not b.state.known[b.rows[x]]]
+    away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
+    counts = kinematics.planes or b.dialect.plane_frame
+    if counts != "zero" and (lost or (away and not counts)):
+        reason = (f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame the plane counts then differs",
+                  STATE_FRAME.replace("frame =", "planes ="))  # fmt: skip
+    rows, frame = [b.rows[x] for x in "XYZ"], b.frame
+    shift = frame.local + frame.trans + (frame.preset if frame.preset_on else 0)
+    work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
+    base = kinematics.space_at(b.state.position / TICKS_PER_MM) if counts == "call" else Space()
+    plane = base.of(Space(tuple(turn.ravel().tolist()), _three(zero + work - turn @ work)))
+    b.frame = with_known(replace(frame, plane=replace(plane, held=False)), PLANE, reason)
+
+
+def plane_off(b: Batch, axis_words, word: str) -> None:
+    """G69: X Y Z are what they were."""
+    b.frame = with_known(replace(b.frame, plane=None), PLANE)
+
+
+def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
+    """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`. sign: that of the axis
+    nearest to the tool, where the program says it, else 0."""
+    kinematics, frame = b.setup.kinematics, b.frame
+    if kinematics is None or frame.plane is None or PLANE in frame.unknown:
+        return
+    known = b.state.known[[b.rows[x] for x in kinematics.rotary]].all()
+    found = kinematics.aligned(frame.plane.matrix[:, 2], b.state.position / TICKS_PER_MM)
+    tilts = b.rows[kinematics.rotary[-1]]
+    found = [pose for pose in found if pose[tilts] * sign >= 0] or found
+    if not found or (len(found) > 1 and not known):
+        reason = (
+            "no pose of the rotary axes within their travels turns the tool across the plane",
+            f"look at the angles before {word}",
+        )
+        if found:
+            reason = (f"{word} may turn the rotary axes in two ways, and where they stand is not known",
+                      f"write {' '.join(kinematics.rotary)} in a block before the plane")  # fmt: skip
+        b.frame = with_known(frame, PLANE, reason)
+        return
+    position, sent = b.state.position.copy(), np.zeros(len(b.rows), bool)
+    rotary = [b.rows[x] for x in kinematics.rotary]
+    there = np.rint(np.array(found[0])[rotary] * TICKS_PER_MM).astype(np.int64)
+    moved = (there != position[rotary]).any() or not known
+    others = [f for f in found if (np.abs(np.mod(f - found[0] + 180.0, 360.0) - 180.0)[rotary] > 0.001).any()]
+    if others and moved:
+        ways = [" ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary) for f in (found[0], others[0])]
+        said = f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to {ways[1]}, write the rotary axes before it"
+        b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
+    if moved:
+        slides = _slides(b, position)
+        position[rotary] = there
+        position, known_after = slides(position)
+        sent[rotary] = sent[[b.rows[x] for x in "XYZ"]] = True
+        before = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
+        b.state = replace(b.state, position=position, known=known_after, sent=before | sent)
+
+
+def _slides(b: Batch, position: np.ndarray):
+    """A function from ticks with other rotary positions to the places of the space and what is known, slides as they are
+    at `position` (A,)."""
+    kinematics, frame = b.setup.kinematics, b.frame
+    assert kinematics is not None
+    told = (frame.space, frame.length / TICKS_PER_MM)
+    known = b.state.known.copy()
+    xyz = list(kinematics.linear)
+    all_known = known[list(kinematics.needs)].all()
+    slides = kinematics.convert(position / TICKS_PER_MM, told, (None, told[1])) if all_known else None
+    known[[b.rows[x] for x in kinematics.rotary]] = True
+
+    def turned(after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if slides is None:
+            known[xyz] = False
+            return after, known
+        pose = after / TICKS_PER_MM
+        pose[xyz] = slides[xyz]
+        place = kinematics.convert(pose, (None, told[1]), told)
+        result = after.copy()
+        result[xyz] = np.rint(place * TICKS_PER_MM).astype(np.int64)[xyz]
+        return result, known
+
+    return turned
+
+
+def refuse_planes(b: Batch, axis_words) -> None:
+    """What can not be followed while X Y Z are coordinates of a plane."""
+    kinematics, frame = b.setup.kinematics, b.frame
+    if frame.plane is None or kinematics is None:
+        return
+    every = np.arange(b.n)
+    if "work offset" in b.given:
+        lost(b, np.flatnonzero(b.given["work offset"] >= 0), "a work offset called while a tilted plane is in force")
+    if frame.tip is not None:
+        return
+    turning = np.concatenate(
+        [b.words.block[p] for x in kinematics.rotary for p in axis_words.get(x, ())] or [every[:0]]
+    )
+    if len(turning):
+        b.blame(every[int(turning.min()) :], "a rotary axis moves in a tilted plane without the tool point",
+                "turn it before the plane is called, or let the control turn it across")  # fmt: skip
+    rotary = [b.rows[x] for x in kinematics.rotary]
+    if not b.state.known[rotary].all() or not b.state.position[rotary].any():
+        return
+    across = kinematics.tool_axis(b.state.position / TICKS_PER_MM)
+    if np.linalg.norm(np.cross(across, frame.plane.matrix[:, 2])) > STANDS or across @ frame.plane.matrix[:, 2] < 0:
+        b.blame(
+            every,
+            "the tool does not stand across the tilted plane",
+            "let the control turn it: G53.1 behind G68.2, CYCLE800 with a direction",
+        )
+
+
+def _about(axis: int, angle: float) -> np.ndarray:
+    """(3, 3) rotation about X, Y or Z, rad."""
+    result = np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    result[i, i] = result[j, j] = np.cos(angle)
+    result[j, i] = np.sin(angle)
+    result[i, j] = -result[j, i]
+    return result
+
+
+def _three(vector: np.ndarray) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), float(vector[2])
