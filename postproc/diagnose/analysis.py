@@ -90,7 +90,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
     if held.any() and train.all():
-        before[held], after[held] = _foretold(search, state, units, held)
+        before[held], after[held] = _foretold(search, state, held)
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
@@ -105,7 +105,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     return diagnosis
 
 
-def _foretold(search: Search, state: Found, units: list[Unit], held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects that were found, everything fitted
     to the others; what no other run foretells (its own jumps, the phase of an oscillation) as it was found."""
     whole, fit = search.evidence, state.fit
@@ -114,20 +114,18 @@ def _foretold(search: Search, state: Found, units: list[Unit], held: np.ndarray)
     for k in state.members:
         if whole.blocks[k].name in judge.NOT_FORETOLD:
             own += whole.blocks[k].columns @ search.value(fit, k)
-    parts = [p.whole for p in whole.parts]
     groups = [p.groups for p in whole.parts]
-
-    def told(y: np.ndarray, chosen: tuple[int, ...]) -> np.ndarray:
-        rest = Evidence(y, parts, groups, whole.groups, ~held)
-        numbers = []
-        for k in chosen:
-            fixed = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
-            numbers += rest.add([whole.blocks[k]], fixed)
-        said = rest.explained(rest.learn(tuple(numbers), None, steps=STEPS if chosen else 0))
-        return (y - _fixed(said) - said["effects"])[held]
-
-    chosen = tuple(k for k in fit.chosen if whole.blocks[k].name not in judge.NOT_FORETOLD)
-    return told(y, ()), told(y - own, chosen)
+    rest = Evidence(y - own, [p.whole for p in whole.parts], groups, whole.groups, ~held)
+    left = [k for k, p in enumerate(whole.parts) if not held[p.whole.rows].all()]
+    on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
+    chosen: list[int] = []
+    for k in fit.chosen:
+        if whole.blocks[k].name not in judge.NOT_FORETOLD:
+            stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
+            chosen += rest.add([whole.blocks[k]], stated)
+    said = rest.explained(rest.learn(tuple(chosen), None, on, STEPS))
+    alone = rest.explained(rest.learn((), None, steps=0)) | {"map": said["map"]}
+    return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
 
 def _shown(blocks, train: np.ndarray) -> list:

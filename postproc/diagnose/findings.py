@@ -44,7 +44,8 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     scores = search.scores(rest)
     named, ci = intervals.of(search, state, k, scores)
     own = search.worth(state, k)
-    others = {search.blocks[search.new(c, rest)].key: c for c in search.children(rest, SETS, state)}
+    children = sorted(search.children(rest, SETS, state), key=lambda child: child.score)
+    others = {search.blocks[search.new(c, rest)].key: c for c in children}  # the best of each name
     enough = search.at_own_form(state).score - LIKELY - FORMS * own
     alike = sorted(
         (key for key, c in others.items() if key != block.key and c.score >= enough), key=lambda key: -others[key].score

@@ -28,6 +28,7 @@ EXCHANGED, ROUNDS = 3, 3  # names that are tried in the place of a member; how o
 AHEAD = 3  # members
 SEVERAL = 2  # members up to which several jumps at once are looked for
 LOOKED_AT = 6  # sets of all that were tried that are compared at one error of form
+ALIKE = 6.0  # twice ln(20)
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
@@ -214,7 +215,12 @@ class Search:
             own = self.at_own_form(state)
             return self._value(self.evidence.learn(own.fit.chosen, own.fit, own.fit.on, RENEWED, least))
 
-        return max({state.key: state for state in states}.values(), key=worth)
+        found = [(worth(state), state) for state in {state.key: state for state in states}.values()]
+        most, best = max(found, key=lambda one: one[0])
+        # What the errors of form do not part, and says no more, is parted as it fits.
+        size = len(best.members) + len(best.fit.on)
+        alike = [s for w, s in found if w > most - ALIKE and len(s.members) + len(s.fit.on) <= size]
+        return max(alike, key=lambda state: state.score)
 
     def _grown(self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0) -> list[Found]:
         """The best of the sets that grow from one, with each number of members; up to `ahead` of them also where a member

@@ -50,12 +50,11 @@ def columns(
     stribeck_mm_s: float = 0.0,
 ) -> np.ndarray:
     share = taken_up(state, axis, play_mm) if play_mm > 0 else settled(state, axis, settle_ms)
-    v = state.velocity[axis]
-    side = np.sign(v) if released else state.approach[axis]
+    side = np.sign(state.velocity[axis]) if released else state.approach[axis]
     lag = -side / 2 * share * sampled(state)
     if stribeck_mm_s <= 0:
         return along(axis, lag)
-    return along(axis, lag, lag * np.exp(-((v / stribeck_mm_s) ** 2)))
+    return along(axis, lag, lag * np.exp(-((state.velocity[axis] / stribeck_mm_s) ** 2)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -49,7 +49,7 @@ def test_a_tool_only_loses():
 
 @pytest.mark.parametrize("shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}])
 def test_wear_names_its_coefficients_and_takes_them_back(shape):
-    shape = {"change": 0.0, "bores": 1.0, "older": 0.0} | shape
+    shape = {"change": 0.0, "bores": 1.0, "older": 0.0, "cut": 0.0} | shape
     values = np.array([3.0, 1.0, 2.0][: 3 if shape["older"] else 2])
     back, same = tool_wear.coefficients(**tool_wear.parameters(values, shape))
     assert np.array_equal(back, values) and same == shape
@@ -66,10 +66,12 @@ def test_parts_that_were_turned_drift_from_part_to_part():
 def test_a_step_may_be_in_every_pause():
     t = np.concatenate([start + 4.0 * np.arange(120) for start in (0.0, 1000.0, 3000.0)])
     readings = SimpleNamespace(
-        state=SimpleNamespace(passage=np.full(len(t), -1), time=t), sees=np.full(len(t), "laser")
-    )
+        state=SimpleNamespace(passage=np.full(len(t), -1), time=t), sees=np.full(len(t), "laser"),
+        signal=np.zeros(len(t), int), residual=np.where(t > 1234.0, 5e-3, 0.0),
+    )  # fmt: skip
     gaps = np.array(library._steps(readings))
     assert len(gaps) <= library.MOST_STEPS + 2
+    assert np.any((gaps > 1232) & (gaps < 1236))  # and where readings differ most
     assert np.any((gaps > 480) & (gaps < 1000)) and np.any((gaps > 1480) & (gaps < 3000))
 
 
