@@ -5,8 +5,11 @@ The sentences are those of docs/REFUSALS.md, read out of the source: a new one n
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import pytest
 
+from postproc.errors import ProgramError
 from postproc.nc import dialects
 from tests.advice import follow, plain, written_fanuc, written_linuxcnc, written_siemens
 from tests.advice.no_case import NO_CASE
@@ -21,6 +24,12 @@ def provoked(case: follow.Case):
     assert error is not None, "it is not refused"
     assert follow.sentence(error.message), f"no sentence of docs/REFUSALS.md: {error.message}"
     return error
+
+
+@lru_cache
+def met() -> dict[str, ProgramError]:
+    """Every sentence that the cases provoke, with one error of each."""
+    return {follow.sentence(error.message): error for error in map(provoked, CASES)}
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
@@ -49,18 +58,16 @@ def test_the_line_that_a_person_wrote_is_named(case):
 
 
 def test_every_sentence_has_a_case():
-    met = {follow.sentence(provoked(case).message) for case in CASES}
-    missing = sorted(m for m in ALL if m not in met and m not in NO_CASE)
+    missing = sorted(m for m in ALL if m not in met() and m not in NO_CASE)
     assert not missing, f"{len(missing)} sentences without a case:\n" + "\n".join(missing)
-    assert not sorted(m for m in NO_CASE if m in met), "they have a case now"
+    assert not sorted(m for m in NO_CASE if m in met()), "they have a case now"
     assert not sorted(m for m in NO_CASE if m not in ALL), "nothing says this any more"
 
 
 def test_every_sentence_has_a_way_out():
     """What the source leaves open is said where the sentence is made: a code's own reason, a function's list."""
-    met = {follow.sentence(error.message): error for error in map(provoked, CASES)}
-    assert all(error.advice for error in met.values())
-    unsaid = {m for m, advice in ALL.items() if not advice and m not in met}
+    assert all(error.advice for error in met().values())
+    unsaid = {m for m, advice in ALL.items() if not advice and m not in met()}
     assert unsaid <= set(NO_CASE)
 
 

@@ -60,7 +60,6 @@ CYCLES = [
     mill("G81 X1 G83 Z-1 R2 Q1", "G83 X1 Z-1 R2 Q1|G80"),
     mill("G4 P1 G81 X1 Z-1 R2", "G4 P1|G81 X1 Z-1 R2|G80"),
     mill("G10 L2 P1 R30|G90.1 G2 X3 Y3 I1 J1", "G10 L2 P1 R30|G91.1 G0 X1 Y2|G2 X3 Y2 I1 J0"),
-    turn("G71.1 Q100 D1 I1", "G71 Q100 D1 I1"),
     turn("G91 G71 Q100 D1 I1", "G90 G71 Q100 D1 I1"),
     turn("G17 G71 Q100 D1 I1", "G18 G71 Q100 D1 I1"),
     turn("G71 D1 I1", "G71 Q100 D1 I1"),
@@ -73,8 +72,6 @@ CYCLES = [
     turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 R2|X5 Z-7 R1"), shape_after=SHAPE),
     turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "X#1 Z-6"), shape_after=SHAPE),
     turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G1 Z-4|X4 Z-6|", ""), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "X1 Z-6"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G0 X2", "G0 Z0"), shape_after=SHAPE),
     turn("G71 Q100 I1 D50", "G71 Q100 I1 D.1"),
     turn("G70 Q100 P1.5", "G70 Q100 P1"),
     turn("G91 G70 Q100", "G90 G70 Q100"),
@@ -121,7 +118,6 @@ O_WORDS = [
     words("X#5210", "X1", how={"start": NOWHERE}),
     words("G[90.55]", "G[90]"),
     words("X1 M98 P5|M2|O5|M99", "X1|M98 P5|M2|O5|M99"),
-    words("o1 sub|M73|o1 endsub|o1 call", "o1 sub|o1 endsub|o1 call"),
     words("M98 P5 X1|M2|O5|M99", "M98 P5|X1|M2|O5|M99"),
     words("M98|M2|O5|M99", "M98 P5|M2|O5|M99"),
     words("M98 P5 L-1|M2|O5|M99", "M98 P5 L1|M2|O5|M99"),
@@ -161,7 +157,24 @@ O_WORDS = [
     words("#<_task>=1", "#<_own>=1"),
     words("X1 X2|o1 if [#<_metric> EQ 1]|o1 endif", "X2|o1 if [#<_metric> EQ 1]|o1 endif"),
 ]  # fmt: skip
+STATES = [
+    words("M72", "M70|M72"),
+    words("M70 X1", "M70|X1"),
+    words("G93 F#<_hal[a]>|G1 X1", "G94|G1 X1"),
+    words("@5 ^30 X1", "@5 ^30"),
+    words("G18|@5 ^30", "G17|@5 ^30"),
+    words("@5 @6 ^30", "@6 ^30"),
+    words("G0 X0 Y0|@5", "G0 X0 Y0|@5 ^30"),
+    words("G4 P1 @5 ^30", "G4 P1|X1 Y1"),
+    words("G53 @5 ^30", "G53 X1 Y1"),
+    words("G20 @5", "G20 G90 @.5 ^30"),
+    words("M70|G92 X5|M72", "M70|G92 X5|G92.1|M72"),
+    words("M73|G43 H1|M72", "G43 H1"),
+    words("G92 X5|M70|G92.1|M72", "G92 X5|G92.1"),
+    words("o1 sub|M73|G92 X5|o1 endsub|o1 call", "o1 sub|G92 X5|o1 endsub|o1 call"),
+    Case(C, "@5", "G0 X1 Y1 Z1|@5 ^30", how={**WRITE, "start": NOWHERE}),
+]
 OTHERS = [
     Case("marlin", "G90|G1 X1 Y1 Z1|G18|G5 X9 Y9 P1 Q1", "G90|G1 X1 Y1 Z1|G17|G5 X9 Y9 I1 J1 P1 Q1", how=WRITE),
 ]
-ALL = [*CYCLES, *O_WORDS, *OTHERS]
+ALL = [*CYCLES, *O_WORDS, *STATES, *OTHERS]
