@@ -17,7 +17,7 @@ from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
 from postproc.machine.poses import Poses
 from postproc.motions import Motions
-from postproc.nc import checksums
+from postproc.nc import checksums, faults
 from postproc.nc.beside_corrected import Contours, follow_both
 from postproc.nc.dialects import Dialect
 from postproc.nc.emitter import Emitter, Written
@@ -126,7 +126,10 @@ class Filter:
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
         mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
-        options = replace(self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes)
+        written_out = self.dialect.holes_written_out
+        options = replace(
+            self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes, holes_written_out=written_out
+        )
         self.compensator = Compensator(self.machine, options)
         marker = marker_of(self.machine, self.compensator.tolerance)
         if (
@@ -273,7 +276,10 @@ class Filter:
                     lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete), earlier
                 )
         columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
-        error = self._error(words.text[line_start:], fault.message, fault.advice, *columns)
+        advice = fault.advice
+        if advice in (faults.ADVICE_EXPRESSION, faults.ADVICE_POLAR) and not self.dialect.language:
+            advice = faults.ADVICE_NO_LANGUAGE
+        error = self._error(words.text[line_start:], fault.message, advice, *columns)
         error.delivered = before
         return error
 

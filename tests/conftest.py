@@ -2,8 +2,30 @@
 
 import os
 
+import pytest
 from hypothesis import settings
+
+from postproc.errors import GcompError
+
+MOST_LINES = 4  # where and what, the line, the columns, the way out
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", derandomize=False)
 settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
+
+
+@pytest.fixture(autouse=True)
+def no_long_message(monkeypatch):
+    """No error that a test provokes has more than four lines."""
+    made: list[GcompError] = []
+    begin = GcompError.__init__
+
+    def kept(self, *words, **more):
+        begin(self, *words, **more)
+        if len(made) < 1000:
+            made.append(self)
+
+    monkeypatch.setattr(GcompError, "__init__", kept)
+    yield
+    long = [str(error) for error in made if len(str(error).splitlines()) > MOST_LINES]
+    assert not long, long[0]

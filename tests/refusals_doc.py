@@ -13,7 +13,7 @@ DOC = ROOT / "docs" / "REFUSALS.md"
 CALLS = {
     "fault": None, "blame": None, "because": None, "bare": None, "BlockFault": None, "MotionFault": None, "ProgramError": None,
     "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
-    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None,
+    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None, "Refusal": None, "wrong": None,
 }  # fmt: skip
 PAIRS = (
     "nc/faults",
@@ -64,6 +64,11 @@ def sentences() -> dict[str, list[tuple[str, str]]]:
             for target in node.targets
             if isinstance(target, ast.Name)
         }
+        constants |= {  # a function that does nothing but choose between sentences
+            node.name: node.body[0].value
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef) and isinstance(node.body[0], ast.Return) and node.body[0].value
+        }
         for node in ast.walk(tree):
             if isinstance(node, ast.Tuple) and len(node.elts) == 2 and where in PAIRS:
                 pair = [_text(e, constants) for e in node.elts]
@@ -93,7 +98,9 @@ def _text(node: ast.expr, constants: dict[str, ast.expr], depth: int = 0) -> str
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return node.value
     if isinstance(node, ast.JoinedStr):
-        return "".join(_piece(v) for v in node.values)
+        return "".join(_piece(v, constants) for v in node.values)
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+        node = node.func
     if isinstance(node, ast.Name) and node.id in constants and depth < 3:
         return _text(constants[node.id], constants, depth + 1)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
@@ -103,10 +110,13 @@ def _text(node: ast.expr, constants: dict[str, ast.expr], depth: int = 0) -> str
     return ""
 
 
-def _piece(node: ast.expr) -> str:
+def _piece(node: ast.expr, constants: dict[str, ast.expr]) -> str:
     if isinstance(node, ast.Constant):
         return str(node.value)
     assert isinstance(node, ast.FormattedValue)
+    named = constants.get(node.value.id) if isinstance(node.value, ast.Name) else None
+    if isinstance(named, ast.Constant) and isinstance(named.value, str) and " " in named.value:
+        return named.value
     names = [
         n
         for n in re.findall(r"[A-Za-z_]+", ast.unparse(node.value))

@@ -32,6 +32,7 @@ FEW = 32  # motions that are worked out at once behind one that is left as it is
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
     outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
+    holes_written_out: whether --expand writes a canned cycle of this control out;
     arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a
     hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
     least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
@@ -45,6 +46,7 @@ class Options:
     ramp: float | None = None
     cut_rapids: bool = False
     arc_mismatch: float = 0.005
+    holes_written_out: bool = True
     hole_tolerance: float | None = None
     hysteresis: float | None = None
     orientation: bool = False

@@ -95,11 +95,12 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
         what = f"a tapped hole's axis bends by {bend / UM:.2f} um {where} ({limit}); {how}"
         b.notices.append(Notice("tap", what, motion, bend))
     else:
+        taken = f"--hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is"
+        written = "--expand writes it out as plain blocks, " if b.c.options.holes_written_out else ""
         raise MotionFault(
             motion,
             f"the hole's axis bends by {bend / UM:.2f} um {where} ({limit})",
-            "a cycle holds its place over the depth: --expand writes it out as plain blocks, "
-            f"--hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is",
+            f"a cycle holds its place over the depth: {written}{taken}",
         )
 
 

@@ -64,6 +64,7 @@ CYCLE = f"its motions are worked out by the control: {EXPAND}"
 RADIUS_CYCLE = (
     "its motions are worked out by the control: --expand writes it out under G8; under G7 releases differ on I J K"
 )
+THREADING = "it goes in step with the spindle and stays as it is: let the CAM program write its passes as G32 or G33"
 FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
 SPLINE = "corrected points do not lie on such a curve: --expand writes it out as straight lines"
 CALL = f"the same text runs at several places: {EXPAND}"

@@ -12,6 +12,10 @@ ADVICE_EXPRESSION = (
 ADVICE_POLAR = (
     "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another control? --dialect"
 )
+ADVICE_NO_LANGUAGE = (
+    "variables, expressions, O-words and macro statements of this control are not run: let the CAM program write plain "
+    "blocks; or is it for another control? --dialect"
+)
 STATEMENT = re.compile(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,

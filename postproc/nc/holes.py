@@ -20,6 +20,7 @@ from postproc.units import TICKS_PER_MM
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
+BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing writes it out
 
 
 @dataclass
@@ -42,6 +43,10 @@ class InCycle:
     after: Cycle | None
 
 
+def _way_out(b: Batch) -> str:
+    return WRITE_OUT if b.dialect.holes_written_out else BY_CAM
+
+
 def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
     if "motion" not in b.given and not b.dialect.is_hole[max(b.state.codes.get("motion", NONE), 0)]:
@@ -52,7 +57,9 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     planes = np.broadcast_to(b.held("plane"), b.n)[mask]
     letter = ACROSS.get(int(planes[0]), "")
     if (planes != planes[0]).any() or letter not in b.rows:
-        b.blame(mask.nonzero()[0], f"a canned cycle across {letter or 'a plane'}, which can not be followed", WRITE_OUT)
+        b.blame(
+            mask.nonzero()[0], f"a canned cycle across {letter or 'a plane'}, which can not be followed", _way_out(b)
+        )
         return None
     row = b.rows[letter]
     cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
@@ -69,7 +76,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
     offset = np.broadcast_to(b.offset[row], b.n)
     by_increment = b.words.block[increment][mask[b.words.block[increment]]]
-    b.blame(by_increment, "an increment for the bottom of a hole", WRITE_OUT)
+    b.blame(by_increment, "an increment for the bottom of a hole", _way_out(b))
     level, has_level = _held(b, level_word, np.where(absolute, offset, cycle.initial), scale, cycle.level)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
@@ -83,11 +90,11 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
-    b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", WRITE_OUT)
+    b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
     before = np.concatenate([[cycle.at_level], at_level[:-1] | cycle.at_level])
     # An initial level that is R but for a correction is the same level.
     higher = initial & (cycle.initial - level > SAME_LEVEL)
-    b.blame(holes[(higher & before)[holes]], "G98 after G99 in one series of holes", WRITE_OUT)
+    b.blame(holes[(higher & before)[holes]], "G98 after G99 in one series of holes", _way_out(b))
     last = int(mask.nonzero()[0][-1])
     after = None
     if mask[-1]:
@@ -147,8 +154,8 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:
         drills[block[count == 0]] = False
         following = np.searchsorted(drills.nonzero()[0], block[count == 0])
         after = drills.nonzero()[0][following[following < drills.sum()]]
-        b.blame(after, f"{letter}0 before this hole stores words without drilling", WRITE_OUT)
-        b.blame(block[(count != 1) & (count != 0)], "a cycle that is repeated", WRITE_OUT)
+        b.blame(after, f"{letter}0 before this hole stores words without drilling", _way_out(b))
+        b.blame(block[(count != 1) & (count != 0)], "a cycle that is repeated", _way_out(b))
 
 
 def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:

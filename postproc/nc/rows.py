@@ -116,11 +116,11 @@ FANUC_LATHE = [
     *rows(
         "motion",
         {
-            "83": "face drilling", "84": "face tapping", "85": "face boring", "87": "side drilling",
-            "88": "side tapping", "89": "side boring",
+            "83": "face drilling", "85": "face boring", "87": "side drilling", "89": "side boring",
         },
         refuses=codes.CYCLE,
     ),
+    *rows("motion", {"84": "face tapping", "88": "side tapping"}, refuses=codes.THREADING),
     *rows("motion", {"36": "tool offset of X, measured", "37": "tool offset of Z, measured"}, refuses=codes.PROBE),
     *rows("mirror", {"69": "no mirror"}),
     *rows("mirror", {"68": "double turret mirror"}, refuses=codes.UNTURNED),

@@ -33,7 +33,7 @@ def offset_columns(b: Batch) -> None:
     ):
         b.blame(
             np.flatnonzero(b.machine), "G53 while the tool has a length along a rotary axis",
-            "this control takes the rotary axis along by the offset, as measured: name it in the block, or take the offset out",
+            "this control takes the rotary axis along by the offset, as measured: write G49 before",
         )  # fmt: skip
 
 

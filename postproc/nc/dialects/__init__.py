@@ -50,7 +50,8 @@ class Dialect:
     NONE for a program that names none. `thread_words`: letters of a thread's lead.
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
-    outside of them. `excludes`: like `signs`: what its programs never have. `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
+    outside of them. `excludes`: like `signs`: what its programs never have. `holes_written_out`: whether `--expand` writes
+    its canned cycles out (postproc.nc.cycles). `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
     motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
     line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
@@ -108,6 +109,7 @@ class Dialect:
     thread_words: str = ""
     remarks: tuple[str, ...] = ()
     excludes: tuple[str, ...] = ()
+    holes_written_out: bool = True
     ends: tuple[int, ...] = END_OF_PROGRAM
     modal_motion: bool = True
     one_command: bool = False

@@ -72,5 +72,6 @@ DIALECT = Dialect(
     letters="E",
     thread_words="K",
     signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"#\d+[ \t]*=", r"G65[ \t]*P\d"),
+    holes_written_out=False,
     remarks=(r"\bGRBLHAL\b",),
 )  # fmt: skip

@@ -45,10 +45,11 @@ DIALECT = Dialect(
             "motion",
             {
                 "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
-                "74": "end face grooving", "75": "grooving", "76": "threading in many passes",
+                "74": "end face grooving", "75": "grooving",
             },
             refuses=codes.CYCLE,
         ),
+        *rows("motion", {"76": "threading in many passes"}, refuses=codes.THREADING),
         *rows("motion", {"80": "end of drilling cycles"}),
         *rows(
             "motion",

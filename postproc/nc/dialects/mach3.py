@@ -68,5 +68,6 @@ DIALECT = Dialect(
     exact_stops=(610,),
     letters="E",
     signs=(r"G59[ \t]*P\d", r"M1[01][ \t]*P\d", r"G7[01][ \t]*G9[01]\.1"),
+    holes_written_out=False,
     remarks=(r"\bMACH[ \t]*[234](MILL)?\b",),
 )  # fmt: skip

@@ -201,7 +201,9 @@ class Reader:
             arguments.append(self.bracketed())
         wanted = 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
         if len(arguments) != wanted:
-            raise self.fault(f"{name} takes {wanted} values, not {len(arguments)}", "", start)
+            raise self.fault(
+                f"{name} takes {wanted} values, not {len(arguments)}", "as in SIN[30], POW[2,3], ATAN[1]/[2]", start
+            )
         function = turn if wanted == 2 and name == "ATAN" else FUNCTIONS[name]
         if name == "ASIN" and self.haas:
             function = lambda x: math.degrees(math.asin(x))  # noqa: E731

@@ -1,0 +1,204 @@
+"""Sentences on what is written out: Fanuc's and Haas's cycles, frames and macros."""
+
+from __future__ import annotations
+
+from tests.advice.follow import NOWHERE, WRITE, Case
+
+A, M, H = "fanuc-lathe-a", "fanuc-mill", "haas"
+
+
+def lathe(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G0 X100. Z2.|"
+    return Case(A, head + before, head + after, then, how=WRITE, **options)
+
+
+def mill(before: str, after: str, then: str = "", dialect: str = M, **options) -> Case:
+    head = "G90 G0 X1. Y2. Z5.|F100|"
+    return Case(dialect, head + before, head + after, then, how=WRITE, **options)
+
+
+def macro(before: str, after: str, then: str = "", dialect: str = M, **options) -> Case:
+    head = "O1|G90 G0 X1. Y2. Z5.|F100|"
+    how = {**WRITE, **options.pop("how", {})}
+    return Case(dialect, head + before, head + after, then, how=how, **options)
+
+
+ROUGH = "G71 U2. R1.|G71 P10 Q20 F.2|"
+NURBS = "G90 G0 X0. Y0.|G6.2 P3 K0. X0. Y0. R1. F500.|K0. X5. Y0. R.70710678|K0. X5. Y5. R1.|K1.|K1.|K1.|G1 X9."
+
+
+def nurbs(old: str, new: str) -> Case:
+    assert old in NURBS
+    return Case(M, NURBS.replace(old, new, 1), NURBS, how=WRITE)
+
+
+TURNING = [
+    lathe(ROUGH + "N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.", ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100."),
+    lathe("G74 Z-5. Q1000 K1. F.1", "G74 Z-5. Q1000 F.1"),
+    lathe("M3 S100|G83 Z-5. R-1. K2 L2 F.1", "M3 S100|G83 Z-5. R-1. K2 F.1|G80"),
+    lathe("G90 X50. Z-5. R1. I1. F.1", "G90 X50. Z-5. R1. F.1"),
+    lathe("G74 R1. Z-5. F.1", "G74 Z-5. F.1"),
+    lathe(ROUGH + "N10 G0 X40. M8|N20 G1 Z-5.", "M8|" + ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe("G90 X50. U-5. Z-5. F.1", "G90 X50. Z-5. F.1"),
+    lathe(ROUGH + "N10 G0 X40.|G4 X1.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe("G42 G1 X90. F.1|G90 X80. Z-5.", "G42 G1 X90. F.1|G40 G1 X91.|G90 X80. Z-5."),
+    lathe("G70|G0 Z9.", "G70 P10 Q20|G0 Z9.|M30|N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe("G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5. F.1", "G70 P10 Q20|N10 G0 G42 X40.|G1 Z-5. F.1|N20 G40 G1 X60."),
+    lathe("M3 S100|G83 Z-5. M31 F.1", "M3 S100|G0 Z1.|G1 Z-5. F.1|G0 Z2."),
+    lathe("G71|G0 Z9.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe("G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe("G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe(ROUGH + "N10 G0 X40. Z0.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe(ROUGH + "N10 G0 X40.|G1 Z-5.|N20 G0 X100. Z2.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe(ROUGH + "N10 G0 X40.|G1 Z-5.|N20 X30. Z-9.", ROUGH + "N10 G0 X30.|G1 Z-5.|N20 X40. Z-9."),
+    lathe(ROUGH + "N10 G0 X40.|N20 G1 Z-5. ,R2.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe("G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe("G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P1000 Q1000 F.1|G0 Z9."),
+    lathe(ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N10 G0 X1.", ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N11 G0 X1."),
+    lathe(ROUGH + "N10 G0 X40.|N20 X40.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe(ROUGH + "N10 G0 X40.|N20 G2 X50. Z-5.", ROUGH + "N10 G0 X40.|N20 G2 X50. Z-3. R5."),
+    lathe(ROUGH + "N10 G0 X40.|N20 G2 X50. Z-30. R5.", ROUGH + "N10 G0 X40.|N20 G2 X50. Z-3. R5."),
+    lathe(
+        "G73 U2. R2|G73 P10 Q20 D1.5|N10 G0 X40.|N20 G1 Z-5. F.1", "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"
+    ),
+    lathe("G71 U.0001 R1.|G71 P10 Q20 F.2|N10 G0 X40.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe("G74 R1.|G74 X50. Z-5. P1 Q1 F.1", "G74 R1.|G74 X50. Z-5. P5000 Q1000 F.1"),
+    lathe("G74 R1.|G74 Z-50. Q1 F.1", "G74 R1.|G74 Z-50. Q1000 F.1"),
+]
+DRILLING = [
+    mill("M3 S9|G83 Z-9. R2. Q2. I1.", "M3 S9|G83 Z-9. R2. Q2.|G80", dialect=H),
+    mill("M3 S9|G81 Z-9. R2.|L0", "M3 S9|G81 Z-9. R2.|G80|L0", "", dialect=M),
+    mill("M3 S9|G76 X1. Z-5. R2. Q.1", "M3 S9|G0 Z2.|G1 Z-5.|G0 Z5."),
+    mill("M3 S9|G81 R2.", "M3 S9|G81 Z-5. R2.|G80"),
+    mill("M3 S9|G83 Z-5. R2.", "M3 S9|G83 Z-5. R2. Q1.|G80"),
+    mill("M3 S9|G83 Z-5. R2. Q.005 K99", "M3 S9|G83 Z-5. R2. Q1. K9|G80"),
+    mill("M3 S9|G81 Z-5. R2. G28", "M3 S9|G28|G81 Z-5. R2.|G80", "not known"),
+    mill("M3 S9|G81 G83 Z-5. R2. Q1.", "M3 S9|G83 Z-5. R2. Q1.|G80"),
+    mill("M3 S9|G41 D1 G1 X5.|G81 Z-5. R2.", "M3 S9|G41 D1 G1 X5.|G40 G1 X9.|G81 Z-5. R2.|G80"),
+    mill("M3 S9|G4 P1 G81 Z-5. R2.", "M3 S9|G4 P1|G81 Z-5. R2.|G80"),
+    mill("M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3.", "M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3. Z-5.|G80"),
+    mill("M3 S9|G91 G81 X1. Z-5. K2", "M3 S9|G91 G81 X1. Z-5. R-2. K2|G80"),
+    mill("M3 S9|G93 G81 X1. Z-5. R2. F1", "M3 S9|G94 G81 X1. Z-5. R2. F1|G80"),
+    Case(M, "M3 S9|F9|G99 G81 X1. Y1. Z-1. R2.|G98 X2.", "M3 S9|F9|G0 Z9.|G99 G81 X1. Y1. Z-1. R2.|G98 X2.|G80", how={**WRITE, "start": {"X": 0.0, "Y": 0.0}}),
+    Case(M, "M3 S9|F9|G0 Z50|G43 H1|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G43 H1|G0 Z50|G81 X1. Y1. Z-1. R2.|G80", first={"offsets": {"G54": {}}}, how=WRITE),
+    Case(M, "M3 S9|F9|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80", first={"start": NOWHERE}, how=WRITE),
+]  # fmt: skip
+FRAMES = [
+    mill("G68 X0 Y0 Z1. R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G51.1 X0|G68 X0 Y0 R30.", "G51.1 X0|G50.1 X0|G0 X1. Y1.|G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G68 X0 Y0 R30.|G54", "G68 X0 Y0 R30.|G69|G54|G0 X1. Y1."),
+    mill("G68 X0 Y0 R30.|G28 X0", "G68 X0 Y0 R30.|G69|G28 X0|G0 X1. Y1."),
+    mill("G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G50", "G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G69|G50|G0 X1. Y1. Z5."),
+    mill("G68 X0 Y0 R30.|G51 X0 Y0 P2.", "G51 X0 Y0 P2.|G68 X0 Y0 R30.|G69|G50|G0 X1. Y1. Z5."),
+    mill("G51 X0 Y0|G0 X3.", "G51 X0 Y0 P2.|G0 X3. Y3. Z5.|G50|G0 X1. Y1. Z5.", dialect=H),
+    mill("G51.1|G0 X3.", "G51.1 X0|G0 X3. Y1.|G50.1 X0|G0 X1. Y1."),
+    mill("G91 G68 X0 Y0 R30.|G68 X0 Y0 R30.", "G91 G68 X0 Y0 R30.|G69|G90 G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G68 X0 R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G68 X0 Y0 Z0 I0 J0 K1 R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G68 X0 Y0", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill("G51 X0 Y0 Z0 P2. I2.", "G51 X0 Y0 Z0 P2.|G50|G0 X1. Y1. Z5."),
+    mill("G51 X0 Y0 Z0 P0.", "G51 X0 Y0 Z0 P2.|G50|G0 X1. Y1. Z5."),
+    mill("G68 X0 Y0 R30.|G18", "G68 X0 Y0 R30.|G69|G18|G0 X1. Y1. Z1."),
+    mill("M3 S9|G51 X0 Y0 Z0 P2.|G84 Z-5. R1.", "M3 S9|G84 Z-5. R1.|G80"),
+    Case(M, "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", "G68 X0 Y0 R90.|G0 X1. Y1.|G69|G0 X1. Y1. Z5.", how={**WRITE, "start": NOWHERE}),
+    Case(M, "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", first={"start": NOWHERE}, how=WRITE),
+    mill("G41 D1 G1 X5.|G51.1 X0", "G41 D1 G1 X5.|G40 G1 X9.|G51.1 X0|G50.1 X0|G0 X1. Y1."),
+    mill("G51 X0 Y0 Z0 P2|G0 X3.", "G51 X0 Y0 Z0 P2.|G0 X3. Y3. Z5.|G50|G0 X1. Y1. Z5.", dialect=H),
+    mill("G68 X0 Y0 R30.|G1 X5. Y5.|G69|G91 X1.", "G68 X0 Y0 R30.|G1 X5. Y5.|G69|G90 X1. Y1.|G91 X1."),
+    mill("G16|X50.", "G16|G0 X50. Y30.|G15|G0 X1. Y1."),
+    mill("G68 X0 Y0 R30.|G90.1 G2 X5. Y5. I1. J1.", "G68 X0 Y0 R30.|G0 X1. Y1.|G69|G0 X1. Y1."),
+]  # fmt: skip
+CURVES = [
+    nurbs("G90 G0 X0. Y0.|", "G90 G0 X0. Y0.|G91 "),
+    nurbs("P3", "P5"),
+    nurbs("|K0. X5. Y0.", "|X5. Y0."),
+    nurbs("X5. Y5.", "X5. Z5."),
+    nurbs("R.70710678", "R-1."),
+    nurbs("|K1.|K1.|K1.", "|K1.|K1|K1."),
+    nurbs(" R.70710678", ""),
+    nurbs("|K1.|K1.|K1.", "|K1.|K1."),
+    nurbs("K0. X0. Y0.", "K0. X1. Y0."),
+    nurbs("|K1.|K1.|K1.", "|K1.|K1.|K2."),
+    nurbs("G90 G0 X0. Y0.|", "G90 G0 X0. Y0.|G41 D1 G1 X1. F9|"),
+    nurbs("G90 G0 X0. Y0.|G6.2", "G90 G0 X0. Y0.|G93 G6.2"),
+]
+SUB = "|M30|O9|G1 X#1 F100|M99"
+MACROS = [
+    macro("X#", "X#100", how={}, also={}),
+    macro("#5221=1", "G10 L2 P1 X1.|G0 X2. Y2. Z5."),
+    Case(M, "O1|X#5041", "O1|G0 X#5041 Y1. Z1.", first={"start": NOWHERE}, how=WRITE),
+    macro("#2001=1", "G0 X3."),
+    macro("#0=1", "#1=1"),
+    macro("#1=5 X1", "#1=5|X1."),
+    macro("X1. G65P9A1." + SUB, "G65P9A1." + SUB),
+    macro("X[#1", "X1."),
+    macro("G65P9G1" + SUB, "G65P9A1." + SUB),
+    macro("X[POW[10,9]]", "X[POW[10,1]]"),
+    macro("#1=99|M#1", "M9"),
+    macro("G65P9" + "I1." * 11 + SUB, "G65P9" + "I1." * 10 + "A1." + SUB),
+    macro("N1 GOTO 1", "G0 X1.", how={}),
+    macro("#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1", "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1", also={"steps": 90_000}),
+    macro("M98P9|M30|O9|G0 X1.", "M98P9|M30|O9|G0 X1.|M99"),
+    macro("X[LN[0]]", "X[LN[1]]"),
+    macro("M98P9.5|M30|O9|M99", "M98P[FIX[9.5]]|M30|O9|M99"),
+    macro("M98|M30|O9|M99", "M98P9|M30|O9|M99"),
+    macro("X[ATAN[1]/[-1]]", "X[ATAN2[1]/[-1]]", dialect=H),
+    macro("G[90.55]", "G[90]"),
+    macro("G66.1P9A1.|X1." + SUB, "G65P9A1.|X1.|G65P9A1." + SUB),
+    macro("#1=1.5|GOTO#1|N1 X1.", "#1=1|GOTO#1|N1 X1."),
+    macro("M99", "M30"),
+    macro("/M99|M30", "/M99|M30", also={"delete": True}),
+    macro("GOTO 5|WHILE[1 EQ 0]DO1|N5X1.|END1", "GOTO 5|WHILE[1 EQ 0]DO1|X1.|END1|N5X1."),
+    macro("WHILE[1 EQ 0]", "WHILE[1 EQ 0]DO1|END1"),
+    macro("G66P9A1.|M98P9X1." + SUB, "G66P9A1.|X1.|M98P9|G67|M30|O9|G1 X5. F100|M99"),
+    macro("IF[1 EQ 1]", "IF[1 EQ 1]THEN #2=5"),
+    macro("IF[1 EQ 1]THEN", "IF[1 EQ 1]THEN #2=5"),
+    macro("#2", "#2=5"),
+    macro("X" + "[" * 60 + "1" + "]" * 60, "#1=1|X#1"),
+    macro("M98P1", "M30"),
+    macro("X[1/0]", "X[1/1]"),
+    macro("M98P9L0|M30|O9|M99", "M98P9L1|M30|O9|M99"),
+    macro("X[SIN", "X[SIN[30]]"),
+    macro("IF[#1EQ#0]THEN#3000=1(NO DEPTH)", "#1=5|IF[#1EQ#0]THEN#3000=1(NO DEPTH)"),
+    macro("GOTO 9", "GOTO 9|N9 X1."),
+    macro("M98P7|M30", "M98P7|M30|O7|X1.|M99"),
+    macro("M98P7|M30", "M98P7|M30", also={"library": {"7": "O7|X1.|M99"}}),
+    macro("X[#[0-1]]", "#100=1|X#100"),
+    macro("M98P9M99|M30|O9|M99", "M98P9|M30|O9|M99"),
+    macro("X[1 EQ 1 EQ 1]", "X[[1 EQ 1] AND [1 EQ 1]]"),
+    macro("X1. X2.|X#5001", "X2.|X#5041"),
+    macro("X#5061", "X1."),
+    macro("X#500", "#500=5|X#500"),
+    macro("X#1000", "X1."),
+    macro("X[SIN[1,2]]", "X[SIN[1]]"),
+    macro("X[1+2", "X[1+2]"),
+    macro("N[10**9]", "N9"),
+    macro("#1=1|GOTO 7|M98P9H7|M30|O9|N8 M99", "G0 X1."),
+    macro("X1" + "0" * 400, "X1."),
+    macro("T#1.5", "T1"),
+    Case(H, "O1|M97P7|M30|N8 M99", "O1|M97P7|M30|N7 M99", how=WRITE),
+    Case(M, "O1|M98P9Q7|M30|O9|N8 M99", "O1|M98P9|M30|O9|N8 M99", how=WRITE),
+]
+MORE = [
+    macro("#1=5|X#1|#3901=1", "#1=5|X#1"),
+    macro("#4120=5", "G0 X1."),
+    macro("X#3011", "X1."),
+    macro("X1. [", "X1."),
+    macro("M98P99999999999", "M30"),
+    macro("X1.234567890123456789012", "X1.2345"),
+    macro("#1=" + "9" * 400, "#1=9"),
+    macro("M98P9L1.5|M30|O9|M99", "M98P9L1|M30|O9|M99"),
+    macro("G65A1.", "G65P9A1." + SUB),
+    macro("GOTO", "GOTO 9|N9 X1."),
+    macro("X", "X1."),
+    macro("X SIN[30]", "X[SIN[30]]"),
+    macro("M98PSIN[1]", "M30"),
+    macro("M[1.5]", "M9"),
+    macro("G65P9A" + SUB, "G65P9A1." + SUB),
+    macro("G65PA1." + SUB, "G65P9A1." + SUB),
+    macro("X[[1]", "X[1]"),
+    macro("END2", "M30"),
+    macro("M198", "M30"),
+]
+ALL = [*MORE, *TURNING, *DRILLING, *FRAMES, *CURVES, *MACROS]

@@ -1,0 +1,139 @@
+"""Sentences on what is written out: Sinumerik's frames, corners, control structures and expressions."""
+
+from __future__ import annotations
+
+from tests.advice.follow import NOWHERE, WRITE, Case
+
+
+def frame(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G90 G0 X0 Y0 Z5|F100|"
+    return Case("siemens", head + before, head + after, then, how=WRITE, **options)
+
+
+def run(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G90 G0 X0 Y0 Z5|"
+    how = {**WRITE, **options.pop("how", {})}
+    return Case("siemens", head + before, head + after, then, how=how, **options)
+
+
+FRAMES = [
+    frame("ROT Z30 F1", "ROT Z30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),
+    frame("ROT X30 Y30", "ROT X30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),
+    frame("ROT Z30|G70", "G70|ROT Z30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),
+    frame("SCALE X2 Y2|G1 X1 Y1 RND=3", "G1 X5 RND=3|Y5"),
+    frame("G111 X1 RP=3", "G111 X1 Y0|G1 AP=30 RP=3"),
+    frame("G1 AP=30|G0 X5", "G1 RP=3 AP=30|G0 X5"),
+    frame("ROT Z30|X5", "ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("ROT RPL=30 Z5", "ROT RPL=30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("TRANS RPL=30", "ROT RPL=30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("G1 X3 RP=3 AP=4", "G1 RP=3 AP=4"),
+    frame("SCALE X0 Y0|G1 X5 Y5", "SCALE X2 Y2|G1 X5 Y5|SCALE|G0 X1 Y1"),
+    frame("ROT Z30|SCALE X2 Y1|AROT X30|SCALE X0.00000001", "ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("ROT Z30|CYCLE832(0.1)|CYCLE81(9,0,2,-5)", "ROT Z30|ROT|G0 X1 Y1"),
+    frame("ROT Z30|X=IC(5)", "ROT Z30|G0 X5 Y5|X=IC(5)|ROT|G0 X1 Y1"),
+    frame("ROT Z30|G0 X5 Y5|AP=IC(5) RP=3", "ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("ROT X30|G2 X5 Y5 CR=9", "G2 X5 Y5 CR=9"),
+    frame("G41 D1 G1 X9|ROT Z30", "G1 X9|ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
+    frame("SCALE X99999999 Y2", "SCALE X2 Y2|G1 X5 Y5|SCALE|G0 X1 Y1"),
+]
+CORNERS = [
+    frame("G1 X50 RND=5 CHF=1|Y9", "G1 X50 RND=5|Y9"),
+    frame("G1 X50 RND=5 FRC=50|Y9", "G1 X45|G3 X50 Y5 CR=5|G1 Y9"),
+    frame("G1 X50 RND=5|G41 D1 Y9", "G41 D1 G1 X9|X50 RND=5|Y9"),
+    frame("G1 X50 RND=5|X60 Z9", "G1 X50|X60 Z9"),
+    frame("G1 X50 RND=5|Z9", "G1 X50|Z9"),
+    frame("G1 X50 RND=5|X40", "G1 X50|X40"),
+    frame("G1 X50 RND=60|Y40", "G1 X50 RND=6|Y40"),
+    frame("G1 X50 RNDM=5|RNDM=0|Y50", "G1 X50 RNDM=5|Y50 RNDM=0"),
+    frame("G1 X50 RND=5|X50 Y0|Y9", "G1 X50|Y9"),
+    frame("DIAM90|G1 X50 RND=5|Y9", "DIAMOF|G1 X50 RND=5|Y9"),
+    frame("G1 RND=3 RP=3 AP=4|Y9", "G1 RP=3 AP=4|Y9"),
+]
+TAKES, VAR = (
+    {"library": {"TAKES": "PROC TAKES(VAR REAL aa)|M17"}},
+    {"library": {"GIVES": "PROC GIVES(REAL aa)|G0 X=aa|M17"}},
+)
+NONE = {"library": {"NONE1": "G0 X1|M17", "SELF": "G0 X1|SELF|M17", "SAVES": "PROC SAVES SAVE|G0 X1|M17"}}
+PARTS = [
+    run("R1=1.5|M=R1", "R1=9|M=R1"),
+    run("ID=1 DO M8", "M8"),
+    run("$P_UIFR[1]=5", "G0 X1"),
+    run("SAVES", "G0 X1", how=NONE),
+    run("DEF REAL f_[2,3]|X=f_[1]", "DEF REAL f_[2,3]|f_[1,0]=2|X=f_[1,0]"),
+    run("DEF REAL f_[2,3]|X=f_[2,0]", "DEF REAL f_[2,3]|f_[1,0]=2|X=f_[1,0]"),
+    run("X=R7", "R7=1|X=R7"),
+    run("DEF INT ii|ii=IC(5)", "DEF INT ii|ii=5"),
+    run("DEF REAL X", "DEF REAL XX"),
+    run("X=Y+1", "X=$AA_IW[Y]+1"),
+    run("X=ACC[X]", "X1"),
+    run("R1=SET(1,2)", "R1=1|R2=2"),
+    run("X10 NONE1(5)", "X10|NONE1", how=NONE),
+    run("X=QQ", "DEF REAL QQ=5|X=QQ"),
+    run("TAKES(5)", "DEF REAL bb=5|TAKES(bb)", how=TAKES),
+    run("X=LN(0)", "X=LN(1)"),
+    run("X1 Y", "X1 Y2"),
+    run("NONE1(5)", "NONE1", how=NONE),
+    run("GIVES(1,2)", "GIVES(1)", how=VAR),
+    run("X=$AA_IM[Q]", "X=$AA_IM[Y]"),
+    Case("siemens", "G0 X=$AA_IW[X]", "G0 X1 Y1 Z1|G0 X=$AA_IW[X]", how={**WRITE, "start": NOWHERE}),
+    run("X10 # 5", "X10"),
+    run("X=ROUND(-2.5)", "X=-3"),
+    run("DEF CHAR cc=300", "DEF REAL cc=300"),
+    run("CALL 5", 'CALL "NONE1"', how=NONE),
+    run("NONE1 P=-1", "NONE1 P=1", how=NONE),
+    run("RET(1)", "RET"),
+    run("X=TAN(90)", "X=TAN(9)"),
+    run("X1 X2|R1=$AA_IW[X]", "X2|R1=$AA_IW[X]"),
+    run('X="A"<<"B"', "X1"),
+    run('X="A"+1', "X=1+1"),
+    run("X=", "X=1"),
+    run("X=AND", "X=1"),
+    run("X=1+", "X=1+1"),
+    run("X=R[-1]", "R1=1|X=R[1]"),
+    run("DEF REAL f_[2,2,2,2]", "DEF REAL f_[2,2,2]"),
+    run("DEF REAL f_[10000000]", "DEF REAL f_[10]"),
+    run("IF TRUE X5", "IF TRUE|X5|ENDIF"),
+    run("DEF FRAME f1", "TRANS X1|G0 X1"),
+    run("X=FOO(1)", "X1"),
+    run("X=" + "(" * 99 + "1" + ")" * 99, "X1"),
+    run("SELF", "NONE1", how=NONE),
+    run("DEF STRING[5] ss=5", 'DEF STRING[5] ss="5"'),
+    run("DEF REAL f_[2]=SET(1,2,3)", "DEF REAL f_[3]=SET(1,2,3)"),
+    run("X=1EX400", "X=1EX1"),
+    run("X=$P_UIFR[1,X,TR]", "X1"),
+    run("GOTOF NEXT", "GOTOF NEXT|NEXT: X1"),
+    run("GOTO 5", "GOTO NEXT|NEXT: X1"),
+    run("ENDIF X1", "IF TRUE|ENDIF|X1"),
+    run("REPEATB NIX P=2", "NIX: X1|REPEATB NIX P=2"),
+    run("NIX: X1|REPEAT NIX NUX P=2", "NIX: X1|NUX: X2|REPEAT NIX NUX P=2"),
+    run("X=1/0", "X=1/2"),
+    run("X=(1", "X=(1)"),
+    run("FOR 5=1 TO 3|ENDFOR", "FOR R1=1 TO 3|ENDFOR"),
+    run("PCALL", "NONE1", how=NONE),
+    run("GOTOF", "GOTOF NEXT|NEXT: X1"),
+    run("DEF REAL", "DEF REAL aa"),
+    run("WHILE TRUE|X1", "WHILE FALSE|X1|ENDWHILE"),
+    run("WHILE TRUE|X1|ENDWHILE", "WHILE FALSE|X1|ENDWHILE"),
+    run("GOTOF (5)", "GOTOF NEXT|NEXT: X1"),
+    run("DEF STRING[5] ss|ss=Y", 'DEF STRING[5] ss|ss="Y"'),
+    run("REPEAT|X1", "REPEAT|X1|UNTIL TRUE"),
+    run("IF TRUE|X1", "IF TRUE|X1|ENDIF"),
+    run("GOTOB NEXT|NEXT: X1", "GOTOF NEXT|NEXT: X1"),
+    run("GOTOF 1+1", "GOTOF NEXT|NEXT: X1"),
+    run("X=AX[5]", "X1"),
+    run("AX[5]=1", "AX[Y]=1"),
+    run("X=AXSTRING(5)", "X1"),
+    run('X=AXSTRING(Y)', "X1"),
+    run("G70|X=$AA_IM[Y]", "G71|X=$AA_IM[Y]"),
+    run('MSG("A"', 'MSG("A")'),
+    run("GONE", "GONE", also={"library": {"GONE": "G0 X1|M17"}}),
+    run("CASE 5 OF 5 GOTOF", "CASE 5 OF 5 GOTOF NEXT|NEXT: X1"),
+    run("IF|ENDIF", "IF TRUE|ENDIF"),
+    run("LOOP|X1", "NIX: X1"),
+    run("X=IC(", "X=IC(1)"),
+    run("R=5", "R1=5"),
+    run("N10 REPEAT", "N10 REPEAT|UNTIL TRUE"),
+    run("X=SIN()", "X=SIN(1)"),
+    run('X=$AC_TIME', "X1"),
+]  # fmt: skip
+ALL = [*FRAMES, *CORNERS, *PARTS]
