@@ -50,6 +50,7 @@ def main(argv: list[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--small", action="store_true", help="a trial of a minute")
+    parser.add_argument("--share", type=float, default=1.0, help="of the cases of every tier, the first ones")
     parser.add_argument("--kinds", choices=KEPT, default="held", help="the family of kinds beside the open ones")
     parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
     parser.add_argument("--beside", type=Path, help="a checkout of another version of the tool, on the same cases")
@@ -61,7 +62,7 @@ def main(argv: list[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         freeze = trial_seal.frozen(options.freeze)
-        tiers = SMALL if options.small else TIERS
+        tiers = {t: max(1, round(options.share * n)) for t, n in (SMALL if options.small else TIERS).items()}
         found = trial(freeze, tiers, options.keep, options.jobs, options.beside, options.kinds)
     except (trial_seal.SealError, FileExistsError) as error:
         print(f"trial: {error}", file=sys.stderr)
