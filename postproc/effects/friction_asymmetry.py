@@ -38,7 +38,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np.ndarray:
     v = state.velocity[axis] / 100.0
     if released:
-        return along(axis, -np.sign(v), -v, -np.sign(np.abs(v)), -np.abs(v))
+        return along(axis, -np.sign(v), -np.sign(np.abs(v)))
     if tau_ms <= 0:  # how much more it lags in one direction whatever its speed is a zero that nobody knows
         return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
@@ -48,17 +48,22 @@ def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np
 
 
 def sensible(
-    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float, **other: float
-) -> bool:
+    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float,
+    released: float = 0.0, **other: float,
+) -> bool:  # fmt: skip
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion in either of them."""
     if tau_ms > 0:
         return True
-    like, unlike = abs(slope_um) + LIKE_SLOPE * abs(size_um), abs(difference_slope_um) + LIKE_SLOPE * abs(difference_um)
-    return UNLIKE * abs(slope_um) < unlike <= OPPOSES * like
+    if released:
+        return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
+    opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
+    return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [float(c) for c in coefficients]
+    if len(values) == 2:
+        values = [values[0], 0.0, values[1], 0.0]
     if len(values) == 3:
         values.insert(2, 0.0)
     names = ("size_um", "slope_um", "difference_um", "difference_slope_um")
@@ -74,5 +79,5 @@ def coefficients(
     released: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, slope_um, difference_um, difference_slope_um]
-    few = [*values[:2], values[3]]
-    return np.array(values if tau_ms > 0 or released else few), {"tau_ms": tau_ms, "released": released}
+    few = [size_um, difference_um] if released else [*values[:2], values[3]]
+    return np.array(values if tau_ms > 0 else few), {"tau_ms": tau_ms, "released": released}
