@@ -217,9 +217,9 @@ class Search:
 
         found = [(worth(state), state) for state in {state.key: state for state in states}.values()]
         most, best = max(found, key=lambda one: one[0])
-        # What the errors of form do not part, and says no more, is parted as it fits.
-        size = len(best.members) + len(best.fit.on)
-        alike = [s for w, s in found if w > most - ALIKE and len(s.members) + len(s.fit.on) <= size]
+        # Names that the errors of form do not part are parted as they fit.
+        size, on = len(best.members), best.fit.on
+        alike = [s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on]
         return max(alike, key=lambda state: state.score)
 
     def _grown(self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0) -> list[Found]:

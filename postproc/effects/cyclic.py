@@ -42,7 +42,8 @@ LEADS = (
 # A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
 MOST = 0.6  # of the amplitude: beyond, it is another wave
-TURNS = 1.5  # of the screw: fewer are a curve
+PLACES = 8  # fewer go through any wave: a mean, two waves of one period and what comes with them have seven values
+TURNS = 3.0  # of the screw: fewer are a curve
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "part")
@@ -55,6 +56,8 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     """What screws are made with; others are found from the spectrum of what is left, see diagnose."""
     span = float(np.ptp(state.position[axis]))
+    if len(np.unique(np.round(state.position[axis], 2))) < PLACES:
+        return []
     return [{"period_mm": lead} | PLAIN for lead in LEADS if TURNS * lead < span]
 
 
