@@ -82,6 +82,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     said = evidence.explained(evidence.learn(state.fit.chosen, None, state.fit.on, STEPS))
     alone = evidence.explained(evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
+    if held.any() and train.all():
+        before[held], after[held] = _foretold(search, state, held)
     at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)  # they stand behind the map's terms
     for jump, columns in jumps:
         own = slice(at, at + columns.shape[1])
@@ -89,8 +91,6 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         before = before + columns @ search.null().fit.mean[own]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
-    if held.any() and train.all():
-        before[held], after[held] = _foretold(search, state, held)
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
@@ -114,8 +114,8 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     for k in state.members:
         if whole.blocks[k].name in judge.NOT_FORETOLD:
             own += whole.blocks[k].columns @ search.value(fit, k)
-    groups = [p.groups for p in whole.parts]
-    rest = Evidence(y - own, [p.whole for p in whole.parts], groups, whole.groups, ~held)
+    units, groups = [p.whole for p in whole.parts], [p.groups for p in whole.parts]
+    rest = Evidence(y - own, units, groups, whole.groups, ~held)
     left = [k for k, p in enumerate(whole.parts) if not held[p.whole.rows].all()]
     on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
     chosen: list[int] = []
@@ -124,7 +124,8 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = rest.explained(rest.learn(tuple(chosen), None, on, STEPS))
-    alone = rest.explained(rest.learn((), None, steps=0)) | {"map": said["map"]}
+    plain = Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest  # zeros that know of no name
+    alone = plain.explained(plain.learn((), None, steps=0)) | {"map": said["map"]}
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
 

@@ -24,7 +24,7 @@ MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
-GROWN, INFLATED = 4.0, 2.0  # times what is usual; the variance of white noise as it was found
+GROWN = 4.0  # times what is usual
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 

@@ -45,7 +45,15 @@ def diagnosed(files: list[str], machine: str, out: Path, *more: str) -> dict:
 
 
 @pytest.mark.parametrize(
-    "effect", ["backlash:Z:size_um=9", "squareness:XZ:urad=70", "servo_mismatch:XZ:delta_tau_ms=0.8"]
+    "effect",
+    [
+        "backlash:Z:size_um=9",
+        "squareness:XZ:urad=70",
+        pytest.param(
+            "servo_mismatch:XZ:delta_tau_ms=0.8",
+            marks=pytest.mark.xfail(strict=True, reason="named servo_lag the first time, servo_mismatch the second"),
+        ),
+    ],
 )
 def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path, effect):
     """Recordings of the real machine, and such as the written one gives on another day, hold nothing more for its file; the old
@@ -62,8 +70,7 @@ def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path,
         rest = diagnosed(files, found, tmp_path / "b.json")
         assert rest["verdict"] == "nothing-left-out" and not rest["effects"]
     missed = diagnosed(again, str(STUDER), tmp_path / "c.json")
-    sets = {name.partition(":")[0] for e in told["effects"] for name in (e["effect"], *e["equivalent"])}
-    assert missed["effects"] and {e["effect"] for e in missed["effects"]} <= sets
+    assert [e["effect"] for e in missed["effects"]] == [e["effect"] for e in told["effects"]]
 
 
 def written(folder: str) -> list[dict]:
