@@ -84,6 +84,9 @@ DRILLING = [
     Case(M, "M3 S9|F9|G0 Z50|G43 H1|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G43 H1|G0 Z50|G81 X1. Y1. Z-1. R2.|G80", first={"offsets": {"G54": {}}}, how=WRITE),
     Case(M, "M3 S9|F9|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80", first={"start": NOWHERE}, how=WRITE),
 ]  # fmt: skip
+HAAS_LATHE = [
+    Case("haas-lathe", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 W1.", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 Z6.", how=WRITE),
+]
 FRAMES = [
     mill("G68 X0 Y0 Z1. R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G51.1 X0|G68 X0 Y0 R30.", "G51.1 X0|G50.1 X0|G0 X1. Y1.|G68 X0 Y0 R30.|G69|G0 X1. Y1."),
@@ -201,4 +204,4 @@ MORE = [
     macro("END2", "M30"),
     macro("M198", "M30"),
 ]
-ALL = [*MORE, *TURNING, *DRILLING, *FRAMES, *CURVES, *MACROS]
+ALL = [*MORE, *TURNING, *HAAS_LATHE, *DRILLING, *FRAMES, *CURVES, *MACROS]

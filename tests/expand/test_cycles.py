@@ -486,6 +486,55 @@ def test_lathe_drilling_counts_r_from_where_it_stands():
     assert lines[1:] == ["G99 G0 Z-3.", "X40.", "G1 X28.", "G0 X40.", "X29.", "G1 X20.", "G4 P100", "G0 X40."]
 
 
+def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began():
+    """Haas lathe operator's manual, G83, G85, G243; written as Autodesk's `haas lathe.cps` writes a hole: to the clearance, then
+    X Z R F, G80. R of a radial hole is a diameter, pecks are radii: X 46 less 2 x 2 is 42, and 40 is the bottom."""
+    lines = lathe("G18|G0 X0. Z5.|G0 Z5.|G83 X0. Z-4. R2. Q4. P500 F.1|G80|G0 Z5.", "haas-lathe")
+    assert lines[3:] == [
+        "G0 X0. F.1",
+        "Z2.",
+        "G1 Z-2.",
+        "G0 Z2.",
+        "Z-1.5",
+        "G1 Z-4.",
+        "G4 P500",
+        "G0 Z5.",
+        "G80",
+        "G0 Z5.",
+    ]
+    lines = lathe("G19|G0 X50. Z-10.|G243 X40. Z-10. R46. Q2. F.1|G80|G0 X60.", "haas-lathe")
+    assert lines[2:-2] == ["G0 Z-10. F.1", "X46.", "G1 X42.", "G0 X46.", "X43.", "G1 X40.", "G0 X50."]
+    lines = lathe("G0 X20. Z5.|G85 X20. Z-8. R2. F.1|U4.|G80", "haas-lathe")
+    assert lines[1:-1] == [
+        "G0 X20. F.1",
+        "Z2.",
+        "G1 Z-8.",
+        "Z2.",
+        "G0 Z5.",
+        "G0 U4.",
+        "Z2.",
+        "G1 Z-8.",
+        "Z2.",
+        "G0 Z5.",
+    ]
+
+
+def test_a_haas_lathes_hole_without_r_begins_where_the_tool_stands():
+    assert lathe("G0 X0. Z2.|G81 Z-8. F.1|G80", "haas-lathe")[1:] == ["G1 Z-8. F.1", "G0 Z2.", "G80"]
+
+
+def test_where_a_haas_lathe_ends_behind_a_hole_is_said_and_nothing_counts_from_there():
+    resolver = Resolver(Program("part", b""), Tracker(Interpreter(dialects.load("haas-lathe"), LATHE)))
+    for n, one in enumerate(["G0 X20. Z5.", "G81 Z-8. R2. F.1", "G80", "G0 X30."], 1):
+        resolver.take(Line(one.encode(), n))
+    (notice,) = resolver.scene.notices
+    assert "goes back to Z5." in notice.message and "at R, Z2." in notice.message and notice.line == 2
+    with pytest.raises(ProgramError, match="W1. counts from where the cycle left Z"):
+        resolver.take(Line(b"W1.", 5))
+    assert resolver.take(Line(b"Z9.", 6))[0].text == b"Z9."
+    assert resolver.take(Line(b"W1.", 7))[0].text == b"W1."
+
+
 def test_threads_of_a_lathe_stay_and_end_where_they_began():
     program = "G0 X30. Z2.|G92 X29. Z-20. F1.5|X28.5|G0 X40.|G76 P011060 Q100 R.05|G76 X28. Z-20. P900 Q300 F1.5|G90 U-2. Z-5."
     assert lathe(program)[:6] == program.split("|")[:6] and lathe(program)[6] == "G0 X38."
@@ -547,6 +596,10 @@ HAAS_REFUSED = {
         "G71 P10 Q20 D2.|N10 G0 G42 X40.|N20 G1 G40 Z-5.": "G42 in the shape of G71",
         "G74 X50. Z-5. K1. D.2": "draws the tool aside",
         "G74 Z-5. Q1000": "Q in a grooving cycle .G74.: that is no word of it",
+        "G81 X50. W-5. R2.": "W-5. in a drilling cycle .G81.: from where it counts the bottom is not certain",
+        "G241 Z-5. U-5. R2.": "U-5. in a drilling cycle .G241.: from where it counts the bottom is not certain",
+        "G83 Z-9. R2. Q2. K1.": "Q and K of G83 together",
+        "G87 Z-9. R2.": "G87 can not be written out: the operator draws the tool out by hand",
     },
 }
 

@@ -57,7 +57,12 @@ class Sample(NamedTuple):
         return self._replace(words={x: v for x, v in self.words.items() if x in letters})
 
 
+WITH_Y = replace(LATHE, axes=("X", "Y", "Z", "C"), start=dict.fromkeys("XYZC", 0.0))
+
+
 def setup(name: str) -> Setup:
+    if name == "haas-lathe":
+        return WITH_Y
     return LATHE if "lathe" in name else MILL
 
 
@@ -103,6 +108,8 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
             Sample(values(f"{HOLE} {how} P500/600 Q1.5/1."), BEGIN, MORE * (name != "haas")) for how in ("L2/3", "K2/3")
         ]
         return both[: 1 + (name != "haas")] + [Sample(values(f"{HOLE} L2/3 P500/600{peck}"), BEGIN)] * bool(peck)
+    if name == "haas-lathe" and (len(code) == 4 or code[1] == "8"):
+        return haas_holes(code)
     kind = turning(name, code)
     if kind == "hole":
         deep = "Z" if code in ("G83", "G85") else "X"
@@ -131,6 +138,18 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         return [Sample(values(first), START, f"|{code} P10 Q20 U1. W.5" + shape)]
     alone = {"repeat": "I6./5. K3./2. D3/4"}.get(kind, "D4000/3000")
     return [Sample(values(f"{P} {Q} U1./2. W.5/.6 {alone}"), START, shape)]
+
+
+def haas_holes(code: str) -> list[Sample]:
+    """A hole of a Haas lathe, along X if its code is G241 and beyond."""
+    where = "Z-20./-21. {}X40./38. R80./82." if len(code) == 4 else "X20./21. {}Z-5./-6. R1./1.5"
+    by = where.replace("Z-20./-21.", "W-20./-21.").replace("X20./21.", "U-20./-21.")
+    peck = ["Q1./1.5", "I2./1.5 J.5/.4 K1./.9"]
+    return [
+        Sample(values(f"{one.format(more)} P500/600 {q}"), START)
+        for one, more in ((where, "Y1./2. C30./40. "), (by, "H3./4. "))
+        for q in peck
+    ]
 
 
 def turning(name: str, code: str) -> str:

@@ -15,6 +15,7 @@ from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.corners_siemens import Corners
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
+from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
@@ -128,8 +129,9 @@ def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def haas_lathe(dialect: Dialect, synchronised: bool) -> Family:
-    """Turning as in system A; its holes all go along Z with an R that is a place, unlike Fanuc's: nobody wrote them."""
-    return _turning("a", haas=True)
+    """Turning as in system A; R of its holes is a place, unlike Fanuc's."""
+    turning, holes = _turning("a", haas=True), HaasLatheDrilling(synchronised)
+    return replace(turning, cycles=dict.fromkeys(HAAS_LATHE, holes) | turning.cycles)
 
 
 def _turning(system: str, haas: bool = False) -> Family:

@@ -24,13 +24,15 @@ class Outcome(NamedTuple):
     """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the
     source lines, first and last, that the control steps over behind it, and ten times the motion code in force behind
     a cycle that is not modal (None: that before it, UNDEFINED: manuals do not say); stays: the tracker follows it as
-    the cycle that it is."""
+    the cycle that it is. loose: an axis that the control may leave elsewhere than the lines do, so that nothing may count
+    from there."""
 
     lines: list[bytes]
     told: list[bytes] | None = None
     skip: tuple[int, int] | None = None
     then: int | None = None
     stays: bool = False
+    loose: str = ""
 
 
 @dataclass(frozen=True)

@@ -184,7 +184,7 @@ class HaasDrilling(FanucDrilling):
     """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least one, and their P is
     a dwell behind the last one (Haas mill operator's manual, G73, G83). K beside Q is another way to peck: refused."""
 
-    dwells = (730, 820, 830, 840, 890)
+    dwells: tuple[int, ...] = (730, 820, 830, 840, 890)
 
     def __init__(self, synchronised: bool = False):
         super().__init__("L", "RPQLIJK", synchronised)

@@ -53,6 +53,7 @@ class Resolver:
         self.code = 0  # of the active cycle
         self.before = 0  # the motion code in force before it
         self.missing: int | None = None  # a motion code that the next block without one relies on
+        self.loose = ""  # an axis that the control may have left elsewhere behind a cycle
         self.skip: tuple[str, int, int] | None = None  # file and lines that the control steps over
         self.texts: dict[str, list[bytes]] = {}  # of the files that cycles read further in
         self.line = Line(b"", 0)
@@ -105,7 +106,7 @@ class Resolver:
                 return []
             if line.file != file or line.source > last:
                 self.skip = None
-        idle = not (self.active or self.missing is not None or self.scene.unsure or self._turned)
+        idle = not (self.active or self.missing is not None or self.scene.unsure or self._turned or self.loose)
         if idle and not self.interest.search(line.text):
             self.heard.append(line)
             self.tracker.take(line.text)
@@ -148,6 +149,8 @@ class Resolver:
             return self._cycle(block, self.code, codes)
         elif self.active is not None and not codes:
             self._idle(block)
+        if self.loose:
+            self._counted(block)
         if self.scene.unsure and not self._taken(codes):
             scene.note(block)
             scene.named({w.letter for w in block.words})
@@ -159,6 +162,17 @@ class Resolver:
             lead, block = self._apart(block)  # where the axes stand in the new coordinates, only the tracker knows
             scene.block = block
         return lead + self._out([block.text], self._loud(block, codes))
+
+    def _counted(self, block: Block) -> None:
+        """Nothing may count from where a cycle may have left an axis. Raises ProgramError."""
+        by = next((w for w in block.words if self.tracker.dialect.increments.get(w.letter) == self.loose), None)
+        if by is not None:
+            raise self.scene.fault(
+                f"{by.letter}{by.raw} counts from where the cycle left {self.loose}, and that is not certain",
+                f"write {self.loose} as a place", by,
+            )  # fmt: skip
+        if block.word(self.loose) is not None:
+            self.loose = ""
 
     def _overridden(self, codes: list[int], own: int) -> bool:
         """Fanuc: of a cycle and another motion code in one block, the last one holds."""
@@ -244,6 +258,7 @@ class Resolver:
             self.active = None
             if self.family.restores or outcome.then is not None:
                 self.missing = self.before if outcome.then is None else outcome.then
+        self.loose = outcome.loose
         if outcome.skip:
             self.skip = (self.line.file, *outcome.skip)
         if outcome.stays:

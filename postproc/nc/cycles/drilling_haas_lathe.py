@@ -1,0 +1,87 @@
+"""Drilling cycles of Haas lathes: G81 to G89 along Z, G241 to G249 along X (radial, with the live tool).
+
+Haas lathe operator's manual 96-8900, G81 to G89, G241 to G249: R is the R plane, a place, on radial cycles a diameter like
+X. As Autodesk's posts write them (`haas lathe.cps`, function onCyclePoint): X Z R F, with P, Q or I J K, one hole a cycle.
+
+Assumed: the way back ends where the axis stood when the cycles began. The manual's text leaves open whether it ends there or
+at R; the former is the farther one, from where the next motion is free, and a notice says so. Without R a hole begins where
+the axis stands. Q and I J K are radii, pecks as on Haas mills.
+"""
+
+from __future__ import annotations
+
+from postproc.errors import Notice
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.drilling import KIND, WORDS, Action, Drilling, Outcome, bore, bore_standing, drill, pecks
+from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, HAAS_PECKS, HaasDrilling
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form, named
+
+AXIAL: dict[int, Action] = {810: drill, 820: drill, 830: pecks, 850: bore, 860: bore_standing, 890: bore}
+RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items()}  # G241 is G81 along X
+TAPS_ALONG_X = (1950, 1960)
+TAPS = (840, 950, 1840, 1860, *TAPS_ALONG_X)
+BY_HAND = dict.fromkeys((870, 880, 2470, 2480), "the operator draws the tool out by hand")
+HAAS_LATHE = (*AXIAL, *RADIAL, *TAPS, *BY_HAND)
+DWELLS = (820, 830, 890, 2420, 2430, 2490)
+UNCERTAIN = "from where it counts the bottom is not certain"
+
+
+class HaasLatheDrilling(HaasDrilling):
+    """`held` as on mills; R and the bottom of radial holes are diameters."""
+
+    dwells = DWELLS
+    pecking = (830, 2430)
+
+    def __init__(self, synchronised: bool = False):
+        taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
+        Drilling.__init__(self, AXIAL | RADIAL | taps, TAPS, BY_HAND, "RPQIJK", AFTER_MOTION, synchronised)
+        self.repeats = ""
+
+    def hole_form(self, code: int) -> Form:
+        along_x = self._along_x(code)
+        place, depth = ("Z", "X") if along_x else ("X", "Z")
+        by, down = ("W", "U") if along_x else ("U", "W")
+        takes = {
+            place: "place",
+            by: f"place, from where {place} stands",
+            "Y": "place",
+            "C": "place",
+            "H": "place of C, from where it stands",
+        }
+        takes |= {depth: "bottom", "R": WORDS["R"]}
+        takes |= {"P": WORDS["P"]} if code in self.dwells else {}
+        takes |= HAAS_PECKS | named(WORDS, "Q") if code in self.pecking else {}
+        return Form(KIND, takes, refused={down: UNCERTAIN, "L": "how often"})
+
+    def axis_of(self, scene: Scene, code: int) -> str:
+        return "X" if self._along_x(code) else "Z"
+
+    def _along_x(self, code: int) -> bool:
+        return code in RADIAL or code in TAPS_ALONG_X or code in (2470, 2480)
+
+    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
+        meant = scene.dialect.increments.get(word.letter, word.letter)
+        return meant in scene.tracker.setup.axes and meant != axis
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        outcome = super().run(scene, block, code)
+        axis = self.axis_of(scene, code)
+        if "R" not in self.held or not scene.differs(axis, self.held["R"]):
+            return outcome
+        back, level = (scene.text(axis, v).decode() for v in (scene.at(axis), self.held["R"]))
+        what = (
+            f"behind G{code / 10:g} the tool goes back to {back}, where it stood before: the manual leaves open whether the "
+            f"control ends there or at R, {level}"
+        )
+        scene.notices.append(Notice("way back", what, scene.source))
+        return outcome._replace(loose=axis)
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        super()._hold(scene, block, axis)
+        if "R" not in self.held:
+            self.held["R"] = self.start(scene, axis)
+        if scene.is_diameter(axis):
+            for word in block.words:
+                if word.letter in "IJK" and word.value is not None:
+                    self.held[word.letter] = 2 * abs(word.value)
