@@ -166,7 +166,7 @@ def test_fanuc(path):
 @pytest.mark.parametrize("path", [p for p in programs("mixed") if p.stem in PRINTERS], ids=lambda p: p.name)
 def test_printers(path):
     names = between(path.read_bytes())
-    assert names and set(names) <= {"marlin", "reprap"}
+    assert names and set(names) <= {"marlin", "reprap", "klipper"}
 
 
 @corpus

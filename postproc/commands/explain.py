@@ -13,6 +13,8 @@ import numpy as np
 
 from postproc import ports
 from postproc.commands import expansion, reading
+from postproc.machine.model import Machine
+from postproc.machine.tip import TipMachine, seen_by_tip
 from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.motions import FOREIGN, Motions
 from postproc.nc.lexer import Words
@@ -94,19 +96,29 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
     return says
 
 
+def _told(machine: Machine, place: np.ndarray) -> str:
+    """A place (A, 1) in words."""
+    return " ".join(f"{x} {place[k, 0]:.4f}" for k, x in enumerate(machine.letters))
+
+
 def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i: int) -> list[str]:
     """Where a motion goes, what the machine would make of it, and what is written for it."""
     machine = filter_.machine
     if motions.code[i] == FOREIGN or not motions.target_known[list(machine.corrected), i].all():
         return ["its place is not known: left as it is"]
     target = motions.target[:, i : i + 1] / TICKS_PER_MM
-    where = " ".join(f"{x} {target[k, 0]:.4f}" for k, x in enumerate(machine.letters))
-    says = [f"to {where} (slide position, mm)"]
+    length, space = motions.length[:, i] / TICKS_PER_MM, motions.spaces[int(motions.space[i])]
+    machine = seen_by_tip(machine, length, space, filter_.options.orientation)
+    says, slides = [f"to {_told(machine, target)} (slide position, mm)"], target
+    if isinstance(machine, TipMachine):
+        slides = machine.slides(target)
+        says = [f"to {_told(machine, target)} (tool tip, mm); slides to {_told(machine, slides)}"]
     if machine.is_zero:
         return says
     turn = filter_.carry.sides.side[:, None].astype(float)
     total = machine.deviation(target, turn)[:, 0]
-    parts = machine.contributions(target, turn)
+    # Told along the words of the tip, what an axis errs by has no direction of its own.
+    parts = [] if isinstance(machine, TipMachine) else machine.contributions(target, turn)
     for row in machine.corrected:
         named = ", ".join(
             f"{name} {value[row, 0] / UM:+.1f}" for name, value in parts if abs(value[row, 0]) > SMALLEST_UM * UM
@@ -116,7 +128,7 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
             + (f" ({named})" if named else "")
         )
     if known.parts:
-        u = float(known.length(target, turn)[0])
+        u = float(known.length(slides, turn)[0])
         says.append(f"the map itself is known to +- {micrometres(u)} um (95 %) there")
     n = int((pieces.motion == i).sum())
     turns = int(pieces.take_up[pieces.motion == i].sum())

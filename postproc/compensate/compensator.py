@@ -171,7 +171,7 @@ class Compensator:
         return joined(parts), carry, notices
 
     def _retold(self, carry: Carry, space: Space | None, length: np.ndarray) -> Carry:
-        """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides do not outlast the change."""
+        """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are the slides' own."""
         one, had = carry.told
         told = (space, tuple(length.tolist()))
         if one is None and space is None:
@@ -182,9 +182,7 @@ class Compensator:
         slides = poses.out_of(self.machine, one, before, carry.issued[:, None] / TICKS_PER_MM)
         place = poses.into(self.machine, space, length / TICKS_PER_MM, slides)[:, 0]
         issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
-        none = approach.initial(len(issued))
-        sides, way = replace(none, side=carry.sides.side), np.zeros_like(carry.way)
-        return replace(carry, issued=issued, told=told, sides=sides, way=way, sure=False)
+        return replace(carry, issued=issued, told=told, way=np.zeros_like(carry.way), sure=False)
 
     def _of_tool(self, length: np.ndarray, space: Space | None = None) -> Compensator:
         """The machine with a tool of this `length` (A,), ticks, in a space."""

@@ -101,15 +101,17 @@ class Course:
 
     def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each stroke, which is the command
-        without their own lost motion. Where no axis changes its side the begin is the end before, and not looked at; nor
-        is it in rapids, which take nothing up."""
+        without their own lost motion. Where no axis changes its side, or all of them can not move one another, the begin is
+        the end before, and not looked at, but for where nothing was corrected before; nor is it in rapids, which take
+        nothing up."""
         end = self._without_play(side, exact)
-        if not self.couples:
-            return self.nowhere, end
-        turned = (side != self.before(side, self.carry.side)).any(axis=0)
+        turned = ~self.b.sure
+        if self.couples:
+            turned = turned | (side != self.before(side, self.carry.side)).any(axis=0)
         at = (turned & self.b.cutting & self.b.known_before).nonzero()[0]
-        begin = self.nowhere.copy()
+        begin = self.nowhere
         if len(at):
+            begin = begin.copy()
             b, weight = self.b, self.spread(side)[:, at]
             first = b.command(at, b.t0[at], b.begin_nominal[:, at], weight)
             begin[:, at] = self._without_play(side[:, at], first)
@@ -132,7 +134,7 @@ class Course:
     def bear(self, places: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = places
-        if not self.couples:
+        if (begin == NOWHERE).all():
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
         pairs = ((begin, end), (self.sense, self.sense), (none, self.given), (begin == NOWHERE, none))
@@ -167,18 +169,26 @@ class Course:
 
 
 def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
-    """(A, S) sides where words are places of the tool tip: each slide bears on the side to which the block as a whole moves
-    it, if by more than the hysteresis; and what the next batch must know."""
+    """(A, S) sides where words are places of the tool tip, and what the next batch must know: each slide's own way, its
+    errors taken off but its lost motion, as `follow` has it of words that are places of slides."""
     assert isinstance(b.machine, TipMachine)
-    known = b.known_before & b.known[b.motion]
-    travel = np.zeros(b.travel.shape, np.int64)
-    if known.any():
-        ends = [b.machine.slides(p[:, known]) for p in (b.begin_nominal, b.end_nominal)]
-        travel[:, known] = np.rint((ends[1] - ends[0]) * TICKS_PER_MM).astype(np.int64)
-    moves = (np.abs(travel) > b.c.band[:, None]) & b.machine.two_way[:, None]
-    lost = ~known | b.jumps.any(axis=0)
-    side = hold_last(np.where(lost, 0, np.sign(travel)), moves | lost, b.carry.sides.side)
-    return side.astype(float), replace(b.carry.sides, side=side[:, -1])
+    ends = b.known[b.motion]
+    given = ~(b.known_before & ends) | b.jumps.any(axis=0)
+    place = np.zeros(b.travel.shape, np.int64)
+    which = ends.nonzero()[0]
+    if len(which):
+        nominal = b.end_nominal[:, which]
+        wanted = b.command(which, b.t1[which], nominal, np.zeros_like(nominal))
+        place[:, which] = np.rint(b.machine.slides(wanted) * TICKS_PER_MM).astype(np.int64)
+    carry = b.carry.sides
+    if not carry.begun.all() and b.known_before[0]:
+        begin = np.rint(b.machine.slides(b.begin_nominal[:, :1])[:, 0] * TICKS_PER_MM).astype(np.int64)
+        carry = replace(carry, middle=np.where(carry.begun, carry.middle, begin))
+    lost = np.broadcast_to(given, place.shape)
+    side, middle = bear(place, b.c.band, np.zeros_like(place), lost, np.zeros_like(lost), carry)
+    side = np.where(b.machine.two_way[:, None], side, 0)
+    begun = carry.begun | bool(ends.any())
+    return side.astype(float), replace(carry, side=side[:, -1], middle=middle[:, -1], begun=begun)
 
 
 def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
@@ -215,7 +225,8 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         exact[:, which] = b.command(which, b.t1[which], nominal, end[:, which])
         course.exact = exact
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
-    b.twice[course.rows] = course.twice & (course.travel == 0)
+    # Where nothing was corrected before, the way to the first corrected place turns an axis too that the stroke moves.
+    b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
     holds = (b.c.reach[course.rows] == 0)[:, None] & b.free[b.motion]
     exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
     return begin, end, exact, carried(b, course, course.side, course.middle, taken)

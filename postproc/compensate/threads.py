@@ -14,7 +14,7 @@ from postproc.compensate.batch import Batch
 from postproc.compensate.inverse import command
 from postproc.errors import Notice
 from postproc.motions import THREAD
-from postproc.units import UM
+from postproc.units import TICKS_PER_MM, UM
 
 
 def say(b: Batch) -> None:
@@ -35,6 +35,7 @@ def say(b: Batch) -> None:
         bend[k] = np.linalg.norm(aside, axis=0).max()
         slope[k] = np.abs(np.diff(along) / np.diff(at)).max() / max(length[k], 1e-9)
         drift[k] = np.ptp(along)
+    _say_begin(b, stroke)
     lead = b.m.lead[b.motion[stroke]]
     for worst in np.argsort(-np.where(b.m.whole[b.motion[stroke]], bend, 0.0))[:1]:
         if b.m.whole[b.motion[stroke[worst]]] and bend[worst] > b.c.tolerance:
@@ -48,6 +49,21 @@ def say(b: Batch) -> None:
         b.notices.append(Notice(
             "lead", "along a thread the axis follows the spindle: its lead stays off by up to "
             f"{slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip
+
+
+def _say_begin(b: Batch, stroke: np.ndarray) -> None:
+    """One notice of threads that begin where nothing was corrected before, since no feed is put in before a thread."""
+    stroke = stroke[~b.sure[stroke]]
+    if not len(stroke):
+        return
+    nominal = b.begin_nominal[:, stroke]
+    wanted = command(b.machine, nominal, b.weight_begin[:, stroke], b.motion[stroke])
+    beside = np.linalg.norm((wanted - b.begin[:, stroke] / TICKS_PER_MM)[b.rows], axis=0)
+    worst = int(np.argmax(beside))
+    if beside[worst] > b.c.tolerance:
+        b.notices.append(Notice(
+            "unled", "a thread begins where no motion was corrected before it: it begins "
+            f"{beside[worst] / UM:.1f} um off; lead to its start by a motion of its own", int(b.motion[stroke[worst]]), float(beside[worst])))  # fmt: skip
 
 
 def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

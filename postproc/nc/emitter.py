@@ -250,12 +250,24 @@ class Batch:
         motion = self.p.motion[write]
         decimals = self._enough(row, write, self.decimals(row, motion))
         start = np.where(self.first[write], self.at[motion], self.behind()[motion])
-        prefix = np.zeros((len(write), 2), np.uint8)
+        prefix = np.zeros((len(write), 6 if self.spelled else 2), np.uint8)
         prefix[:, 0] = np.where(self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0)
         prefix[:, 1] = self._letters(row, letter, motion)
         rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
+        place = self._as_place(row, motion)
+        if place.any():  # X=AC(5)
+            prefix[place, 2:] = np.frombuffer(b"=AC(", np.uint8)
         self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
+        self.splice.constants(start[place], start[place], rank[place], b")")
         self.touched[motion] = True
+
+    def _as_place(self, row: int, motion: np.ndarray) -> np.ndarray:
+        """(K,) bool: new words that say themselves that they are places, though G91 is in force."""
+        m = self.m
+        if not self.spelled:
+            return np.zeros(len(motion), bool)
+        place: np.ndarray = m.relative[motion] & (m.word[row, motion] < 0) & ~m.incremental[row, motion]
+        return place
 
     def _in_plane(self, row: int, piece: np.ndarray) -> np.ndarray:
         """(K,) bool: pieces that are arcs in whose plane the axis lies."""

@@ -88,7 +88,7 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         is_inc = at(relative, by) & ~machine[by]
         if spelled or len(increment):
             is_inc = np.where(w.letter[place] == ord(letter), is_inc, w.letter[place] < ABSOLUTE)
-        added = is_inc.any()
+        added, due = is_inc.any(), bool(b.frame.due[row])
         named = np.zeros(n, bool)
         if len(by) or cycle:
             value = b.ticks(place, at(scale, by))
@@ -139,6 +139,8 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             p.word[row] = word[block]
         if added or np.any(relative):
             inc = np.broadcast_to(relative, n).copy()
+            if due:  # a word put in must not be one that may travel the shift: X=AC()
+                inc[: by[0] if len(by) else n] = False
             inc[by] = is_inc
             p.incremental[row] = inc[block]
         p.grid[row] = at(grid, block)

@@ -16,6 +16,7 @@ from postproc.machine.chain import XYZ, parse
 from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
+from postproc.nc.recognise import between
 from postproc.verify import Verifier
 
 HERE = Path(__file__).parent
@@ -97,6 +98,12 @@ def test_there_is_what_was_promised():
     }
     told = (HERE / "README.md").read_text()
     assert all(f"| {f.name} |" in told for f in FILES), "README.md says of each what it came from: make.py prints it"
+
+
+@pytest.mark.parametrize("path", [f for f in FILES if f.suffix == ".gcode"], ids=lambda p: p.stem)
+def test_a_print_is_recognised(path):
+    """By the names that its start code calls: a slicer's own remarks are the same for every firmware."""
+    assert between(path.read_bytes()) == [OTHERS.get(path.stem, "marlin")]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)

@@ -182,6 +182,7 @@ class Watch(Verifier):
 
     def __init__(self, filter_: Filter):
         super().__init__(filter_)
+        self.filter = filter_
         self.whole: set[int] = set()
         self.beside = False
 
@@ -340,7 +341,9 @@ def _cuts(text: bytes, cuts) -> Iterator[list[int]]:
 
 def _verified(case: Case, verifier: Watch) -> str:
     """Inside cutter radius compensation reversals are spread: there, only of maps that have none; blocks that lead into
-    and out of it and threads are one piece, and bend as the map does."""
+    and out of it and threads are one piece, and bend as the map does; a thread that nothing led to is said."""
+    if any(notice.code == "unled" for notice in verifier.filter.notices):
+        return ""
     if verifier.corrected.line in verifier.whole or (verifier.beside and case.map == "two-way"):
         return ""
     if case.mode in ("mean", "step") and not verifier.passed:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -255,16 +256,24 @@ def played(truth: Truth, nominal: str, output: str, on: str, off: str, length: f
     stroke = {number: k for k, (_, _, _, number) in enumerate(wanted)}
     stands: dict[str, float] = {}
     result = []
-    for (on0, _, begin, _), (on1, feed, end, number) in zip(written[:-1], written[1:], strict=True):
+
+    def lead(pose: dict[str, float]) -> None:
+        for x in "XYZ":
+            half = abs(float(truth.table[x][2]["XYZ".index(x), 0]))
+            stands[x] = min(max(stands.get(x, pose[x]), pose[x] - half), pose[x] + half)
+
+    def held(at: dict[str, float]) -> dict[str, float]:
+        return truth.slides(np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length)
+
+    for (on0, _, begin, _), (on1, feed, end, number) in pairwise([(False, False, {}, 0), *written]):
         if not (on0 and on1):
+            lead(held(end) if on1 else end)
             continue
         low, high = wanted[stroke[number] - 1][2], wanted[stroke[number]][2]
         for share in (0.25, 0.5, 0.75, 1.0):
             at = {x: begin[x] + (end[x] - begin[x]) * share for x in begin}
-            pose = truth.slides(np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length)
-            for x in "XYZ":
-                half = abs(float(truth.table[x][2]["XYZ".index(x), 0]))
-                stands[x] = min(max(stands.get(x, pose[x]), pose[x] - half), pose[x] + half)
+            pose = held(at)
+            lead(pose)
             if feed:
                 tip = truth.actual({**pose, **stands}, length)
                 t = _progress(low, high, at, tip - truth.tool, truth.rotary)

@@ -8,7 +8,7 @@ firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other 
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.marlin import _SHIFTS, HEAD
+from postproc.nc.dialects.marlin import _SHIFTS, HEAD, NAMED, PRINTS, SETS, SLICED
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
 
@@ -86,11 +86,7 @@ DIALECT = Dialect(
     other_codes_are_macros=True,
     home_z_over="XY",
     skips_centre=True,
-    signs=(
-        r"^[ \t]*(?:EXCLUDE_OBJECT\w*|SET_PRESSURE_ADVANCE|SET_VELOCITY_LIMIT|(?:START|END)_PRINT|PRINT_(?:START|END)|"
-        r"SET_GCODE_OFFSET|SET_FAN_SPEED|SAVE_GCODE_STATE|RESTORE_GCODE_STATE|BED_MESH_\w+|TIMELAPSE_TAKE_FRAME|"
-        r"SET_FILAMENT_SENSOR|SET_PRINT_STATS_INFO|TEMPERATURE_WAIT|SET_HEATER_TEMPERATURE)\b",
-        r"^[ \t]*[A-Z]+_[A-Z_]+[ \t]+[A-Z_]+=",
-    ),
-    remarks=(r"\bKLIPPER\b", r"GCODE_FLAVOR[ \t]*=[ \t]*KLIPPER"),
+    signs=(*PRINTS, NAMED, r"^[ \t]*[A-Z]+_[A-Z_]+[ \t]+[A-Z_]+="),
+    remarks=(*SLICED, r"\bKLIPPER\b", r"GCODE_FLAVOR[ \t]*=[ \t]*KLIPPER"),
+    excludes=(SETS, r"M98[ \t]*P\"", r"M5(?:58|67|72|74)\b", r"M92\b|M300\b|M50[0-3]\b|M420\b"),  # it has none of these
 )  # fmt: skip

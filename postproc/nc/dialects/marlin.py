@@ -81,6 +81,32 @@ FILAMENT = HEAD + r"M[ \t]*0*(?:125|600|701|702)(?![0-9.])[^;\n]*"
 # A line that is no command, or a tool's parking place on Prusa's changers (P0 S1, of Prusa-Firmware-Buddy).
 TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
 ONLY_IF = HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"  # G28 O: unless it has homed before
+# What every printer's program shows, whatever its firmware, and what slicers remark.
+PRINTS = (
+    r"M10[4579]\b|M106\b",
+    r"M1[149]0\b",
+    r"M8[234]\b",
+    r"M92\b|M20[1-9]\b|M22[01]\b",
+    r"M11[0-9]\b",
+    r"M300\b",
+    r"M50[0-3]\b|M73[ \t]*[PR]",
+    r"G92[ \t]*E",
+    r"G[01]\b.*(?<![A-Z0-9.])E-?\.?\d",
+    r"^[ \t]*G28[ \t]*([XYZW][ \t]*)*$",
+    r"^[ \t]*G29[ \t]*$",
+    r"^[ \t]*N\d+[^\n*]*\*\d{1,3}[ \t]*$",
+)
+SLICED = (
+    r"\bLAYER[:_]", r"\bTYPE:", r"\bEXTRUDER\b",
+    r"\b(CURA|SLIC3R|PRUSASLICER|SUPERSLICER|ORCASLICER|SIMPLIFY3D)\b",
+)  # fmt: skip
+# Commands with names are Klipper's, statements RepRapFirmware's.
+NAMED = (
+    r"^[ \t]*(?:EXCLUDE_OBJECT\w*|SET_PRESSURE_ADVANCE|SET_VELOCITY_LIMIT|(?:START|END)_PRINT|PRINT_(?:START|END)|"
+    r"SET_GCODE_OFFSET|SET_FAN_SPEED|SAVE_GCODE_STATE|RESTORE_GCODE_STATE|BED_MESH_\w+|TIMELAPSE_TAKE_FRAME|"
+    r"SET_FILAMENT_SENSOR|SET_PRINT_STATS_INFO|TEMPERATURE_WAIT|SET_HEATER_TEMPERATURE)\b"
+)
+SETS = r"^[ \t]*(?:VAR|GLOBAL|SET|ECHO)[ \t]+[A-Z\"]"
 _SHIFTS = "it shifts the coordinates by what the printer keeps: set it before the print, and take the line out"
 
 DIALECT = Dialect(
@@ -130,22 +156,7 @@ DIALECT = Dialect(
     home_z_over="XY",
     g_takes=(12, 26, 27, 29, 33, 34, 35, 42, 76, 80, 425),
     skips_centre=True,
-    signs=(
-        r"M10[4579]\b|M106\b",
-        r"M1[149]0\b",
-        r"M8[234]\b",
-        r"M92\b|M20[1-9]\b|M22[01]\b",
-        r"M11[0-9]\b",
-        r"M300\b",
-        r"M50[0-3]\b|M420\b|M900[ \t]*K|M862\b|M73[ \t]*[PR]",
-        r"G92[ \t]*E",
-        r"G[01]\b.*(?<![A-Z0-9.])E-?\.?\d",
-        r"^[ \t]*G28[ \t]*([XYZW][ \t]*)*$",
-        r"^[ \t]*G29[ \t]*$",
-        r"^[ \t]*N\d+[^\n*]*\*\d{1,3}[ \t]*$",
-    ),
-    remarks=(
-        r"FLAVOR:[ \t]*MARLIN", r"\bMARLIN\b", r"\bLAYER[:_]", r"GCODE_FLAVOR[ \t]*=[ \t]*MARLIN", r"\bTYPE:",
-        r"\b(CURA|SLIC3R|PRUSASLICER|SUPERSLICER|ORCASLICER|SIMPLIFY3D)\b", r"\bEXTRUDER\b",
-    ),
+    signs=(*PRINTS, r"M420\b|M900[ \t]*K|M862\b", r"M205[ \t]*[XYZEBJ]|M204[ \t]*P[\d.]+[ \t]+R"),
+    remarks=(*SLICED, r"FLAVOR:[ \t]*MARLIN", r"\bMARLIN2?\b"),
+    excludes=(NAMED, SETS, r"M98[ \t]*P\"", r"M5(?:58|67|72|74)\b"),
 )  # fmt: skip

@@ -10,7 +10,7 @@ HandleGcode: G1009.g). Arcs take the two centre words of the plane (GCodes.cpp, 
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, TEXT
+from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, NAMED, PRINTS, SETS, SLICED, TEXT
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import (
     DATA,
@@ -91,22 +91,13 @@ DIALECT = Dialect(
     skips_centre=True,
     extended_by_p=False,
     signs=(
-        r"M10[4579]\b|M106\b",
-        r"M1[149]0\b",
-        r"M8[234]\b",
-        r"M92\b|M20[1-9]\b|M22[01]\b",
-        r"M11[0-9]\b",
-        r"M300\b",
-        r"G92[ \t]*E",
-        r"G[01]\b.*(?<![A-Z0-9.])E-?\.?\d",
-        r"^[ \t]*G28[ \t]*([XYZ][ \t]*)*$",
-        r"^[ \t]*N\d+[^\n*]*\*\d{1,3}[ \t]*$",
+        *PRINTS,
         r"G10[ \t]*P\d+[ \t]*[SR]-?\d",
         r"M98[ \t]*P\"",
         r"M(116|45[0-3]|55[0-9]|56[1-9]|57[0-9]|58[1-9]|950)\b",
-        r"^[ \t]*(VAR|GLOBAL|SET|ECHO)[ \t]+[A-Z\"]",
+        SETS,
         r"\{(MOVE|STATE|HEAT|TOOLS|VAR|GLOBAL)\.",
     ),
-    remarks=(r"FLAVOR:[ \t]*REPRAP", r"\bREPRAPFIRMWARE\b", r"\bDUET\b", r"GCODE_FLAVOR[ \t]*=[ \t]*REPRAP",
-        r"\bEXTRUDER\b"),
+    remarks=(*SLICED, r"FLAVOR:[ \t]*REPRAP", r"\bREPRAPFIRMWARE\b", r"\bDUET\b", r"GCODE_FLAVOR[ \t]*=[ \t]*REPRAP"),
+    excludes=(NAMED,),
 )  # fmt: skip
