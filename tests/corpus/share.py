@@ -1,0 +1,172 @@
+"""The share of real programs that are corrected: `python -m tests.corpus.share FOLDER` runs `gcomp --verify` on all of them.
+
+FOLDER holds programs of other people, DIALECT/SOURCE/FILE: the dialect of their control, and where they come from. They are
+no part of the project; what is kept of them are the figures (`--write`: share.csv, from which docs/COVERAGE.md is made).
+Each is run as its user would: the command line, a machine with 6 m of travel on every axis whose map is smooth, all offsets
+stated as zero, home where the control has one. A refusal is answered once, by the option that its advice names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import io
+import re
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+
+from postproc.cli import main as gcomp
+from tests.corpus.run import MAIN, XYZ, Machines, at_most, offsets, write_smooth
+
+FIGURES = Path(__file__).with_name("share.csv")
+COLUMNS = ("source", "dialect", "programs", "corrected", "with an option", "broken", "not for a control", "ours")
+SECONDS = 60
+OPTIONS = (  # what an advice names, and what its user would type
+    (r"--arc-centre", ("--arc-centre", "absolute")),
+    (r"--block-delete", ("--block-delete", "on")),
+    (r"--hole-tolerance", ("--hole-tolerance", "20um")),
+    (r"--expand", ("--expand",)),
+    (r"--start", ("--start", "X0,Y0,Z0")),
+    (r"--outside", ("--outside", "clamp")),
+)
+BROKEN = (  # an error that the control tells too, or that no control could run
+    "misses its own end", "is not text", "a comment is opened", "words in one block", "without its centre words",
+    "is not defined in this program", "has no number", "no sequence number", "is not in this program", "no feed",
+)  # fmt: skip
+FOREIGN = ("{", "[%", "no program")  # templates that a slicer or a post fills in
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of one program: `corrected`, `with an option` or `refused`, and the sentence that refused it."""
+
+    source: str
+    dialect: str
+    name: str
+    status: str
+    said: str = ""
+
+
+def machine_folder(machines: Machines, dialect: str) -> Path:
+    """The machine of the corpus with this control, home, and every offset zero."""
+    folder = machines.folder / dialect
+    if folder.exists():
+        return folder
+    lathe = "lathe" in dialect
+    write_smooth(folder, MAIN.two_way, MAIN.least, lathe)
+    path = folder / "machine.toml"
+    zero = "{ " + ", ".join(f"{x} = 0.0" for x in ("XZ" if lathe else XYZ)) + " }"
+    text = re.sub('control = ".*"', f'control = "{dialect}"\nhome = {zero}', path.read_text())
+    path.write_text(text)
+    letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]
+    rows = [
+        ["name", *(f"{x}_mm" for x in letters)],
+        *([name, *("0" for _ in letters)] for name in offsets() if not re.fullmatch("[HDT]0(D1)?", name)),
+    ]
+    (folder / "offsets.csv").write_text("\n".join(",".join(row) for row in rows) + "\n")
+    return folder
+
+
+def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
+    """Whether `gcomp` accepts a program and verifies it, and what it says."""
+    said = io.StringIO()
+    with tempfile.TemporaryDirectory() as out, contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+        try:
+            with at_most(SECONDS):
+                done = gcomp([str(path), "--machine", str(folder), "--tolerance", "1um",
+                              "--verify", "--offsets", str(folder / "offsets.csv"), "-o", f"{out}/out.nc", *more]) == 0  # fmt: skip
+        except SystemExit as stop:
+            done = not stop.code
+        except TimeoutError:
+            return False, f"not done after {SECONDS} s"
+    return done, said.getvalue()
+
+
+def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result:
+    """One program, and once more with each option that an advice names."""
+    folder = machine_folder(machines, dialect)
+    more: tuple[str, ...] = ()
+    done, said = _once(path, folder, more)
+    if done:
+        return Result(source, dialect, path.name, "corrected")
+    first = said
+    for _ in range(len(OPTIONS)):
+        option = next((o for sign, o in OPTIONS if re.search(sign, said) and o[0] not in more), None)
+        if option is None:
+            break
+        more += option
+        done, said = _once(path, folder, more)
+        if done:
+            return Result(source, dialect, path.name, "with an option", " ".join(more))
+    return Result(source, dialect, path.name, "refused", first if first == said else said)
+
+
+def kind(result: Result) -> str:
+    """Whose the refusal is: `broken`, `not for a control` or `ours`."""
+    text = result.said
+    if any(sign in text for sign in FOREIGN):
+        return "not for a control"
+    return "broken" if any(sign in text for sign in BROKEN) else "ours"
+
+
+def figures(results: list[Result]) -> list[dict[str, str]]:
+    """Rows of share.csv."""
+    rows: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
+    for r in results:
+        counts = rows[r.source, r.dialect]
+        counts["programs"] += 1
+        counts[r.status if r.status != "refused" else kind(r)] += 1
+    return [
+        {"source": source, "dialect": dialect, **{c: str(counts[c]) for c in COLUMNS[2:]}}
+        for (source, dialect), counts in sorted(rows.items())
+    ]
+
+
+def table(rows: list[dict[str, str]]) -> list[str]:
+    """Markdown: shares by dialect, of what is legitimate."""
+    each: dict[str, Counter[str]] = defaultdict(Counter)
+    for row in rows:
+        for name in (row["dialect"], "all"):
+            for column in COLUMNS[2:]:
+                each[name][column] += int(row[column])
+            each[name]["sources"] += 1
+    lines = ["| dialect | programs | corrected | with an option | broken | not for a control | refused, legitimate | share of the legitimate |",
+             "|---|---:|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
+    for name in [*sorted(n for n in each if n != "all"), *(["all"] if "all" in each else [])]:
+        c = each[name]
+        good, legitimate = c["corrected"] + c["with an option"], c["programs"] - c["broken"] - c["not for a control"]
+        share = f"{100 * good / legitimate:.0f} %" if legitimate else ""
+        lines.append(f"| {name} | {' | '.join(str(c[column]) for column in COLUMNS[2:])} | {share} |")
+    return lines
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--write", action="store_true", help="keep the figures in share.csv")
+    options = parser.parse_args(arguments)
+    results = []
+    with tempfile.TemporaryDirectory() as made:
+        machines = Machines(Path(made))
+        for path in sorted(p for p in options.folder.glob("*/*/*") if p.is_file()):
+            dialect, source = path.parts[-3], path.parts[-2].replace("__", "/")
+            result = measure(path, source, dialect, machines)
+            results.append(result)
+            if result.status == "refused":
+                print(f"{kind(result)}: {dialect} {source} {path.name}\n{result.said.rstrip()}\n", flush=True)
+    rows = figures(results)
+    print("\n".join(table(rows)))
+    if options.write:
+        with FIGURES.open("w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
