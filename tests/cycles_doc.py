@@ -14,7 +14,7 @@ DOC = Path(__file__).resolve().parents[1] / "docs" / "CYCLES.md"
 TITLE = "## Every word of every cycle\n"
 NAMES = (
     "linuxcnc", "fanuc-mill", "haas", "fanuc-lathe-a", "fanuc-lathe", "fanuc-lathe-c", "haas-lathe", "siemens", "grblhal",
-    "heidenhain-iso",
+    "heidenhain-iso", "fagor", "okuma",
 )  # fmt: skip
 HEAD = f"""{TITLE}
 Generated from the declarations in `postproc/nc/cycles` by `python -m tests.cycles_doc`; `tests/expand/test_words.py` reads

@@ -35,6 +35,10 @@ PROGRAMS = {
     "klipper": "; klipper\nEXCLUDE_OBJECT_DEFINE NAME=a\nSTART_PRINT BED=60\nSET_PRESSURE_ADVANCE ADVANCE=0.05\nG92 E0\nG1 X10 Y10 E1.5 F1500\n",
     "smoothie": "; Smoothieware\nG28.2\nG21 G90\nG0 X0 Y0\nM3 S1000\nG1 X10 F500\n",
     "centroid": "; Centroid\nG90 G80 G40 G49\nG81 X1 Y1 Z-2 R1 F100\nM5\nM25\nG49 H0\nM99\n",
+    "fagor": "%PART1,MX--,\n; PART\nN10 #KIN ID [1]\nN15 G90 G94 G17\nN20 G71\nN25 G51 A45 E0.002\nN30 #MCS G0 Z0\nT1 D1 M6\nG54\n"
+    "G98 G81 X10 Y10 Z2 I-10 F300\nG80\nM30\n",
+    "okuma": "%\nOPART1\n(T1 D=10.)\nN10 G40 G80 G90 G94 G17\nN11 G21\nN13 T1 M06\nN15 G15 H01\nN18 G00 X10. Y10.\nN19 G00 G56 Z15. H01\n"
+    "N20 G71 Z15.\nN21 G81 X10. Y10. Z-10. R2. F300. M53\nN24 G94\nM02\n",
     "fluidnc": "; FluidNC\n$SD/Run=part.nc\nG21 G90\nG38.6 Z-10 F50\nG0 X0 Y0\n",
 }
 

@@ -196,12 +196,15 @@ def _store(b: Batch, axis_words, word: str) -> None:
 
 
 def _extended(b: Batch, axis_words, word: str) -> None:
-    """G54.1 P: one of many work offsets."""
-    number = number_of(b, "P")
+    """G54.1 P, G15 H of Okuma: one of many work offsets."""
+    name = b.dialect.extended_name
+    letter, code = name[-1], name[:-2]
+    number = number_of(b, letter)
     if number is None or number != int(number) or number < 1:
-        b.frame = with_known(b.frame, "extended", ("G54.1 without a whole P", "P1 to P300 choose the offset"))
+        reason = (f"{code} without a whole {letter}", f"{letter}1 to {letter}300 choose the offset")
+        b.frame = with_known(b.frame, "extended", reason)
         return
-    b.frame = with_known(replace(b.frame, extended=f"G54.1 P{int(number)}"), "extended")
+    b.frame = with_known(replace(b.frame, extended=f"{name}{int(number)}"), "extended")
 
 
 def _numbered(b: Batch, axis_words, word: str) -> None:

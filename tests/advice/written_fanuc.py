@@ -87,6 +87,23 @@ DRILLING = [
 HAAS_LATHE = [
     Case("haas-lathe", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 W1.", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 Z6.", how=WRITE),
 ]
+FAGOR = [
+    mill(before, after, dialect="fagor")
+    for before, after in (
+        ("G83 X1. Z2. I-3.|G80", "G83 X1. Z2. I-3. J2|G80"),
+        ("G81 X1. Z2. I-3.|X2. Z3.", "G81 X1. Z2. I-3.|G81 X2. Z3. I-3.|G80"),
+        ("G81 X1. Z2. I-3.|G0 X2.", "G81 X1. Z2. I-3.|G80|G0 X2."),
+    )
+]
+OKUMA = [
+    mill(before, after, dialect="okuma")
+    for before, after in (
+        ("G81 X1. Z-4. R2.", "G81 X1. Z-4. R2. M54|G0 Z5."),
+        ("G81 X1. Z-4. R2. M53", "G71 Z5.|G81 X1. Z-4. R2. M53|G0 Z5."),
+        ("G71|G0 X2.", "G71 Z5.|G0 X2."),
+        ("G91 G71 Z5.|G90 G0 X2.", "G90 G71 Z5.|G90 G0 X2."),
+    )
+]
 FRAMES = [
     mill("G68 X0 Y0 Z1. R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G51.1 X0|G68 X0 Y0 R30.", "G51.1 X0|G50.1 X0|G0 X1. Y1.|G68 X0 Y0 R30.|G69|G0 X1. Y1."),
@@ -204,4 +221,4 @@ MORE = [
     macro("END2", "M30"),
     macro("M198", "M30"),
 ]
-ALL = [*MORE, *TURNING, *HAAS_LATHE, *DRILLING, *FRAMES, *CURVES, *MACROS]
+ALL = [*MORE, *TURNING, *HAAS_LATHE, *FAGOR, *OKUMA, *DRILLING, *FRAMES, *CURVES, *MACROS]

@@ -39,7 +39,7 @@ def test_codes_are_whole(name):
     spelled = [codes.code_number(word) for word in words]
     assert len(spelled) == len(set(spelled)), "a code stands twice"
     for code in dialect.codes:
-        assert re.fullmatch(r"G\d+(\.\d)?|[A-Z][A-Z0-9_]*", code.word), code
+        assert re.fullmatch(r"G\d+(\.\d)?|#?[A-Z][A-Z0-9_]*", code.word), code
         assert code.meaning, code
         assert 0 <= code.number < dialects.NOTHING, code
         assert not code.does or code.does in codes.DOES, f"{code.word} does {code.does!r}: a key of postproc.nc.codes"

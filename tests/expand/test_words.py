@@ -102,6 +102,11 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     """The programs for a row of the table."""
     if name == "linuxcnc":
         return [LINUXCNC_SAMPLES.get(code, Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN))]
+    if name in ("fagor", "okuma"):
+        one = "G90 G81 X0 Y0 Z-1 R1 M5{}|"
+        before = one.format(4) if name == "okuma" and code != "G71" else ""
+        behind = "|" + one.format(3) + "G80" if code == "G71" else ""
+        return [Sample(values(OTHERS[name].get(code, OTHERS[name][""])), BEGIN + before, behind)]
     if "lathe" not in name:
         peck = " I2./1.5 J.5/.4 K1./.9" if name == "haas" else ""
         both = [
@@ -138,6 +143,15 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         return [Sample(values(first), START, f"|{code} P10 Q20 U1. W.5" + shape)]
     alone = {"repeat": "I6./5. K3./2. D3/4"}.get(kind, "D4000/3000")
     return [Sample(values(f"{P} {Q} U1./2. W.5/.6 {alone}"), START, shape)]
+
+
+OTHERS = {
+    "fagor": {"": "X5./6. Y4./3. Z2./3. I-5./-6. K.5/.6", "G83": "X5./6. Y4./3. Z2./3. I-1.5/-1. J4/5"},
+    "okuma": {
+        "": f"{HOLE} P500/600", "G83": f"{HOLE} P500/600 Q1.5/1.",
+        "G73": f"{HOLE} P500/600 I1.5/1. J3./4.5", "G71": "Z9./8.",
+    },
+}  # fmt: skip
 
 
 def haas_holes(code: str) -> list[Sample]:
@@ -207,7 +221,7 @@ IDS = [" ".join(r[:3]) for r in ROWS]
 
 def what_it_does(lines: list[Line], name: str) -> list:
     """Ends of all motions, dwells and pitches, in their order."""
-    dwells = [word for line in lines for word in re.findall(rb"G4 *P[0-9.]+|K[0-9.]+", line.text)]
+    dwells = [word for line in lines for word in re.findall(rb"G4 *[PKF][0-9.]+|K[0-9.]+", line.text)]
     return [(m["kind"], [round(v, 6) for v in m["end"]]) for m in motions(lines, name, setup(name))] + dwells
 
 
@@ -219,7 +233,7 @@ def strange(lines: list[Line], name: str) -> list[Line]:
         more = next(
             ({20: "IKR", 30: "IKR", 330: "K"}.get(c, "") for c in block.codes if c in (0, 10, 20, 30, 330)), more
         )
-        also = "P" if 40 in block.codes else more
+        also = "P" + dialects.load(name).dwell if 40 in block.codes else more
         found += [line] * any(w.letter not in GENERAL + "XYZABCUVWH" + also for w in block.words)
     return found
 
@@ -346,6 +360,7 @@ def test_a_cycle_that_stays_keeps_every_word(name, number):
     words = (
         "X50. Z-5. F1.5 P011060 Q100 I1. K1. D1. J2." if number in (760, 780, 920, 210) else "X9. Z-5. R1. F2. J2. D1."
     )
+    words = {"fagor": "X9. Z2. I-5. F2.", "okuma": words + " M54"}.get(name, words)
     [line] = [x for x in Sample({}, "S100 M3|G0 X60. Z9.|").run(name, f"{code} {words}") if code in x.text.decode()]
     assert line.text.decode() == f"{code} {words}" and along in words
 

@@ -14,9 +14,11 @@ from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.corners_siemens import Corners
 from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
 from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
+from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
@@ -86,12 +88,15 @@ class Control(Protocol):
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
-    code (G0 G1 G2 G3) that was in force before the cycle. `before`: what writes out
+    code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows which one it leaves. `until_g80`: a motion
+    code does not end a cycle. `before`: what writes out
     what depends on blocks around it: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
     control: Callable[[Scene], Control] | None = None
     restores: bool = False
+    forgets: bool = False
+    until_g80: bool = False
     before: Callable[[Scene], Before] | None = None
 
 
@@ -162,6 +167,17 @@ def marlin(dialect: Dialect, synchronised: bool) -> Family:
     return Family({SPLINE: MarlinSpline()})
 
 
+def fagor(dialect: Dialect, synchronised: bool) -> Family:
+    holes = FagorDrilling(synchronised)
+    return Family(dict.fromkeys([*FAGOR, TAP], holes), forgets=True, until_g80=True)
+
+
+def okuma(dialect: Dialect, synchronised: bool) -> Family:
+    holes = OkumaDrilling(synchronised)
+    cycles: dict[int, Cycle] = dict.fromkeys([*OKUMA, *TAPS], holes)
+    return Family(cycles | {LEVEL: ReturnLevel(holes)}, forgets=True)
+
+
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
     "linuxcnc": linuxcnc,
     "grblhal": grblhal,
@@ -172,6 +188,8 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix
     "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,
+    "fagor": fagor,
+    "okuma": okuma,
 }
 
 

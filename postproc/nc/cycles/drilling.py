@@ -140,7 +140,7 @@ def bore_standing(m: Moves, hole: Hole, scene: Scene) -> None:
 
 def _dwell(m: Moves, hole: Hole) -> None:
     if hole.p:
-        m.line(b"G4", b"P" + hole.p.encode())
+        m.line(b"G4", m.scene.dialect.dwell[0].encode() + hole.p.encode())
 
 
 # -- the cycles of a control -------------------------------------------------------------------------------------------

@@ -40,7 +40,7 @@ class Dialect:
     "units" or "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`:
     regular expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where
     G92 is. `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external
-    one. `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are parameters
+    one. `extended_name`: of the work offsets that a code chooses by a number, its letter last (G15 H of Okuma). `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are parameters
     of codes. `motion`: ten times the motion code that holds before a program names one. `increments_travel_shifts`:
     the first increment after TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
     codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
@@ -99,6 +99,7 @@ class Dialect:
     signs: tuple[str, ...] = ()
     local_is_preset: bool = False
     extended_by_p: bool = False
+    extended_name: str = "G54.1 P"
     repeats: str = "L"
     letters: str = ""
     motion: int = NONE

@@ -204,8 +204,15 @@ class Resolver:
         assert self.active is not None
         self.active.end()
         self.active = None
-        if self.family.restores and not any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
-            self.missing = self.before
+        if self.family.until_g80 and 800 not in codes:
+            raise self.scene.fault(
+                "a motion code within a cycle", "this control goes on with the cycle there: write G80 before it"
+            )
+        if not any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
+            if self.family.restores:
+                self.missing = self.before
+            elif self.family.forgets:
+                self.missing = UNDEFINED
 
     def _completed(self, block: Block, codes: list[int]) -> Block:
         """Fanuc: with the motion code in force before the cycle, where the block relies on it."""
@@ -229,8 +236,9 @@ class Resolver:
 
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
         scene, cycle = self.scene, self.family.cycles[code]
-        if self._taken(codes):
-            other = next(c for c in codes if self._taken([c]))
+        others = [c for c in codes if c != code]
+        if self._taken(others):
+            other = next(c for c in others if self._taken([c]))
             raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
         second = next((c for c in codes if c in self.family.cycles and c != code), None)
         if second is not None:
@@ -282,7 +290,11 @@ class Resolver:
         """Whether a block changes more than modes that are known here."""
         table = self.scene.table
         return (
-            any(c >= KEYWORD or c not in table or (table[c].group not in QUIET and c not in (40, 90)) for c in codes)
+            any(
+                c >= KEYWORD or c not in table or (table[c].group not in QUIET and c not in (40, 90))
+                for c in codes
+                if c not in self.family.cycles
+            )
             or (self.tracker.dialect.tool_offsets and block.get("T") is not None)
         ) and not (self.control is not None and all(c in self.control.codes for c in codes))
 
