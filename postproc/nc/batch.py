@@ -98,7 +98,9 @@ class Batch:
         elif not self.setup.block_delete and "M" not in self.places:
             return live
         for place in self.places.get("M", ())[:] if not self.ended else ():
-            if w.mantissa[place] in self.dialect.ends and w.decimals[place] == 0 and live[w.block[place]]:
+            number = w.mantissa[place]
+            last = number in self.dialect.ends or (self.begins_again(place) and not w.skip[w.block[place]])
+            if last and w.decimals[place] == 0 and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
                 break
@@ -106,6 +108,12 @@ class Batch:
             self.places = {letter: p[live[w.block[p]]] for letter, p in self.places.items()}
             self.places = {letter: p for letter, p in self.places.items() if len(p)}
         return live
+
+    def begins_again(self, place: int) -> bool:
+        """Whether an M word takes the control back to the first block (M99 without P)."""
+        w = self.words
+        p = self.places.get("P", NO_WORDS)
+        return w.mantissa[place] in self.dialect.again and w.block[place] not in w.block[p]
 
     def once(self, letter: str) -> np.ndarray:
         """Word indices of a letter that may stand once in a block."""
@@ -190,6 +198,7 @@ class Batch:
             if name == "motion" and (number[of] == 800).any():
                 others = np.bincount(block[of & (number != 800)], minlength=self.n)
                 of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
+                of &= ~self._ends_no_cycle(number, block, of)
             column = np.full(self.n, NONE, np.int64)
             column[block[of]] = number[of]
             self.given[name] = column
@@ -204,6 +213,17 @@ class Batch:
             self.single[int(code)] = block[number == code]
         if self.dialect.carried:
             self._carried_mode()
+
+    def _ends_no_cycle(self, number: np.ndarray, block: np.ndarray, of: np.ndarray) -> np.ndarray:
+        """(K,) bool: a G80 where no cycle is in force, on controls that have cycles in a group of their own (Fanuc's): there
+        it leaves G0 to G3 in force."""
+        if self.dialect.language != "fanuc":
+            return np.zeros(len(number), bool)
+        column = np.full(self.n, NONE, np.int64)
+        column[block[of & (number != 800)]] = number[of & (number != 800)]
+        before = hold_last(column, self.state.codes.get("motion", NONE))[block]
+        ends: np.ndarray = of & (number == 800) & np.isin(before, (0, 10, 20, 30))
+        return ends
 
     def read_homing(self) -> None:
         """$H of GRBL takes all axes where homing takes them: like G28, unless that has a place of its own."""

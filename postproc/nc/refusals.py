@@ -117,6 +117,9 @@ def m_codes(b: Batch) -> None:
         return
     for number in sorted(set(b.words.mantissa[place].tolist())):
         of = place[b.words.mantissa[place] == number]
+        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.again else of
+        if not len(of):
+            continue
         block = b.words.block[of]
         if number in b.dialect.m_refuses:
             b.foreign[block] = True

@@ -56,7 +56,7 @@ def tip_on(b: Batch, axis_words, word: str) -> None:
         unknown = [x for x in turned if _stands(b, x) is None]
         if unknown:
             reason = (f"{word} takes the frame of the table as it stands, and where {' '.join(unknown)} stands is not known",
-                      f"move {' '.join(unknown)} to an absolute position first, or say where it is: --start {unknown[0]}0")  # fmt: skip
+                      f"move {' '.join(unknown)} to an absolute position first, or say where it is: --start {','.join(f'{x}0' for x in unknown)}")  # fmt: skip
         else:
             space = kinematics.space_at(b.state.position / TICKS_PER_MM)
     elif not frame and turned:

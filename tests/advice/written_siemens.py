@@ -29,7 +29,6 @@ FRAMES = [
     frame("G1 X3 RP=3 AP=4", "G1 RP=3 AP=4"),
     frame("SCALE X0 Y0|G1 X5 Y5", "SCALE X2 Y2|G1 X5 Y5|SCALE|G0 X1 Y1"),
     frame("ROT Z30|SCALE X2 Y1|AROT X30|SCALE X0.00000001", "ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
-    frame("ROT Z30|CYCLE832(0.1)|CYCLE81(9,0,2,-5)", "ROT Z30|ROT|G0 X1 Y1"),
     frame("ROT Z30|X=IC(5)", "ROT Z30|G0 X5 Y5|X=IC(5)|ROT|G0 X1 Y1"),
     frame("ROT Z30|G0 X5 Y5|AP=IC(5) RP=3", "ROT Z30|G0 X5 Y5|ROT|G0 X1 Y1"),
     frame("ROT X30|G2 X5 Y5 CR=9", "G2 X5 Y5 CR=9"),
@@ -136,4 +135,18 @@ PARTS = [
     run("X=SIN()", "X=SIN(1)"),
     run('X=$AC_TIME', "X1"),
 ]  # fmt: skip
-ALL = [*FRAMES, *CORNERS, *PARTS]
+HOLE = "F100|CYCLE81(10,0,2,-5)"
+DRILLING = [
+    run("MCALL POCKET4(1)", HOLE),
+    run("CYCLE81(10,0,2)", HOLE),
+    run("CYCLE81(,0,2,-5)", HOLE),
+    run("CYCLE81(1,0,2,-5)", HOLE),
+    run("F100|CYCLE82(10,0,2,-5,,,1)", "F100|G0 Z2|G1 Z-5|G0 Z10"),
+    run("F100|CYCLE83(10,0,2,-5,,,9)", "F100|CYCLE83(10,0,2,-5,,,2)"),
+    run("F100|CYCLE83(10,0,2,-5,,,2,-0.5)", "F100|G0 Z2|G1 Z-5|G0 Z10"),
+    run("CYCLE81(1,2,3,4,5,6,7,8,9,10)", HOLE),
+    run('CYCLE81("A")', HOLE),
+    run("CYCLE85(10,0,2,-5,,0,100,100)", "F100|CYCLE85(10,0,2,-5,,0,100,100)"),
+    run("F100|CYCLE83(10,0,2,-5,,,0.0001)", "F100|CYCLE83(10,0,2,-5,,,1)"),
+]
+ALL = [*DRILLING, *FRAMES, *CORNERS, *PARTS]

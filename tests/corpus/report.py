@@ -13,7 +13,7 @@ from pathlib import Path
 
 from postproc.nc import dialects
 
-from . import run
+from . import run, share
 from .run import MAIN, VARIANTS, Machines, Outcome, Program, Variant
 
 TARGET = run.ROOT / "docs" / "COVERAGE.md"
@@ -214,6 +214,7 @@ def text_of(found: list[Row], variants: tuple[Variant, ...]) -> str:
     parts = [HEAD.format(folders=", ".join(run.FOLDERS)), "## Totals\n", table("what | number", totals(found), " r")]
     parts += ["Other machines and tolerances:\n", by_variant(found, variants)]
     parts.append(MEANING)
+    parts += share.section()
     for folder in run.FOLDERS:
         mine = [row for row in found if row.program.name.startswith(folder + "/")]
         if not mine:

@@ -212,6 +212,13 @@ def test_return_with_p():
     assert plain("O1\nM98P2\nM30\nO2\nX1 M99\n") == ["O1", "X1", "M30"]
 
 
+def test_a_program_that_begins_again_is_written_out_once():
+    """B-64304EN, "Subprogram (M98, M99)": M99 in the main program goes back to its first block. What is written out goes back
+    as well, if it would be the same text again: variables are followed through a second time to see that."""
+    assert plain("O1\nX1\nM98P2\nM99\nO2\nX2\nM99\n") == ["O1", "X1", "X2", "M99"]
+    assert plain("O1\n#1=5\nX#1\n#1=#1+1\nM99\n") == ["O1", "X5.", "M99"]
+
+
 def test_arguments():
     show = "O9\n" + "".join(f"F[#{n}]\n" for n in range(1, 34)) + "M99\n"
 
@@ -329,7 +336,7 @@ def test_alarm_and_message():
         ("GOTO 9", "there is no N9"), ("GOTO#1", "vacant"), ("GOTO[1.5]", "GOTO 1.5"), ("GOTO 5\nWHILE[1]DO1\nN5X1\nEND1", "inside the loop of line 3"),
         ("M98", "M98 without P"), ("M98P#1", "M98 without P"), ("M98P9L0", "repeated 0 times"), ("G65A1.", "G65 without P"), ("M98P1.5", "P is 1.5"),
         ("G65P9G1\nM30\nO9\nM99", "G can not hand over"), ("X1 G65P9", "X before G65"), ("G66.1P9", "G66.1"), ("M98P9M99", "two calls"), ("G65P9" + "I1." * 11 + "\nM30\nO9\nM99", "11 sets"),
-        ("M99", "M99 in the main program"), ("M98P9\nM30\nO9\nX1", "O9 ends without M99"), ("X1\nO9\nM99", "runs into O9"),
+        ("/M99", "M99 in the main program"), ("IF[#101EQ#0]THEN#101=5\nX#101\n#101=#101+1\nM99", "the second time it would be another program"), ("M98P9\nM30\nO9\nX1", "O9 ends without M99"), ("X1\nO9\nM99", "runs into O9"),
         ("G66P9\nM98P9X1.\nM30\nO9\nM99", "under G66"), ("X#1 GOTO 5", "the letter G"), ("X1 GOTO 5", "the letter G"),
     ],
 )  # fmt: skip

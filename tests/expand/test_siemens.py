@@ -247,7 +247,7 @@ def test_variables_that_are_refused(text, message):
         "N10 G1 X10 Y-2.5 F1000 ; (R1) \xe4", "  g1x1y2", "", "   ", "; only a comment IF X", "X=1 Y = -2. A3=0.5 CR=20", "X=IC(5) Y=AC(-.5)",
         "I=AC(3) J=IC( 4 )", 'T="BALL_MILL" M6', "TRANS X10 Y=5", "TRANS", "G2 X0 Y0 I5 J0 TURN=3", 'MSG("a;b=R1")', "MSG()",
         "SETAL(12345)", "G64 SOFT FFWON", "FGROUP(X,Y)", "SPOS=90 SPOS[2]=DC(45)", "BSPLINE X1 PW=2", "POS[U]=10 FA[U]=100",
-        "TRAORI(1)", "S1=500 M1=3 H5", "G4 F1", "ACC[X]=50", "X1\t Y2 ;\tz", "LIMS=3000", "N5 SUPA G0 Z0 D0", "MCALL", ":5 X1",
+        "TRAORI(1)", "S1=500 M1=3 H5", "G4 F1", "ACC[X]=50", "X1\t Y2 ;\tz", "LIMS=3000", "N5 SUPA G0 Z0 D0", ":5 X1",
         "%_N_MAIN_MPF", 'WORKPIECE(,,,"BOX",112,0,-20)', "CYCLE832(0.01,_ROUGH,1)", "PO[X]=(1,2.5)", "M30", "G1 X5 M17",
     ],
 )  # fmt: skip
@@ -363,7 +363,7 @@ def test_gotos_leads_to_the_first_line():
         ("ENDIF X1", "does not belong behind ENDIF", 1), ("FOR R1=1 TO 3\nGOTOF LL\nENDFOR\nLL: GOTOB LB", "no LB before", 4),
         ("R9=2\nFOR R1=1 TO R9\nR9=R9+1\nENDFOR", "the end value of FOR changes", 4),
         ("R1=0\nGOTOF LL\nFOR R1=1 TO 3\nLL: X1\nENDFOR", "a jump leads into the loop", 5),
-        ("MCALL CYCLE81(1)", "MCALL can not be written out", 1), ("WHEN TRUE DO X=1", "WHEN can not", 1), ("ID=1 DO M8", "ID can not", 1),
+        ("MCALL CYCLE86(1)", "MCALL can not be written out", 1), ("WHEN TRUE DO X=1", "WHEN can not", 1), ("ID=1 DO M8", "ID can not", 1),
         ("DEFINE A AS G1", "DEFINE can not", 1), ("X10 # 5", "'#' does not belong", 1), ("X1 Y", "Y stands here without a value", 1),
         ("RET(1)", "RET with a destination", 1), ("X10 NAME1(5)", "NAME1 is no word", 1), ("X=", "a value is missing", 1),
     ],
@@ -423,7 +423,7 @@ def test_variables_of_a_program_are_its_own_and_r_parameters_are_not():
 @pytest.mark.parametrize(
     "call, message",
     [
-        ("MATERIAL_UPDATE", "MATERIAL_UPDATE is neither"), ("CYCLE81(10,0,2,-5)", "CYCLE81 is neither"), ("L7", "L7 is neither"),
+        ("MATERIAL_UPDATE", "MATERIAL_UPDATE is neither"), ("CYCLE86(10,0,2,-5)", "CYCLE86 is neither"), ("L7", "L7 is neither"),
         ('CALL "NOWHERE"', "NOWHERE is neither"), ("CALL 5", "as a string"), ("NONE1(5)", "takes 0 values, here are 1"),
         ("TAKES(5)", "takes a variable of type REAL"), ("SAVES", "SAVE"), ("ENDS", "M30 stands in a subprogram"), ("NONE1 P=-1", "P -1"),
     ],

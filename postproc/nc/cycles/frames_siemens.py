@@ -11,7 +11,6 @@ axes left unnamed in the first block behind a change.
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from postproc.nc.codes import code_number
@@ -26,7 +25,6 @@ FRAMES = {code_number(name): name for name in NAMES}
 SHIFTS = ("TRANS", "ATRANS")
 FROM_HERE, POLE, FROM_POLE = 1100, 1110, 1120
 POLES = (FROM_HERE, POLE, FROM_POLE)
-CYCLES = re.compile(rb"\b(?:MCALL|CYCLE(?!832\b)[0-9]+|HOLES[0-9]|POCKET[0-9]|SLOT[0-9]|LONGHOLE)\b", re.IGNORECASE)
 SMALLEST = 1e-3
 CANCEL = "end it before: TRANS or ROT without words"
 
@@ -81,12 +79,6 @@ class SiemensFrames:
         """Codes that a frame can not hold together with."""
         if self.frames.map.identity:
             return
-        call = CYCLES.search(block.text)
-        if call:
-            text = call[0].decode("latin-1")
-            raise self.scene.fault(
-                f"{text} within {self.frames.why}", "a cycle can not be written out here: write its motions"
-            )
         named = [w.letter for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)]
         for code in block.codes:
             row = self.scene.table.get(code)

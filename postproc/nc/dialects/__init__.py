@@ -51,7 +51,8 @@ class Dialect:
 
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
     outside of them. `excludes`: like `signs`: what its programs never have. `holes_written_out`: whether `--expand` writes
-    its canned cycles out (postproc.nc.cycles). `ends`: M codes after which nothing is read. `modal_motion`: whether a block may leave its
+    its canned cycles out (postproc.nc.cycles). `ends`: M codes after which nothing is read; `again`: so, without P, if no
+    `/` stands before it, as the program begins again. `modal_motion`: whether a block may leave its
     motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
     line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
@@ -112,6 +113,7 @@ class Dialect:
     excludes: tuple[str, ...] = ()
     holes_written_out: bool = True
     ends: tuple[int, ...] = END_OF_PROGRAM
+    again: tuple[int, ...] = ()
     modal_motion: bool = True
     one_command: bool = False
     m_takes: bool = False

@@ -93,6 +93,8 @@ DIALECT = Dialect(
         10: "clamp", 11: "unclamp", 13: "spindle clockwise and coolant", 14: "spindle counter-clockwise and coolant",
         29: "rigid tapping", 88: "coolant through the spindle", 89: "coolant off",
     },
+    again=(99,),
+    motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block"),
     language="fanuc",

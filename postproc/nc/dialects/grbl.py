@@ -40,7 +40,7 @@ DIALECT = Dialect(
         9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
     },
     m_refuses={},
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
+    grammar=Grammar(ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports, go on; $J moves
     plane=170,
     motion=0,
     homes=True,

@@ -88,6 +88,8 @@ DIALECT = Dialect(
         116: "lubrication", 117: "lubrication", 130: "show a picture", 131: "no picture", 138: "speed variation on",
         139: "speed variation off", 158: "mist collector on", 159: "mist collector off",
     },
+    again=(99,),
+    motion=0,
     m_refuses={46: codes.INLINE, 96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block"),
     language="fanuc",

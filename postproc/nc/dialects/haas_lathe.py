@@ -118,6 +118,8 @@ DIALECT = Dialect(
         133: "live tool forward", 134: "live tool back", 135: "live tool stops", 143: "second spindle forward",
         144: "second spindle back", 145: "second spindle stops", 154: "C axis engages", 155: "C axis disengages",
     },
+    again=(99,),
+    motion=0,
     m_refuses={96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block"),
     language="fanuc",

@@ -8,7 +8,7 @@ firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other 
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.marlin import _SHIFTS, HEAD, NAMED, PRINTS, SETS, SLICED
+from postproc.nc.dialects.marlin import _SHIFTS, BARE_WORDS, HEAD, MODES, NAMED, PRINTS, SETS, SLICED
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
 
@@ -57,7 +57,7 @@ DIALECT = Dialect(
     m_refuses={},
     grammar=Grammar(
         checksums=True,
-        ignores=(r"^[ \t]*@[^;\n]*", _QUIET, _NO_OFFSET),
+        ignores=(r"^[ \t]*@[^;\n]*", MODES, _QUIET, _NO_OFFSET),
         macros=(
             (HEAD + "RESTORE_GCODE_STATE" + _END, 1),
             (HEAD + "(?:SET_GCODE_OFFSET|SET_KINEMATIC_POSITION)" + _END, 2),
@@ -65,6 +65,7 @@ DIALECT = Dialect(
             (HEAD + r"(?![GMTN][ \t]*-?\d)[A-Z_][A-Z_][^;\n]*", 0),
             (HEAD + r"M[ \t]*0*(?:0|1|125|600|601|602|603|701|702)(?![0-9.])[^;\n]*", 0),
             (HEAD + r"T[ \t]*-?\d[^;\n]*", 0),
+            (BARE_WORDS, 0),
         ),
     ),
     macro_refuses=(

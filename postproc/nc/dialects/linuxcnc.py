@@ -63,7 +63,7 @@ DIALECT = Dialect(
         68: "analog output", 70: "save modal state", 71: "forget modal state",
     },
     m_refuses={72: codes.BROUGHT_BACK, 73: codes.BROUGHT_BACK, 98: codes.CALL, 99: codes.CALL},
-    grammar=Grammar(ignores=(r"\$[ \t]*[0-9]+",)),  # $0 names a spindle
+    grammar=Grammar(ignores=(r"\$[ \t]*-?[0-9]+",)),  # $0 names a spindle, $-1 all
     language="linuxcnc",
     expand_decimals=4,
     plane=170,

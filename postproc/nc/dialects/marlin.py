@@ -80,6 +80,10 @@ NOTHING = r"^[ \t]*(?:@[^;\n]*|T[ \t]*[?xc][ \t\r]*$)"  # commands of the host (
 FILAMENT = HEAD + r"M[ \t]*0*(?:125|600|701|702)(?![0-9.])[^;\n]*"
 # A line that is no command, or a tool's parking place on Prusa's changers (P0 S1, of Prusa-Firmware-Buddy).
 TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
+# Words without a command: passed over, unless the firmware was built with GCODE_MOTION_MODES, which makes them a motion.
+BARE_WORDS = HEAD + r"[XYZEF][ \t]*[-+.]?\d[^;\n]*"
+# What stands behind G90 and its kin means nothing to them: G90 E0.
+MODES = r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?(G[ \t]*0*(?:1[789]|2[01]|9[01]))(?![0-9.]|[^;\n]*[GMT][ \t]*\d)[^;\n]*"
 ONLY_IF = HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"  # G28 O: unless it has homed before
 # What every printer's program shows, whatever its firmware, and what slicers remark.
 PRINTS = (
@@ -134,8 +138,8 @@ DIALECT = Dialect(
         "machine.toml or M852, not both", **dict.fromkeys(range(810, 820), codes.INLINE),
     },
     grammar=Grammar(
-        checksums=True, ignores=(NOTHING,),
-        macros=((TEXT, 0), (FILAMENT, 0), (ONLY_IF, 0)),
+        checksums=True, ignores=(NOTHING, MODES),
+        macros=((TEXT, 0), (BARE_WORDS, 0), (FILAMENT, 0), (ONLY_IF, 0)),
     ),
     plane=170,
     dwell="PS",

@@ -25,6 +25,7 @@ _CYCLES = (
     "CYCLE96 CYCLE97 CYCLE98 CYCLE99 CYCLE801 CYCLE802 CYCLE899 CYCLE930 CYCLE940 CYCLE951 CYCLE952 HOLES1 HOLES2 "
     "POCKET1 POCKET2 POCKET3 POCKET4 SLOT1 SLOT2 LONGHOLE"
 )
+_DRILLED = ("MCALL", "CYCLE81", "CYCLE82", "CYCLE83", "CYCLE85")  # --expand writes these out
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
 _PARAMETERS = (
     "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"  # words that move no slide
@@ -64,7 +65,7 @@ DIALECT = Dialect(
         *rows("frame", {"TRANS": "shift"}, takes=True, does="trans"),
         *rows("", {"ATRANS": "further shift"}, takes=True, does="atrans"),
         *rows("frame", dict.fromkeys(_FRAMES.split(), "turned, scaled or mirrored"), takes=True, does="frame",
-              refuses="it turns, scales or mirrors the coordinates: let the CAM program write them unturned"),
+              refuses=codes.FRAME),
         *rows("axis shift", {"58": "shift of single axes", "59": "further shift of single axes"}, takes=True,
               refuses="it replaces a part of the shift: write TRANS and ATRANS"),
         *rows("", {"25": "lower limits", "26": "upper limits"}, takes=True, does="words"),
@@ -102,7 +103,8 @@ DIALECT = Dialect(
               refuses=codes.TRANSFORM),
         *rows("transformation", {"TRAORI": "tool centre point"}, does="tip on"),
         *rows("", {"CYCLE800": "tilted plane"}, does="swivel"),
-        *rows("", dict.fromkeys(_CYCLES.split(), "cycle"), refuses=codes.WRITE_OUT),
+        *rows("", dict.fromkeys(_DRILLED, "cycle"), refuses=codes.CYCLE),
+        *rows("", {name: "cycle" for name in _CYCLES.split() if name not in _DRILLED}, refuses=codes.WRITE_OUT),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
         *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
         *rows("", dict.fromkeys(_QUIET.split(), "a way of moving, no place")),

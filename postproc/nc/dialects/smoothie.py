@@ -42,6 +42,8 @@ DIALECT = Dialect(
         *rows("", {"10.1": "retract filament", "11": "recover filament"}, takes=True, does="words"),
         *rows("", {"28": "home, or to the reference point", "28.2": "home", "28.6": "home, by hand", "29": "level the bed",
               "30": "probe the bed", "31": "level the bed", "32": "calibrate"}, takes=True),
+        # Commands that no module knows are answered with ok, and do nothing (GcodeDispatch.cpp, on_console_line_received).
+        *rows("feed mode", {"94": "feed per minute, passed over"}), *rows("path", {"61": "passed over", "64": "passed over"}),
         *rows("", {"28.1": "store the reference point"}, does="store"),
     ),
     m_codes={**_M, 2: "end of program", 6: "tool change", 30: "end of program"},

@@ -28,6 +28,8 @@ from postproc.nc.expand.fanuc_words import Word, rendered
 from postproc.nc.expand.tracker import Tracker
 
 DELETED = re.compile(rb"[ \t]*(?:[Nn][ \t0-9]*)?/")
+VARIABLE, AGAIN = re.compile(rb"#"), re.compile(rb"[Mm][ \t0]*9[ \t]*9(?![ \t]*[0-9])")
+NOT_AGAIN = "variables tell the times apart: M30 ends it after one piece"
 RETURNS = (280, 300)  # G28 and G30 take their words away from the path, but move
 
 
@@ -51,9 +53,25 @@ class Runner:
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
         self.ended, self.place = False, (0, 0)
+        # A program that begins again (M99) is run twice where variables could tell the times apart.
+        self.seen: list[bytes] | None = [] if self.source.mentions(AGAIN) and self._varies() else None
+        self.second = -1  # lines of the second time, -1: the first
 
     def run(self) -> Iterator[Line]:
         """Execute it."""
+        for line in self._lines():
+            if self.seen is None or (self.ended and self.second in (-1, len(self.seen))):
+                yield line
+            elif self.second < 0:
+                self.seen.append(line.text)
+                yield line
+            elif self.second == len(self.seen) or self.seen[self.second] != line.text:
+                wrong = Misread("M99 in the main program: the second time it would be another program", NOT_AGAIN)
+                raise self.source.fault(self.program.name, line.source - 1, wrong)
+            else:
+                self.second += 1
+
+    def _lines(self) -> Iterator[Line]:
         first = self.source.sections[0]
         self._enter(Frame(self.source, first, first.start, first.start, 0, {}))
         while not self.ended:
@@ -230,6 +248,8 @@ class Runner:
         label = called(block.words, "P", self.variables, "M99", block.place) if word_of(block.words, "P") else -1
         text = self._rest(block, [w for w in block.words if w.place == block.place or w.letter in "PL"])
         if len(self.frames) == 1:
+            if label < 0 and self._ends_at(at):
+                return frame.source.texts[at] if self.ended else None
             if label < 0:
                 advice = "M30 ends it after one piece; / before M99 and block delete leave it out"
                 raise Misread("M99 in the main program: it would run from its top without end", advice, *block.place)
@@ -242,6 +262,21 @@ class Runner:
                 caller = self.frames[-1]
                 caller.at = caller.source.jump(caller.section, caller.at - 1, label, block.place)
         return text
+
+    def _ends_at(self, at: int) -> bool:
+        """Whether M99 in the main program can end what is written out, since the control begins that again as it stands: it
+        may if the second time is the same text."""
+        frame = self.frames[0]
+        if DELETED.match(frame.source.texts[at]):
+            return False
+        if self.seen is None or self.second >= 0:
+            self.ended = True
+        else:
+            self.second, frame.at = 0, frame.start
+        return True
+
+    def _varies(self) -> bool:
+        return any(source.mentions(VARIABLE) for source in (self.source, *self.library.sources()))
 
     # -- programs ------------------------------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.siemens_blocks import Call, Jump, Statement, Target, assign
+from postproc.nc.expand.siemens_drilling import FEED, NAMES, Drilling, moves
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, Source, read
 from postproc.nc.expand.siemens_values import (
     EMPTY,
@@ -103,6 +104,9 @@ class Run:
         self.scope = Scope(tracker, {}, {})
         main = Source(program.name, "", _without_end(program.lines()), self.skips)
         self.frames = [Frame(main, self.scope)]
+        self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
+        self.feed = b""  # the last F word that has left
+        self.hole: Drilling | None = None  # one that is to be drilled behind this line
 
     def lines(self) -> Iterator[Line]:
         """The plain lines."""
@@ -119,7 +123,7 @@ class Run:
                 message = f"the program is not at its end after {limit} lines"
                 raise self.fault(frame, at, raw, Refusal(message, "correct the loop that does not end"))
             if plain(raw):
-                yield Line(raw, at + 1, source.file)
+                yield from self.drilled(frame, Line(raw, at + 1, source.file))
                 if frame.repeats:
                     frame.go(at, at + 1)
                 else:
@@ -132,8 +136,25 @@ class Run:
             except BlockFault as e:  # the tracker has followed the lines up to here only when it was asked
                 refusal = Refusal(f"a line before this one can not be followed: {e.message}", e.advice)
                 raise self.fault(frame, at, raw, refusal) from None
-            if text is not None:
-                yield Line(text, at + 1, source.file)
+            if text is not None or self.hole:
+                yield from self.drilled(frame, Line(text or b"", at + 1, source.file), text is not None)
+
+    def drilled(self, frame: Frame, line: Line, own: bool = True) -> Iterator[Line]:
+        """A line, and the hole that is drilled behind it. own: whether the line itself is to be written."""
+        if own:
+            yield line
+            self.feed = next((f[1] for f in FEED.finditer(line.text.split(b";")[0])), self.feed)
+        hole, self.hole = self.hole, None
+        if self.modal and self.modal[0] is frame and own and moves(line.text):
+            hole = self.modal[1]
+        if hole is None:
+            return
+        try:
+            texts = hole.lines(self.tracker, self.feed)
+        except Refusal as e:
+            raise self.fault(frame, line.source - 1, frame.source.lines[line.source - 1], e) from None
+        for text in texts:
+            yield Line(text, line.source, line.file)
 
     def fault(self, frame: Frame, at: int, raw: bytes, e: Refusal) -> ProgramError:
         """The error that a user meets."""
@@ -217,6 +238,10 @@ class Run:
             name = value
         found = FILE_NAME.fullmatch(name)
         name = found[1] if found else name
+        if name.upper() in NAMES and self.library(name) is None:
+            self.hole = self.drilling(frame, call)
+            frame.go(frame.at, frame.at + 1)
+            return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))
         if not 0 <= passes <= MOST_PASSES:
             raise Refusal(f"P {passes} is not a number of passes", f"0 to {MOST_PASSES}", call.start, call.stop)
@@ -251,6 +276,15 @@ class Run:
             return inner
 
         self.frames.append(Frame(source, scope(), passes=passes, again=scope))
+
+    def drilling(self, frame: Frame, call: Call) -> Drilling:
+        """A drilling cycle of the control with its values."""
+        return Drilling.of(call.name.upper(), [entry.node(frame.scope) if entry else None for entry in call.values])
+
+    def modal_call(self, frame: Frame, statement: Statement) -> None:
+        """MCALL."""
+        self.modal = (frame, self.drilling(frame, statement.call)) if statement.call else None
+        frame.go(frame.at, frame.at + 1)
 
     def library(self, name: str) -> Source | None:
         """A subprogram's text, read once."""
@@ -372,7 +406,7 @@ CONTROL: dict[str, Callable[[Run, Frame, Statement], None]] = {
     **dict.fromkeys(("PROC", "EXTERN", "ENDIF", "LOOP"), Run.nothing), "REPEAT": Run.nothing, "DEF": Run.define,
     "IF": Run.test, "WHILE": Run.test, "ELSE": Run.to_partner, "ENDLOOP": Run.to_partner, "ENDWHILE": Run.to_partner,
     "UNTIL": Run.until, "FOR": Run.count, "ENDFOR": Run.count_on, "CASE": Run.case, "REPEAT SECTION": Run.repeat,
-    "REPEATB": Run.repeat,
+    "REPEATB": Run.repeat, "MCALL": Run.modal_call,
 }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from postproc.nc.expand.siemens_blocks import HEAD, JUMPS, NAME, PASSES, Jump, Right, Statement, Target, Words
+from postproc.nc.expand.siemens_drilling import NAMES
 from postproc.nc.expand.siemens_values import Node, Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 
@@ -29,7 +30,7 @@ OPENS = {"ENDIF": "IF", "ELSE": "IF", "ENDLOOP": "LOOP", "ENDWHILE": "WHILE", "E
 CLOSES = {"IF": "ENDIF", "ELSE": "ENDIF", "LOOP": "ENDLOOP", "WHILE": "ENDWHILE", "FOR": "ENDFOR", "REPEAT": "UNTIL"}
 REASONS = {
     "DEFINE": "macros are not followed: write their text where they stand",
-    "MCALL": "a modal call runs a subprogram behind every motion: write the calls out",
+    "MCALL": f"of modal calls {', '.join(NAMES)} are: write the other calls out",
     **dict.fromkeys(
         ("WHEN", "WHENEVER", "EVERY", "FROM", "DO", "ID", "IDS"),
         "synchronized actions depend on what happens while the machine moves: take them out",
@@ -79,7 +80,9 @@ def read(text: str) -> Statement:
         READERS[keyword](words)
         words.end(keyword)
         return words.into
-    if token and keyword in REASONS and (keyword != "MCALL" or words.text[token.end() :].strip(" \t")):
+    if token and keyword == "MCALL":
+        return _modal(words, token)
+    if token and keyword in REASONS:
         raise Refusal(f"{keyword} can not be written out", REASONS[keyword], token.start("name"), token.end())
     if keyword == "IF" and token:
         words.at = token.end()
@@ -90,7 +93,19 @@ def read(text: str) -> Statement:
         if not words.taken(*JUMPS):
             raise words.wrong("behind a condition stands GOTOF or one of its kin, or nothing")
         words.at = begin
-    return words.into if keyword == "MCALL" else words.words()
+    return words.words()
+
+
+def _modal(words: Words, token: re.Match[str]) -> Statement:
+    """MCALL with a call that is made behind every motion, or alone: that is over."""
+    words.into.control, words.at = "MCALL", token.end()
+    if words.done():
+        return words.into
+    name = words.next()
+    if not name or (name["name"] or "").upper() not in NAMES:
+        raise Refusal("MCALL can not be written out", REASONS["MCALL"], token.start("name"), token.end())
+    words.call(name["name"].upper(), name.start("name"), name.end(), 0)
+    return words.into
 
 
 def _condition(words: Words) -> None:

@@ -1,0 +1,176 @@
+"""Sinumerik's drilling cycles, called alone or behind every motion by MCALL: CYCLE81, CYCLE82, CYCLE83, CYCLE85.
+
+Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles" (sequence of operations, and for
+CYCLE83 "first drilling depth, degression"), and Programming Manual Job Planning, "Modal subroutine call (MCALL)". The G codes
+that were in force before a cycle hold behind it. Tapping stays what it is, and is refused: the spindle takes part in it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.tracker import Tracker, number
+
+NAMES = {
+    "CYCLE81": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE", "CYCLE82": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
+    "CYCLE83": "RTP RFP SDIS DP DPR FDEP FDPR DAM DTB DTS FRF VARI AXN MDEP VRT DTD DIS1 GMODE DMODE AMODE",
+    "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
+}  # fmt: skip
+AXIS = {170: "Z", 180: "Y", 190: "X"}
+DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE and AXN, for the axis of the hole
+SHALLOW, AHEAD, PART, MOST_AHEAD = 30.0, 0.6, 50.0, 7.0  # mm: how far CYCLE83 keeps off the bottom that it has reached
+CHIP = 1.0  # mm, by which it goes back to break chips
+MOST_STROKES = 10_000
+WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
+# A line whose axis words are a motion of its own; behind the others MCALL calls nothing.
+MOVES = re.compile(rb"(?<![A-Z_0-9])[XYZABCUVW][ \t]*(?:=|[-+.0-9])", re.IGNORECASE)
+STILL = re.compile(
+    rb"(?<![A-Z_])(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|G0*(?:4|25|26|110|111|112|74|75))(?![A-Z0-9])", re.IGNORECASE
+)
+FEED = re.compile(rb"(?<![A-Z_0-9])F[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
+
+
+def moves(line: bytes) -> bool:
+    """Whether a plain line moves an axis by its own words."""
+    code = line.split(b";")[0]
+    return bool(MOVES.search(code)) and not STILL.search(code)
+
+
+@dataclass
+class Drilling:
+    """A call with its values; `feed`: the F word in force, b"": none yet."""
+
+    name: str
+    given: dict[str, float]
+
+    @classmethod
+    def of(cls, name: str, values: Sequence[Value | None]) -> Drilling:
+        """Raises Refusal for values that are none of a cycle that can be written out."""
+        words = NAMES[name].split()
+        if len(values) > len(words):
+            raise Refusal(f"{name} takes {len(words)} values, here are {len(values)}", "correct the call")
+        given = {}
+        for word, value in zip(words, values, strict=False):
+            if isinstance(value, str) or (value is not None and not isinstance(value, int | float)):
+                raise Refusal(f"{word} of {name} is no number", "correct the call")
+            if value is not None:
+                given[word] = float(value)
+        return cls(name, given)
+
+    def lines(self, tracker: Tracker, feed: bytes) -> list[bytes]:
+        """The plain lines of one hole, from where the axis stands."""
+        axis = AXIS[tracker.code("plane")]
+        self._check(axis)
+        inch, decimals = tracker.inch, tracker.decimals(axis)
+        relative = tracker.code("distance") == 910
+
+        def move(code: str, place: float) -> bytes:
+            text = number(place, decimals)
+            return f"{code} {axis}=AC({text})".encode() if relative else f"{code} {axis}{text}".encode()
+
+        level, bottom = self._levels()
+        found = [move("G0", level)]
+        if self.name == "CYCLE83":
+            found += [move(code, place) if code else self._dwell(place) for code, place in self._pecks(inch)]
+        else:
+            found.append(move("G1" + self._feed("FFR"), bottom))
+            if self.given.get("DTB"):
+                found.append(self._dwell(self.given["DTB"]))
+        if self.name == "CYCLE85":
+            if not feed and (self.given.get("FFR") or self.given.get("RFF")):
+                raise Refusal("no F is in force behind CYCLE85", "write F before it")
+            found.append(move("G1" + self._feed("RFF"), level))
+        found.append(move("G0", self.given["RTP"]))
+        code = tracker.code("motion")
+        if code > 0 and (self.given.get("FFR") or self.given.get("RFF")):
+            found.append(b"G%d F%s" % (code // 10, feed))
+        elif code > 0:
+            found.append(b"G%d" % (code // 10))
+        elif self.given.get("FFR") or self.given.get("RFF"):
+            found.append(b"F" + feed)
+        return found
+
+    def _feed(self, word: str) -> str:
+        value = self.given.get(word, 0.0)
+        return f" F{number(value, 3)}" if value else ""
+
+    def _dwell(self, seconds: float) -> bytes:
+        return (f"G4 F{number(seconds, 3)}" if seconds > 0 else f"G4 S{number(-seconds, 3)}").encode()
+
+    def _check(self, axis: str) -> None:
+        """Values that ask for something else than what is written out. Raises Refusal."""
+        g = self.given
+        for word in ("RTP", "RFP"):
+            if word not in g:
+                raise Refusal(f"{self.name} without {word}", "write its value")
+        depth_by, dwell_by = int(g.get("AMODE", 0)) % 10, int(g.get("AMODE", 0)) // 10 % 10
+        wrong = (
+            g.get("GMODE", 0) % 10 == 1 or depth_by > 2 or dwell_by > 1 or int(g.get("AMODE", 0)) >= 100
+            or g.get("DMODE", 0) not in (0, DIGIT[axis]) or g.get("AXN", 0) not in (0, DIGIT[axis])
+            or g.get("FRF", 0) not in (0, 1) or g.get("DTD", 0)
+        )  # fmt: skip
+        if wrong:
+            values = ",".join(f"{k}={v:g}" for k, v in g.items())
+            raise Refusal(f"{self.name} in a way that is not written out ({values})", WRITE_OUT)
+
+    def _levels(self) -> tuple[float, float]:
+        """The level before the hole, and its bottom. A depth from the reference plane goes before one that is a place."""
+        g = self.given
+        up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
+        by = int(g.get("AMODE", 0)) % 10
+        if "DP" not in g and "DPR" not in g:
+            raise Refusal(f"{self.name} without DP and DPR", "write its depth")
+        incremental = by == 1 or (by == 0 and bool(g.get("DPR")))
+        bottom = g["RFP"] - up * abs(g.get("DPR") or g.get("DP", 0.0)) if incremental else g.get("DP", 0.0)
+        level = g["RFP"] + up * abs(g.get("SDIS", 0.0))
+        if (level - bottom) * up <= 0 or (g["RTP"] - level) * up < 0:
+            raise Refusal(f"the planes of {self.name} are not in order", "RTP, RFP + SDIS and DP in this order")
+        return level, bottom
+
+    def _strokes(self, bottom: float) -> Iterator[float]:
+        """The places that the strokes of CYCLE83 reach."""
+        g = self.given
+        up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
+        depth = abs(g["RFP"] - bottom)
+        first = abs(g["FDPR"]) if g.get("FDPR") else abs(g["RFP"] - g["FDEP"]) if "FDEP" in g else depth
+        less, least = abs(g.get("DAM", 0.0)), abs(g.get("MDEP", 0.0))
+        if g.get("DAM", 0.0) < 0 or least:
+            raise Refusal("CYCLE83 with a factor as DAM, or with MDEP", WRITE_OUT)
+        if first > depth or first <= 0:
+            raise Refusal("the first drilling depth of CYCLE83 is not within the hole", "correct FDEP or FDPR")
+        reached, stroke = first, first
+        for _ in range(MOST_STROKES):
+            if reached >= depth - 1e-9:
+                yield bottom
+                return
+            yield g["RFP"] - up * reached
+            left = depth - reached
+            stroke = stroke - less if stroke - less > less else max(less, 0.0) or stroke
+            if less and left < 2 * less and left > stroke:
+                stroke = left / 2
+            reached = min(reached + stroke, depth)
+        raise Refusal(f"CYCLE83 takes more than {MOST_STROKES} strokes", "correct FDPR and DAM")
+
+    def _pecks(self, inch: bool) -> Iterator[tuple[str, float]]:
+        """Code and place of what CYCLE83 does behind the rapid to the level; "" and seconds for a dwell."""
+        g, (level, bottom) = self.given, self._levels()
+        up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
+        unit = 25.4 if inch else 1.0
+        deep = abs(g["RFP"] - bottom) * unit
+        ahead = g.get("DIS1") or (AHEAD if deep <= SHALLOW else min(deep / PART, MOST_AHEAD)) / unit
+        for place in self._strokes(bottom):
+            yield "G1", place
+            if g.get("DTB"):
+                yield "", g["DTB"]
+            if place == bottom:
+                return
+            if g.get("VARI", 0):
+                yield "G0", level
+                if g.get("DTS"):
+                    yield "", g["DTS"]
+                yield "G0", place + up * ahead
+            else:
+                yield "G1", place + up * (g.get("VRT") or CHIP / unit)

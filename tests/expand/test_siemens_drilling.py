@@ -1,0 +1,73 @@
+"""CYCLE81, CYCLE82, CYCLE83, CYCLE85 and MCALL of Sinumerik, by the sequences of the Programming Guide Cycles."""
+
+from __future__ import annotations
+
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.nc import dialects
+from postproc.nc.expand import Limits, Program
+from postproc.nc.expand.written import Written
+from postproc.nc.interpreter import Interpreter, Setup
+
+HEAD = "G17 G90 G0 X0 Y0 Z50\nF200\n"
+
+
+def holes(text: str) -> list[str]:
+    """What is written for a program, behind its head."""
+    axes = tuple("XYZ")
+    interpreter = Interpreter(dialects.load("siemens"), Setup(axes, least_increment=dict.fromkeys(axes, 0.001)))
+    program = Program("MAIN.MPF", (HEAD + text).encode())
+    return b"".join(Written(program, interpreter, Limits(steps=1000, depth=8))).decode().splitlines()[2:]
+
+
+def test_a_call_alone_drills_where_it_stands():
+    """Rapid to the reference plane and the safety clearance, feed to the depth, dwell, rapid to the retraction plane; G0 G1 are
+    what they were."""
+    assert holes("CYCLE81(10,0,2,-20)\nX5\n") == ["G0 Z2.", "G1 Z-20.", "G0 Z10.", "X5"]
+    assert holes("G1 X1\nCYCLE82(10,0,2,,20,0.5)\nX5\n") == [
+        "G1 X1", "G0 Z2.", "G1 Z-20.", "G4 F0.5", "G0 Z10.", "G1", "X5",
+    ]  # fmt: skip
+    assert holes("R1=-7\nG91\nCYCLE81(10,0,2,R1)\n")[1:] == ["G0 Z=AC(2.)", "G1 Z=AC(-7.)", "G0 Z=AC(10.)"]
+
+
+def test_a_modal_call_drills_behind_every_motion():
+    text = "MCALL CYCLE81(10,0,2,-5)\nX10 Y10\nM8\nX20\nTRANS Z0\nMCALL\nX30\n"
+    hole = ["G0 Z2.", "G1 Z-5.", "G0 Z10."]
+    assert holes(text) == ["X10 Y10", *hole, "M8", "X20", *hole, "TRANS Z0", "X30"]
+
+
+def test_deep_holes_go_in_strokes():
+    """FDPR 5, then less by DAM 2 while that leaves more than DAM, then DAM; by VARI 1 out of the hole, and back to 0.6 mm above
+    the bottom that was reached; by VARI 0 back by 1 mm to break the chip."""
+    depths = [line for line in holes("CYCLE83(10,0,2,-12,,,5,2,0,0,1,1)\n") if line.startswith("G1")]
+    assert depths == ["G1 Z-5.", "G1 Z-8.", "G1 Z-10.", "G1 Z-12."]
+    assert holes("CYCLE83(10,0,2,-12,,,7,0,0,0,1,1)\n") == [
+        "G0 Z2.", "G1 Z-7.", "G0 Z2.", "G0 Z-6.4", "G1 Z-12.", "G0 Z10.",
+    ]  # fmt: skip
+    assert holes("CYCLE83(10,0,2,-12,,-7,,0,0,0,1,0)\n") == ["G0 Z2.", "G1 Z-7.", "G1 Z-6.", "G1 Z-12.", "G0 Z10."]
+
+
+def test_reaming_has_feeds_of_its_own():
+    assert holes("CYCLE85(10,0,2,-6,,0.5,100,300)\n") == [
+        "G0 Z2.", "G1 F100. Z-6.", "G4 F0.5", "G1 F300. Z2.", "G0 Z10.", "F200",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ("CYCLE81(10,0,2)", "without DP and DPR"),
+        ("CYCLE81(,0,2,-5)", "without RTP"),
+        ("CYCLE81(1,0,2,-5)", "not in order"),
+        ("CYCLE82(10,0,2,-5,,,1)", "in a way that is not written out"),
+        ("CYCLE83(10,0,2,-5,,,9)", "not within the hole"),
+        ("CYCLE83(10,0,2,-5,,,2,-0.5)", "a factor as DAM"),
+        ("CYCLE81(1,2,3,4,5,6,7,8,9,10)", "takes 9 values"),
+        ('CYCLE81("A")', "is no number"),
+        ("MCALL POCKET4(1)", "MCALL can not be written out"),
+    ],
+)
+def test_what_can_not_be_written_out_is_said(call, message):
+    with pytest.raises(ProgramError, match=message):
+        holes(call + "\nX1\n")

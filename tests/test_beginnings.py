@@ -1,0 +1,45 @@
+"""How programs begin and end that nobody wrote for a test: no motion code, M99, words that a firmware passes over."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.test_printers import filtered, written
+
+HEAD = "G90\nG0 X10. Y10. Z5.\n"
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+def test_fanucs_begin_in_g0(dialect):
+    """B-64304EN-2, "G code list": G00, or G01 by parameter 3402, which ends at the same place; Haas 96-8210: G00 has the
+    asterisk. G80 ends a cycle, a group of its own: it takes no G0 to G3 back."""
+    named = written("G90 G80\nG0 X10. Y10. Z5.\nG1 X20. F100.\nM30\n", dialect)
+    bare = written("G90 G80\nX10. Y10. Z5.\nG80\nG1 X20. F100.\nG80\nX30.\nM30\n", dialect)
+    assert bare[1].removeprefix("G0 ") == named[1].removeprefix("G0 ").replace("G0", "")
+    assert bare[-2].startswith("X29.") or bare[-2].startswith("X30.0")
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+def test_m99_in_the_main_program_ends_it(dialect):
+    """The control goes back to the first block: nothing behind it is reached, but behind a /M99, as the switch may be on."""
+    lines = written(HEAD + "G1 X20. F100.\n/M99\nX30.\nM99\nX40.\n", dialect)
+    assert lines[-1] == "X40."
+    assert lines[-2] == "M99" and lines[-3] != "X30." and lines[-3].startswith(("X29.", "X30."))
+
+
+def test_marlin_passes_over_words_without_a_command():
+    """Marlin/src/gcode/parser.cpp: without GCODE_MOTION_MODES a line that begins with an axis letter is no command; with it, it
+    moves: no place is known behind it. Words behind G90 G91 G21 mean nothing to these."""
+    home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
+    text = "G28\nG90 E0\nG1 X10 Y10 Z5 F600\nG1 X20\n"
+    lines = written(text, "marlin", home)
+    assert "G90 E0" in lines
+    assert written(text.replace(" E0", ""), "marlin", home)[2:] == lines[2:]
+    filter_ = filtered(text + "Z10\nG1 X30\n", "marlin", home)[0]
+    assert any("no axis has a known place" in n.message for n in filter_.notices)
+
+
+def test_grbl_answers_a_question_mark():
+    """gnea/grbl, grbl/serial.c: ? and ~ are picked out of the stream, they are no part of a line."""
+    home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
+    assert written("?  \n$H\nG0 X10 Y10 Z5\n~\nG1 X20 F100\n", "grbl", home)[0] == "?  "
