@@ -52,7 +52,6 @@ NOT_THERE = (  # what the text does not say
 )  # fmt: skip
 
 
-
 @dataclass(frozen=True)
 class Result:
     """What became of one program: `corrected`, `with an option` or `refused`, and the sentence that refused it."""
