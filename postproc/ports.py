@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import shutil
 import sys
@@ -85,6 +86,53 @@ class Kept:
             return True
         self.at = 0
         return self.beside is not None
+
+
+class Copy:
+    """A program as it was when a job began: whatever becomes of the file, every reading gives the same bytes. digest: SHA-256."""
+
+    def __init__(self, path: str):
+        """Raises UsageError where it can not be read or kept, or changes while it is read."""
+        self.path, self._beside = path, spool()
+        sha = hashlib.sha256()
+        with opened(path) as (source, _, _):
+            self._stamp = _stamp(os.fstat(source.fileno()))
+            for data in chunks(source, live=False):
+                sha.update(data)
+                try:
+                    self._beside.write(data)
+                except OSError as error:
+                    raise UsageError(
+                        f"{path} can not be copied for the job: {error.strerror}",
+                        f"make room in {tempfile.gettempdir()}, or name another folder in TMPDIR",
+                    ) from None
+            written = self._stamp != _stamp(os.fstat(source.fileno()))
+        if written or self.changed():
+            raise UsageError(f"{path} is being written", "wait until the program that writes it has finished")
+        self.digest = sha.hexdigest()
+
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[BinaryIO]:
+        """The copy from its beginning; one reader at a time."""
+        self._beside.seek(0)
+        yield self._beside
+
+    def head(self) -> bytes:
+        """How it begins."""
+        with self.opened() as stream:
+            return stream.read(HEAD)
+
+    def changed(self) -> bool:
+        """Whether the file is another one by now, or is gone."""
+        try:
+            return _stamp(os.stat(self.path)) != self._stamp
+        except OSError:
+            return True
+
+
+def _stamp(status: os.stat_result) -> tuple[int, ...]:
+    """What changes when a file does."""
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def head(source: BinaryIO) -> bytes:

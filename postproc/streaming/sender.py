@@ -22,6 +22,7 @@ from postproc.streaming.protocols import Protocol
 
 RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
 RESTS = {"idle", "check"}
+LOOKS = 0.25  # s between two looks at the clock, beyond which the computer was busy, or asleep
 BACKLOG = 512  # bytes that wait for the port, beyond which no further line is taken
 
 
@@ -53,7 +54,7 @@ class Sender:
         self._urgent = self._out = b""
         self._last: WireLine | None = None  # the last line answered
         self._end: tuple[float, ...] = ()
-        self._heard = self._moved = -math.inf
+        self._heard = self._moved = self._ticked = -math.inf
         self._reports = Poll()
         self._drained: float | None = None
         self._rests = self._own = 0
@@ -139,6 +140,8 @@ class Sender:
             return
         if not self._begun:
             self._begun, self._heard, self._moved = True, now, now
+            self._ticked = now
+        self._missed(now)
         self._fill(now)
         self._poll(now)
         self._watch(now)
@@ -191,6 +194,14 @@ class Sender:
                 self.log.append(("sent", line, now))
                 self.account.sent(line)
             self._drained, self._rests = None, 0
+
+    def _missed(self, now: float) -> None:
+        """Time in which nobody looked is no silence of the controller: what it said then has yet to be read."""
+        late = now - self._ticked - LOOKS
+        self._ticked = now
+        if late > 0:
+            self._heard, self._moved, self._deadline = self._heard + late, self._moved + late, self._deadline + late
+            self._idle_since = None if self._idle_since is None else self._idle_since + late
 
     def _poll(self, now: float) -> None:
         request = self.protocol.urgent("status")

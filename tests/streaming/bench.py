@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import dataclass, field
 
@@ -18,7 +19,7 @@ TICK = 0.002
 class Faults:
     """What happens on the way, by the count of bytes that have passed. `to` and `back`: byte number to "drop", "flip" or
     "double"; stall: (time, seconds) in which nothing passes back; cut: time at which the port closes; reset: time at which
-    the controller restarts; lag: s that answers are late."""
+    the controller restarts; lag: s that answers are late; asleep: (time, seconds) in which the sender's own computer does nothing."""
 
     to: dict[int, str] = field(default_factory=dict)
     back: dict[int, str] = field(default_factory=dict)
@@ -26,6 +27,7 @@ class Faults:
     cut: float = float("inf")
     reset: float = float("inf")
     lag: float = 0.0
+    asleep: tuple[float, float] = (math.inf, 0.0)
     random: random.Random = field(default_factory=lambda: random.Random(0))
     _count: dict[str, int] = field(default_factory=lambda: {"to": 0, "back": 0})
 
@@ -75,6 +77,8 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
                 sender.give([line])
         while actions and now - begun >= actions[0][0]:
             actions.pop(0)[1](sender, now)
+        if now - begun >= faults.asleep[0]:
+            now, faults.asleep = now + faults.asleep[1], (math.inf, 0.0)
         sender.tick(now)
         while data := sender.bytes_out():
             model.write(faults.pass_on("to", data), now)

@@ -144,6 +144,17 @@ def test_an_alarm_ends_the_job(text):
     assert (sender.outcome.kind, sender.outcome.exit_status) == ("alarm", 11)
 
 
+@pytest.mark.parametrize("begins", [0.3, 0.8, 1.3])
+def test_A12_a_computer_that_slept_hears_no_silence_and_sees_no_stall(begins):
+    """Its own loop stood for 7 s: the answers of that time were there to be read, and nothing is concluded before they are."""
+    text, ends = zigzag(120, feed=600)
+    made = GrblModel()
+    sender = new_sender(made, watched=True)
+    run(sender, made, lines_of(text, ends), Faults(asleep=(begins, 7.0)))
+    assert sender.outcome.kind == "done", sender.outcome
+    assert made.accepted == [line.replace(" ", "") for line in text.split("\n")]
+
+
 def test_A12_a_lost_ok_is_a_stall_with_its_lines_and_nothing_is_sent_again():
     model = GrblModel()
     sender = new_sender(model)

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from postproc import ports
 from postproc.commands import reading
 from postproc.errors import ProgramError, UsageError
 
@@ -101,7 +102,8 @@ def run(options: argparse.Namespace) -> int:
     frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
-    line, past = jobs.resumed(options, machine) if options.resume_from else (1, None)
+    copy = ports.Copy(options.file) if jobs.is_file(options.file) else None
+    line, past = jobs.resumed(options, machine, copy) if options.resume_from and copy else (1, None)
     if options.port is None:
         raise UsageError("--port is missing: where is the controller?", _ports())
     job = None
@@ -112,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
         from postproc.streaming import live as lives
 
         live = lives.read(greeting.protocol.controller, greeting.status, machine.letters)
-        job = jobs.prepare(options, machine, greeting.protocol, live)
+        job = jobs.prepare(options, machine, greeting.protocol, live, copy)
         if options.resume_from:
             line = jobs.zero_is_certain(job, line, past, greeting.restarted)
             jobs.restarted(job, line)
@@ -260,7 +262,7 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
         place = jobs.journal_path(options)
         journal = None
         if place is not None and not options.check:
-            sha = jobs.digest(options.file) if jobs.is_file(options.file) else ""
+            sha = job.copy.digest if job.copy else ""
             journal = JournalFile(
                 place,
                 journals.head(
@@ -290,6 +292,11 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
         for notice in job.notices:
             print(f"gcomp: notice: {notice.message}", file=sys.stderr)
     print(f"gcomp: {outcome.text()}", file=sys.stderr)
+    if job.copy and job.copy.changed():
+        print(
+            f"gcomp: notice: {options.file} was changed while the job ran; what was sent is the program as it was when the job began",
+            file=sys.stderr,
+        )
     if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
         print(f"gcomp: the program ended there, because of: {prefetch.fault}", file=sys.stderr)
         return outcome.exit_status or REFUSED

@@ -29,15 +29,23 @@ class Standing(Interpreter):
         return self.modal
 
 
-def lines(source: Source, text: bytes, options: argparse.Namespace) -> Iterator[list[WireLine]]:
-    """Wire lines of a program that is written out, portion by portion. Raises ProgramError at the line written by hand, behind
-    what came before it."""
+def lines(
+    source: Source, text: bytes, options: argparse.Namespace, library: dict[str, bytes | None]
+) -> Iterator[list[WireLine]]:
+    """Wire lines of a program that is written out, portion by portion. library: texts of subprograms as they were read first,
+    which are not read again. Raises ProgramError at the line written by hand, behind what came before it."""
     filter_ = source.filter
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
-    library = expansion.Library([here, *map(Path, options.library)], filter_.notices)
+    files = expansion.Library([here, *map(Path, options.library)], filter_.notices)
+
+    def subprogram(name: str) -> bytes | None:
+        if name not in library:
+            library[name] = files.text(name)
+        return library[name]
+
     tracked = Standing(filter_.modal, filter_.dialect, filter_.setup)
     limits = Limits(options.max_steps, options.max_depth)
-    program = Program(filter_.name, text, library.text)
+    program = Program(filter_.name, text, subprogram)
     written = Written(program, tracked, limits, filter_.compensator.keeps)
     fed = SimpleNamespace(feed=source.feed, finish=source.finish, notices=filter_.notices)
     try:

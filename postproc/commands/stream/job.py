@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import copy
-import hashlib
+import contextlib
+import copy as copies
 import os
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from postproc import ports
 from postproc.commands import expansion, reading
@@ -41,8 +41,8 @@ def is_file(path: str | None) -> bool:
 
 @dataclass
 class Job:
-    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it;
-    whole: the program's text, where it is written out."""
+    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it; copy: the
+    program as it was at first, None of a pipe; whole: its text, where it is written out; library: texts of its subprograms."""
 
     options: argparse.Namespace
     fresh: Callable[[], Filter]
@@ -52,7 +52,9 @@ class Job:
     name: str
     begin: int = 1
     preamble: tuple[bytes, ...] = ()
+    copy: ports.Copy | None = None
     whole: bytes | None = None
+    library: dict[str, bytes | None] = field(default_factory=dict)
     source: Source | None = None
 
     def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
@@ -66,7 +68,7 @@ class Job:
         if self.whole is not None:
             from postproc.commands.stream import expanded
 
-            yield from expanded.lines(source, self.whole, self.options)
+            yield from expanded.lines(source, self.whole, self.options, self.library)
             return
         filter_.summary.lines = self.begin - 1
         try:
@@ -93,13 +95,12 @@ class Job:
         return min(known, default=RAPID_MM_MIN)
 
     def _text(self) -> Iterator[bytes]:
-        path = self.options.file
-        if not is_file(path):
-            with ports.opened(path) as (stream, _, _):
+        if self.copy is None:
+            with ports.opened(self.options.file) as (stream, _, _):
                 yield from ports.chunks(stream, live=True)
             return
         skip = self.begin - 1
-        with ports.opened(path) as (stream, _, _):
+        with self.copy.opened() as stream:
             for _ in range(skip):
                 stream.readline()
             while data := stream.read(CHUNK):
@@ -123,15 +124,13 @@ class Job:
         return load
 
 
-def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, live: lives.Live) -> Job:
+def prepare(
+    options: argparse.Namespace, machine: Machine, protocol: Protocol, live: lives.Live, copy: ports.Copy | None
+) -> Job:
     """The job, with the controller's zeros in the filter. Raises UsageError where they are not the stated ones."""
     from postproc.filter import Filter
 
-    head = b""
-    if is_file(options.file):
-        with ports.opened(options.file) as (stream, _, _):
-            head = ports.head(stream)
-    base = reading.filter_of(options, machine, head)
+    base = reading.filter_of(options, machine, copy.head() if copy else b"")
     explicit = {name for name, _ in options.offset}
     assumed = base.machine.offsets
     stated = {n: p for n, p in base.setup.offsets.items() if n in explicit or assumed.get(n) != p}
@@ -145,9 +144,9 @@ def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, l
         lives.stand(filter_, live)
         return filter_
 
-    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name)
+    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy)
     if options.expand:
-        with ports.opened(options.file) as (stream, _, _):
+        with copy.opened() if copy else _piped(options.file) as stream:
             job.whole = stream.read(expansion.LARGEST + 1)
         if len(job.whole) > expansion.LARGEST:
             raise UsageError(
@@ -157,22 +156,22 @@ def prepare(options: argparse.Namespace, machine: Machine, protocol: Protocol, l
     return job
 
 
-def digest(path: str) -> str:
-    """SHA-256 of a file."""
-    with open(path, "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
+@contextlib.contextmanager
+def _piped(path: str | None) -> Iterator[BinaryIO]:
+    with ports.opened(path) as (stream, _, _):
+        yield stream
 
 
-def resumed(options: argparse.Namespace, machine: Machine) -> tuple[int, journals.Past | None]:
+def resumed(options: argparse.Namespace, machine: Machine, copy: ports.Copy) -> tuple[int, journals.Past | None]:
     """The source line that --resume-from names, by number or by a journal, and what the journal says; None: there is none of this
     program. Raises UsageError."""
     text = options.resume_from
     if text.isdigit():
         if int(text) < 1:
             raise UsageError("--resume-from counts lines from 1")
-        return int(text), _past_of(options)
+        return int(text), _past_of(options, copy)
     past = journals.read(ports.read_whole(Path(text), LARGEST_JOURNAL), text)
-    if past.head.get("sha256") != digest(options.file):
+    if past.head.get("sha256") != copy.digest:
         raise UsageError(
             f"{text} is the journal of another program, or {options.file} was changed since",
             "name the line by its number if you are sure",
@@ -192,7 +191,7 @@ def resumed(options: argparse.Namespace, machine: Machine) -> tuple[int, journal
     return past.certain, past
 
 
-def _past_of(options: argparse.Namespace) -> journals.Past | None:
+def _past_of(options: argparse.Namespace, copy: ports.Copy) -> journals.Past | None:
     """The journal that lies where this job's would, if it is one of this program."""
     place = journal_path(options)
     if place is None or not place.exists():
@@ -201,7 +200,7 @@ def _past_of(options: argparse.Namespace) -> journals.Past | None:
         past = journals.read(ports.read_whole(place, LARGEST_JOURNAL), str(place))
     except UsageError:
         return None
-    return past if past.head.get("sha256") == digest(options.file) else None
+    return past if past.head.get("sha256") == copy.digest else None
 
 
 def zero_done(options: argparse.Namespace) -> str:
@@ -226,7 +225,8 @@ def restarted(job: Job, line: int) -> None:
     options = job.options
     if line > 1:
         filter_ = job.fresh()
-        with ports.opened(options.file) as (stream, _, _):
+        assert job.copy is not None
+        with job.copy.opened() as stream:
             before, rest = restart.read_before(filter_, stream, line)
         restart.refuse(filter_, rest, line)
         safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
@@ -246,17 +246,18 @@ def restarted(job: Job, line: int) -> None:
 
 def with_hint(error: ProgramError, job: Job) -> ProgramError:
     """The error, with the control that the program looks written for."""
-    if not is_file(job.options.file):
+    whole = job.copy
+    if whole is None:
         return error
 
     def tried(name: str) -> ProgramError | None:
-        options, mine = copy.copy(job.options), job.fresh()
+        options, mine = copies.copy(job.options), job.fresh()
         options.dialect = name
         other = reading.filter_of(options, mine.machine)
         setup = replace(other.setup, offsets=mine.setup.offsets)
         filter_ = type(mine)(other.machine, other.dialect, setup, other.options, mine.name)
         lives.stand(filter_, job.live)
-        with ports.opened(options.file) as (stream, _, _):
+        with whole.opened() as stream:
             try:
                 if options.expand:
                     written = expansion.written_out(filter_, stream, options)
@@ -270,8 +271,7 @@ def with_hint(error: ProgramError, job: Job) -> ProgramError:
                 return wrong
         return None
 
-    with ports.opened(job.options.file) as (stream, _, _):
-        return reading.with_hint(error, job.fresh().dialect, ports.head(stream), tried)
+    return reading.with_hint(error, job.fresh().dialect, whole.head(), tried)
 
 
 def journal_path(options: argparse.Namespace) -> Path | None:
