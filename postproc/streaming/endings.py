@@ -101,6 +101,16 @@ def silent(seconds: float) -> Outcome:
     return Outcome(ends.DISCONNECTED, f"the controller has said nothing for {seconds:.1f} s, not even its status", LOOK)
 
 
+def failed(error: BaseException, waiting: Sequence[WireLine], protocol: Protocol) -> Outcome:
+    """gcomp's own fault."""
+    at = f"; the oldest line unanswered is {waiting[0].where()}" if waiting else ""
+    return Outcome(
+        ends.FAILED, f"gcomp failed: {type(error).__name__}: {error}{at}",
+        f"{protocol.does['hold']}. This is an error of gcomp: please report it with what stands above, and the journal",
+        unanswered=tuple(line for line in waiting if line.number > 0),
+    )  # fmt: skip
+
+
 def stopped(why: str, protocol: Protocol) -> Outcome:
     return Outcome(ends.ABORTED, why, protocol.does["stop"])
 

@@ -41,7 +41,8 @@ class Status:
     """A report. state: idle, run, hold, jog, alarm, door, check, home, sleep, tool or what it said; detail: its sub-state.
 
     place: mm (degrees of rotary axes), machine coordinates, in the controller's order of axes, or None; feed: mm/min;
-    free: planner blocks and receive bytes that are free, where it says so; line: N number in execution.
+    free: planner blocks and receive bytes that are free, where it says so; line: N number in execution; rates: overrides of feed,
+    rapids and spindle, %, () where this report does not say them; shift: of the work coordinates, mm, as it was said last.
     """
 
     state: str
@@ -51,6 +52,8 @@ class Status:
     speed: float | None = None
     free: tuple[int, int] | None = None
     line: int | None = None
+    rates: tuple[float, ...] = ()
+    shift: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,11 @@ class Greeting:
         self._number = 0
         self._asks_status = self._settles = False
 
+    @property
+    def moves(self) -> bool:
+        """Whether the machine moves by gcomp's order: it homes."""
+        return self._asked is not None and self._asked in self.first and self._asked.startswith(b"$H")
+
     def bytes_out(self) -> bytes:
         data, self._out = self._out, b""
         return data

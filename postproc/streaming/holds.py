@@ -11,9 +11,7 @@ from postproc.streaming.lines import WireLine
 
 HOLDING = {"hold", "door"}
 AGAIN, FOREIGN, RESUMED = "again", "foreign", "resumed"
-PAUSED = (
-    "the controller is paused and waits for a person: at its own buttons, or Enter (or SIGUSR1); Ctrl-C stops the job"
-)
+PAUSED = "the controller is paused and waits for a person: at its own buttons, or r (or SIGUSR1); Ctrl-C stops the job"
 NOT_SEEN_AGAIN = (
     "one report said that the machine was {:.3f} mm beside the path; held and asked again, it stands on it, and goes on. The report was "
     "damaged, or a coordinate was: check the cable, and look at the part"
@@ -56,10 +54,10 @@ class Hold:
 def words(status: Status, oldest: WireLine | None) -> str:
     """A hold that gcomp did not order, for a person. oldest: the line that waits for its answer."""
     if status.state == "door":
-        return "the safety door is open: close it, then Enter (or SIGUSR1) goes on; Ctrl-C stops the job"
+        return "the safety door is open: close it, then r (or SIGUSR1) goes on; Ctrl-C stops the job"
     if oldest is not None and STOP.search(oldest.text):
-        return f"the program stops here, {oldest.where()}: Enter (or SIGUSR1) goes on; Ctrl-C stops the job"
+        return f"the program stops here, {oldest.where()}: r (or SIGUSR1) goes on; Ctrl-C stops the job"
     return (
         "the machine holds, and not by gcomp's order: a button at the machine, or another program. Its own button goes on, "
-        "or Enter (or SIGUSR1); Ctrl-C stops the job"
+        "or r (or SIGUSR1); Ctrl-C stops the job"
     )

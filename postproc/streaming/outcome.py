@@ -11,10 +11,10 @@ from postproc.streaming.lines import WireLine
 DONE, ERROR, ALARM, RESET, DISCONNECTED, STALLED, ABORTED = (
     "done", "error", "alarm", "reset", "disconnected", "stalled", "aborted",
 )  # fmt: skip
-DRIFT, ALTERED, SENT = "drift", "altered", "sent"
+DRIFT, ALTERED, SENT, FAILED = "drift", "altered", "sent", "failed"
 STATUS = {
     DONE: 0, ERROR: 10, ALARM: 11, RESET: 12, DISCONNECTED: 13, STALLED: 14, DRIFT: 15, ALTERED: 16, SENT: 17,
-    ABORTED: 130,
+    ABORTED: 130, FAILED: 1,
 }  # fmt: skip
 
 

@@ -105,6 +105,17 @@ class Sender:
             self._hold.release(now)
             self._goes_on(now)
 
+    @property
+    def held(self) -> bool:
+        """Whether it shall hold, or does, whoever said so."""
+        return self.state == HELD or self._hold.stands
+
+    def override(self, what: str) -> bool:
+        """Change the rate of feed, rapids or spindle while it runs ("feed+", "rapid 50", ...); False: there is no such order."""
+        data = self.protocol.urgent(what)
+        self._urgent += data
+        return bool(data)
+
     def decide(self, go_on: bool, now: float) -> None:
         """The answer to `asks`: go on without these lines, or end the job here."""
         if go_on:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -83,23 +84,50 @@ os.kill(os.getpid(), 9)
 
 
 def test_a_full_disk_is_a_fault_and_not_the_end(tmp_path, monkeypatch):
+    """What could be written ends with a whole record; what came since is written when there is room again, in order."""
+    monkeypatch.setattr(journal_file, "SYNC", 0.01)
     journal = JournalFile(tmp_path / "j", b"head\n")
+    real = os.write
 
     def full(file, data):
-        raise OSError(28, "No space left on device")
+        if len(data) < 3:
+            raise OSError(28, "No space left on device")
+        return real(file, data[:3])  # a part of it still fits
 
     with monkeypatch.context() as patch:
         patch.setattr(journal_file.os, "write", full)
-        journal.write(b"0\n")
-    assert journal.fault == "No space left on device"
-    journal.write(b"1\n")  # behind a gap nothing is written
+        journal.write(b"0\n1\n")
+        deadline = time.monotonic() + 30
+        while not journal.fault:
+            assert time.monotonic() < deadline
+        assert journal.fault == "No space left on device"
+        journal.write(b"2\n")
+        assert (tmp_path / "j").read_bytes() in (b"head\n0\n", b"head\n0\n1\n", b"head\n0\n1\n2\n")
+    while journal.fault:
+        assert time.monotonic() < deadline
     journal.close()
-    assert (tmp_path / "j").read_bytes() == b"head\n"
+    assert (tmp_path / "j").read_bytes() == b"head\n0\n1\n2\n"
+
+
+def test_nobody_waits_for_a_disk_that_hangs_in_a_write(tmp_path, monkeypatch):
+    """As it may be on a network, or a stick: 20 records take no longer than one wait each."""
+    go, real = threading.Event(), os.write
+    journal = JournalFile(tmp_path / "j", b"head\n")
+    monkeypatch.setattr(journal_file.os, "write", lambda file, data: go.wait(60) and real(file, data))
+    begun = time.monotonic()
+    for i in range(20):
+        journal.write(b"%d\n" % i)
+    assert time.monotonic() - begun < 20 * journal_file.TAKEN + 1.0
+    go.set()
+    journal.close()
+    assert (tmp_path / "j").read_bytes() == b"head\n" + b"".join(b"%d\n" % i for i in range(20))
 
 
 def test_a_journal_that_can_not_be_begun_is_refused_and_an_old_one_kept(tmp_path):
     with pytest.raises(UsageError, match="can not be written"):
         JournalFile(tmp_path / "no" / "j", b"")
+    with pytest.raises(UsageError, match="is no file"):  # a device is not put aside
+        JournalFile(Path(os.devnull), b"")
     for text in (b"a\n", b"b\n"):
         JournalFile(tmp_path / "j", text).close()
     assert ((tmp_path / "j").read_bytes(), (tmp_path / "j.old").read_bytes()) == (b"b\n", b"a\n")

@@ -64,17 +64,17 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
     bad(place, 21, 41)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
-        person.until("c and Enter")
+        person.until("c: go on")
         assert "source line 21, sent as wire line 20: G1 X5 Y3 H7" in person.text and "error:20" in person.text
         assert host.model.state == "Hold" or host.times[0][1] == ord("!")
         before = len(sent_rows(host))
-        person.types("what?\n")
-        person.until("c and Enter", 2)
+        person.types("whatever\n")
+        person.until("c: go on", 2)
         assert len(sent_rows(host)) == before < len(program().split("\n")) - 10
-        person.types("c\n")
+        person.types("c")
         person.until("source line 41")
-        person.until("c and Enter", 3)
-        person.types("c\n")
+        person.until("c: go on", 3)
+        person.types("c")
         assert person.end() == 10, person.text
     assert "2 of " in person.text and host.model.state == "Idle"
     rows = (place / "job.nc").read_text().split("\n")
@@ -82,16 +82,16 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
     assert [value for _, value in host.times] == [ord("!"), ord("~"), ord("!"), ord("~")]
 
 
-@pytest.mark.parametrize("typed", ["s\n", "\x04"])
+@pytest.mark.parametrize("typed", ["s", "\x04"])
 def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):  # noqa: F811
     bad(place, 21)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
-        person.until("c and Enter")
+        person.until("c: go on")
         person.types(typed)
         assert person.end() == 10, person.text
     assert host.model.state == "Hold" and "M30" not in sent_rows(host)
-    assert "resume (~) executes what it has" in person.text.rsplit("c and Enter", 1)[1]
+    assert "resume (~) executes what it has" in person.text.rsplit("c: go on", 1)[1]
 
 
 def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  # noqa: F811
@@ -107,7 +107,7 @@ def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  #
         assert not host.heard
 
 
-def test_A8_a_button_at_the_machine_is_told_and_enter_goes_on(place):  # noqa: F811
+def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):  # noqa: F811
     (place / "job.nc").write_text(program(120, 1200))
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc")
@@ -116,6 +116,28 @@ def test_A8_a_button_at_the_machine_is_told_and_enter_goes_on(place):  # noqa: F
         host.press(b"!")
         person.until("not by gcomp's order")
         assert host.model.state == "Hold"
-        person.types("\n")
+        person.types("\n \x1b[A7")  # by mistake
+        person.until("r goes on, s stops")
+        assert host.model.state == "Hold"
+        person.types("r")
         assert person.end() == 0, person.text
     assert sent_rows(host)[-1] == "M30" and [value for _, value in host.times] == [ord("~")]
+
+
+def test_A8_keys_hold_override_and_stop_without_enter(place):  # noqa: F811
+    (place / "job.nc").write_text(program(200, 600))
+    with PtyHost(model(), speed=4.0) as host:
+        person = Person(place, host, "job.nc")
+        while len(sent_rows(host)) < 20 and person.process.poll() is None:
+            time.sleep(0.005)
+        person.types("rs?")  # nothing holds: neither resumes nor stops anything
+        person.until("h holds the feed")
+        person.types("+1<")
+        person.until("override: spindle-")
+        assert not host.times and bytes(host.heard).translate(None, bytes(range(128))) == b"\x91\x97\x9b"
+        person.types("h")
+        person.until("r goes on, s stops the job here, x resets")
+        person.types("s")
+        assert person.end() == 130, person.text
+    assert [value for _, value in host.times] == [ord("!"), 0x18] and "stopped by the user" in person.text
+    assert host.model.state == "Idle"  # it stood before it was reset: no alarm, no lost step

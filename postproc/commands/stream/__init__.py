@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
 import sys
 import time
 from pathlib import Path
@@ -14,10 +13,11 @@ from postproc import ports
 from postproc.commands import reading
 from postproc.errors import ProgramError, UsageError
 
-REFUSED = 2
+REFUSED, INTERRUPTED = 2, 130
 
 if TYPE_CHECKING:
     from postproc.commands.stream.job import Job
+    from postproc.commands.stream.signals import Signals
     from postproc.streaming.greeting import Greeting
     from postproc.streaming.rates import Load
 
@@ -98,6 +98,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     from postproc.commands.stream import job as jobs
     from postproc.commands.stream.port import Port
+    from postproc.commands.stream.signals import Interrupted, Signals
 
     frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
@@ -109,21 +110,27 @@ def run(options: argparse.Namespace) -> int:
     job = None
     port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame, rtscts=options.rtscts)
     try:
-        greeting = _greeted(port, options)
-        assert greeting.protocol is not None
-        from postproc.streaming import live as lives
+        with Signals().caught() as signals:
+            greeting = _greeted(port, options, signals)
+            assert greeting.protocol is not None
+            from postproc.streaming import live as lives
 
-        live = lives.read(greeting.protocol.controller, greeting.status, machine.letters)
-        job = jobs.prepare(options, machine, greeting.protocol, live, copy)
-        if options.resume_from:
-            line = jobs.zero_is_certain(job, line, past, greeting.restarted)
-            jobs.restarted(job, line)
-        load = None
-        if jobs.is_file(options.file) or options.expand:
-            load = job.precheck(0.0 if "://" in options.port else options.baud / 10)
-            if load.warning():
-                print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
-        return _stream(options, machine, port, greeting, job, load)
+            live = lives.read(greeting.protocol.controller, greeting.status, machine.letters)
+            job = jobs.prepare(options, machine, greeting.protocol, live, copy)
+            if options.resume_from:
+                line = jobs.zero_is_certain(job, line, past, greeting.restarted)
+                jobs.restarted(job, line)
+            load = None
+            if jobs.is_file(options.file) or options.expand:
+                load = job.precheck(0.0 if "://" in options.port else options.baud / 10)
+                if load.warning():
+                    print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
+            signals.at_once = None  # from here on the job obeys
+            return _stream(options, machine, port, greeting, job, load, signals)
+    except Interrupted as why:
+        with contextlib.suppress(OSError, ValueError):
+            print(f"gcomp: {why}", file=sys.stderr)
+        return INTERRUPTED
     except ProgramError as error:
         raise (jobs.with_hint(error, job) if job is not None else error) from None
     finally:
@@ -181,8 +188,9 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
 def _keys(options: argparse.Namespace) -> bool:
     """Whether a person can type while the job runs."""
     from postproc.commands.stream import job as jobs
+    from postproc.commands.stream.keys import terminal
 
-    return os.name == "posix" and jobs.is_file(options.file) and sys.stdin is not None and sys.stdin.isatty()
+    return jobs.is_file(options.file) and terminal()
 
 
 def _ports() -> str:
@@ -196,7 +204,7 @@ def _ports() -> str:
     return "--port /dev/ttyUSB0, COM3, socket://host:port"
 
 
-def _greeted(port, options: argparse.Namespace) -> Greeting:
+def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     """The controller, known and fit for a job. Raises what is wrong with it."""
     from postproc.commands.stream import loop
     from postproc.streaming import protocols
@@ -206,6 +214,7 @@ def _greeted(port, options: argparse.Namespace) -> Greeting:
         protocols.load(options.protocol)
     first = (b"$X",) * options.unlock + (b"$H",) * options.home
     greeting = Greeting(options.protocol, counting=not options.simple, first=first)
+    signals.at_once = lambda name: loop.interrupt(port, greeting, name)
     loop.greet(port, greeting)
     assert greeting.protocol is not None
     controller = greeting.protocol.controller
@@ -225,19 +234,18 @@ def _greeted(port, options: argparse.Namespace) -> Greeting:
     return greeting
 
 
-def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None) -> int:
+def _stream(
+    options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
+) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import job as jobs
     from postproc.commands.stream import loop
-    from postproc.commands.stream.journal_file import JournalFile
+    from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
-    from postproc.streaming import journal as journals
     from postproc.streaming.live import CONTROLLER_AXES
     from postproc.streaming.path import Path as Way
     from postproc.streaming.rates import Clock
     from postproc.streaming.sender import Sender
-    from postproc.streaming.trace import Trace
 
     assert greeting.protocol is not None
     controller = greeting.protocol.controller
@@ -248,56 +256,65 @@ def _stream(options: argparse.Namespace, machine, port, greeting: Greeting, job:
     path = Way(controller, order) if job.watched() else None
     sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order, path=path)
     with contextlib.ExitStack() as stack:
-        trace = record = None
-        if options.record:
-            if any(i >= reported for i in order):
-                raise UsageError(
-                    f"{controller.name} does not report all axes of {machine.name}: there is nothing to record"
-                )
-            start = tuple(job.live.place.get(x, float("nan")) for x in machine.letters)
-            trace = Trace(machine.name, machine.letters, controller.name, start)
-            record = stack.enter_context(open(options.record, "w", encoding="utf-8"))
-            record.write(trace.head())
-        place_now = [job.live.place.get(x) for x in machine.letters]
-        place = jobs.journal_path(options)
-        journal = None
-        if place is not None and not options.check:
-            sha = job.copy.digest if job.copy else ""
-            journal = JournalFile(
-                place,
-                journals.head(
-                    job.name,
-                    sha,
-                    machine.name,
-                    machine.digest,
-                    sender.account.holds,
-                    job.begin,
-                    options.expand,
-                    jobs.zero_done(options),
-                    job.live.work,
-                    place_now,
-                ),
-            )
+        trace, record = _recording(options, machine, job, order, reported, stack)
+        journal = _journal(options, machine, job, sender.account.holds)
         clock = Clock(load.expected, time.monotonic()) if load else None
-        show = Show(sender, clock, load.lines if load else 0, machine.letters, options.quiet)
-        show.letters = tuple(CONTROLLER_AXES[:reported])
+        keys = Keys() if _keys(options) else None
+        letters = tuple(CONTROLLER_AXES[:reported]) or machine.letters
+        show = Show(sender, clock, load.lines if load else 0, letters, options.quiet, keys is not None)
+        stack.callback(show.close)
         prefetch = Prefetch(job.lines).start()
-        run = loop.Run(port, sender, prefetch, show, journal, trace, record, _keys(options))
         try:
-            outcome = run.to_the_end()
+            outcome = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys).to_the_end()
         finally:
             prefetch.close()
+        if not options.quiet:
+            for notice in job.notices:
+                show.tell(f"notice: {notice.message}")
+        show.tell(outcome.text())
+        if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
+            show.tell(f"the program ended there, because of: {prefetch.fault}")
+        if job.copy and job.copy.changed():
+            show.tell(
+                f"notice: {options.file} was changed while the job ran; what was sent is the program as it was when the job began"
+            )
         show.end(outcome)
-    if not options.quiet:
-        for notice in job.notices:
-            print(f"gcomp: notice: {notice.message}", file=sys.stderr)
-    print(f"gcomp: {outcome.text()}", file=sys.stderr)
-    if job.copy and job.copy.changed():
-        print(
-            f"gcomp: notice: {options.file} was changed while the job ran; what was sent is the program as it was when the job began",
-            file=sys.stderr,
-        )
-    if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
-        print(f"gcomp: the program ended there, because of: {prefetch.fault}", file=sys.stderr)
+    if prefetch.fault is not None:
         return outcome.exit_status or REFUSED
     return outcome.exit_status
+
+
+def _recording(options: argparse.Namespace, machine, job: Job, order: tuple[int, ...], reported: int, stack):
+    """The trace and where it is written; None twice where none is asked for."""
+    from postproc.commands.stream.outlets import Outlet
+    from postproc.streaming.trace import Trace
+
+    if not options.record:
+        return None, None
+    name = job.protocol.controller.name
+    if any(i >= reported for i in order):
+        raise UsageError(f"{name} does not report all axes of {machine.name}: there is nothing to record")
+    start = tuple(job.live.place.get(x, float("nan")) for x in machine.letters)
+    trace = Trace(machine.name, machine.letters, name, start)
+    file = stack.enter_context(open(options.record, "w", encoding="utf-8"))  # noqa: SIM115
+    file.write(trace.head())
+    record = Outlet(file)
+    stack.callback(record.close)
+    return trace, record
+
+
+def _journal(options: argparse.Namespace, machine, job: Job, holds: int):
+    """The journal, begun; None where none is kept."""
+    from postproc.commands.stream import job as jobs
+    from postproc.commands.stream.journal_file import JournalFile
+    from postproc.streaming import journal as journals
+
+    place = jobs.journal_path(options)
+    if place is None or options.check:
+        return None
+    sha = job.copy.digest if job.copy else ""
+    place_now = [job.live.place.get(x) for x in machine.letters]
+    head = journals.head(
+        job.name, sha, machine.name, machine.digest, holds, job.begin, options.expand, jobs.zero_done(options), job.live.work, place_now
+    )  # fmt: skip
+    return JournalFile(place, head)

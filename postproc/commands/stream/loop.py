@@ -1,19 +1,22 @@
-"""The clock and the loop: bytes between port and sender, signals and keys to it, its log to journal and recording."""
+"""The clock and the loop: bytes between port and sender, signals and keys to it, its log to journal, recording and outlets.
+
+Nothing here waits for anybody but the port: what is told, kept and recorded has threads of its own.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import os
-import select
-import signal
-import sys
 import time
-from collections.abc import Callable, Iterator
+import traceback
 
+from postproc.commands.stream import keys as keyboard
 from postproc.commands.stream.journal_file import JournalFile
+from postproc.commands.stream.keys import Keys
+from postproc.commands.stream.outlets import Outlet
 from postproc.commands.stream.port import Lost, Port
 from postproc.commands.stream.prefetch import Prefetch
 from postproc.commands.stream.show import Show
+from postproc.commands.stream.signals import Interrupted, Signals
 from postproc.errors import UsageError
 from postproc.streaming import endings
 from postproc.streaming import journal as journals
@@ -22,13 +25,32 @@ from postproc.streaming.greeting import Greeting
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.protocols import UNLIMITED
-from postproc.streaming.sender import HELD, Sender
+from postproc.streaming.sender import Sender
 from postproc.streaming.trace import Trace
 
 WAIT = 0.02  # s at most between two looks at signals and clock
 HUNGRY = 0.002  # s while lines are missing
 QUEUE = 256  # lines that the sender has ready
-TERM_HOLD = 2.0  # s from SIGTERM's hold to its stop
+STANDS = 2.0  # s from a hold to the stop behind it, where the controller does not say that it stands
+RELEASE = "gcomp control resume releases it"
+CLOSED = "nobody reads standard output any more: the pipe was closed"
+
+
+def interrupt(port: Port, greeting: Greeting, name: str) -> None:
+    """Somebody stops gcomp before the job: hold at once; homing ends by a reset alone (GRBL's limits.c looks at nothing else). Raises
+    Interrupted."""
+    protocol = greeting.protocol
+    hold = protocol.urgent("hold") if protocol else b""
+    stop = protocol.urgent("stop") if protocol and greeting.moves else b""
+    with contextlib.suppress(Lost):
+        for data in (hold, stop):
+            port.write(data)
+    if stop:
+        raise Interrupted(
+            f"interrupted ({name}) while the machine was homing: it was told to hold and to stop; home it again"
+        )
+    does = f"; the controller was told to hold: {RELEASE}" if hold else ""
+    raise Interrupted(f"interrupted ({name}): nothing of the program was sent{does}")
 
 
 def greet(port: Port, greeting: Greeting) -> None:
@@ -47,80 +69,71 @@ def greet(port: Port, greeting: Greeting) -> None:
         raise greeting.fault
 
 
-class Signals:
-    """Ctrl-C, SIGTERM and SIGUSR1 as counts, while a job runs."""
-
-    def __init__(self) -> None:
-        self.presses = self.terms = self.resumes = 0
-
-    @contextlib.contextmanager
-    def caught(self) -> Iterator[Signals]:
-        def on(name: str) -> Callable:
-            def handler(number, frame) -> None:
-                setattr(self, name, getattr(self, name) + 1)
-
-            return handler
-
-        wanted = {"SIGINT": "presses", "SIGTERM": "terms", "SIGUSR1": "resumes"}
-        old = {}
-        for name, count in wanted.items():
-            number = getattr(signal, name, None)
-            if number is not None:
-                with contextlib.suppress(ValueError):
-                    old[number] = signal.signal(number, on(count))
-        try:
-            yield self
-        finally:
-            for number, handler in old.items():
-                signal.signal(number, handler)
-
-
 class Run:
-    """One job to its outcome."""
+    """One job to its outcome. keys: a person's; record: where the trace is written."""
 
     def __init__(
-        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, journal: JournalFile | None = None,
-        trace: Trace | None = None, record=None, keys: bool = False,
+        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, signals: Signals, journal: JournalFile | None = None,
+        trace: Trace | None = None, record: Outlet | None = None, keys: Keys | None = None,
     ):  # fmt: skip
-        self.port, self.sender, self.prefetch, self.show = port, sender, prefetch, show
+        self.port, self.sender, self.prefetch, self.show, self.signals = port, sender, prefetch, show, signals
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
         self.begun = time.monotonic()
-        self._pressed = self._resumed = 0
+        self._pressed, self._resumed, self._stopped = signals.presses, signals.resumes, signals.holds
         self._asked = 0  # refused lines that were shown
-        self._term: float | None = None
+        self._ending: tuple[str, float] | None = None  # why the job ends when the machine stands, and since when
+        self._closed = False
+        self._faults: set[str] = set()
 
     def to_the_end(self) -> Outcome:
-        sender = self.sender
-        with Signals().caught() as signals:
-            while sender.outcome is None:
-                now = time.monotonic()
-                self._feed()
-                self._obey(signals, now)
-                sender.tick(now)
-                self._log(
-                    now
-                )  # before it is written: after a crash nothing is on the wire that the journal does not say
-                try:
-                    self._write()
-                    hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
-                    dripping = sender.queued and 0 < sender.protocol.release() < UNLIMITED
-                    data = self.port.read(0.0 if dripping else HUNGRY if hungry else WAIT)
-                except Lost as error:
-                    sender.lost(str(error), time.monotonic())
-                    data = b""
-                now = time.monotonic()
-                sender.receive(data, now)
-                self._urge()
-                self.show(now)
-            # The stop that an outcome orders may still have to leave.
-            with contextlib.suppress(Lost):
-                self._write()
-            self._log(time.monotonic())
+        with self.keys or contextlib.nullcontext():
+            try:
+                while self.sender.outcome is None:
+                    self._turn()
+            except BaseException as error:  # whatever it is, the machine must not run on with nobody at its wire
+                self._failed(error)
+        assert self.sender.outcome is not None
+        # The stop that an outcome orders may still have to leave.
+        with contextlib.suppress(Lost):
+            self._write()
+        self._log()
         if self.journal is not None:
-            self.journal.write(journals.end(sender.outcome, time.monotonic() - self.begun))
+            self.journal.write(journals.end(self.sender.outcome, time.monotonic() - self.begun))
             self.journal.close()
-            self._journal_fault()
-        return sender.outcome
+            self._fault("journal", self.journal.fault)
+        return self.sender.outcome
+
+    def _turn(self) -> None:
+        """One look at signals, keys, clock and port."""
+        sender = self.sender
+        now = time.monotonic()
+        self._obey(now)
+        self._urge()
+        self._feed()
+        sender.tick(now)
+        self._urge()
+        self._log()  # before it is written: after a crash nothing is on the wire that the journal does not say
+        try:
+            self._write()
+            hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
+            dripping = sender.queued and 0 < sender.protocol.release() < UNLIMITED
+            data = self.port.read(0.0 if dripping else HUNGRY if hungry else WAIT)
+        except Lost as error:
+            sender.lost(str(error), time.monotonic())
+            data = b""
+        now = time.monotonic()
+        sender.receive(data, now)
+        self._urge()
+        self.show(now)
+
+    def _failed(self, error: BaseException) -> None:
+        """gcomp itself has failed: hold first, then everything else."""
+        protocol = self.sender.protocol
+        with contextlib.suppress(Lost):
+            self.port.write(protocol.urgent("hold"))
+        for line in traceback.format_exception(error)[-3:]:
+            self.show.tell(line.rstrip())
+        self.sender.outcome = endings.failed(error, self.sender.waiting, protocol)
 
     def _feed(self) -> None:
         while self.sender.queued < QUEUE and not self.prefetch.finished:
@@ -142,95 +155,157 @@ class Run:
                 return
 
     def _urge(self) -> None:
-        """What can not wait leaves before anything is told: a terminal may stall."""
+        """What can not wait leaves before anything is told or kept."""
         with contextlib.suppress(Lost):  # which the next read finds, too
             data = self.sender.urgent_out()
             n = self.port.write(data) if data else 0
             if n < len(data):
                 self.sender.unwritten(data[n:])
 
-    def _obey(self, signals: Signals, now: float) -> None:
-        """First Ctrl-C holds, the second stops; SIGTERM does both; Enter or SIGUSR1 goes on."""
+    # -- what a person, or the system, wants ---------------------------------------------------------------------------
+
+    def _obey(self, now: float) -> None:
+        """First Ctrl-C holds, the second stops; Ctrl-Z holds; SIGTERM, SIGHUP and a closed pipe hold, then stop."""
+        signals = self.signals
         while self._pressed < signals.presses:
             self._pressed += 1
-            if self.sender.state == HELD:
+            if self.sender.held:
                 self.sender.stop(now)
             else:
-                self.sender.hold(now)
-                self._urge()
-                what = "feed hold" if self.sender.protocol.urgent("hold") else self.sender.protocol.does["hold"]
-                self._tell(f"{what}; Ctrl-C again stops the job, Enter (or SIGUSR1) goes on")
-        if signals.terms and self._term is None:
-            self._term = now
-            self.sender.hold(now)
-        status = self.sender.status
-        if self._term is not None and (
-            now - self._term > TERM_HOLD or (status and status.state == "hold" and status.detail == "0")
-        ):
-            self.sender.stop(now, "stopped by SIGTERM")
-        said = self._said()
-        if self.sender.asks:
-            self._ask(said, now)
-            said = None
-        if signals.resumes > self._resumed or said is not None:
+                self._hold(now)
+        if self._stopped < signals.holds:
+            self._stopped = signals.holds
+            self._hold(now)
+        if signals.ends and self._ending is None:
+            self._end(f"stopped by {signals.ends}", now)
+        if self.show.out.closed and not self._closed:
+            self._closed = True
+            self._when_closed(now)
+        self._when_still(now)
+        self._obey_keys(now)
+        if signals.resumes > self._resumed:
             self._resumed = signals.resumes
             self.sender.resume(now)
         self._asked = min(self._asked, len(self.sender.asks))
 
-    def _ask(self, said: str | None, now: float) -> None:
+    def _hold(self, now: float) -> None:
+        """Hold the feed, and say what can be done then."""
+        self.sender.hold(now)
+        self._urge()
+        does = self.sender.protocol
+        what = "feed hold" if does.urgent("hold") else does.does["hold"]
+        how = f"{keyboard.IN_HOLD}; {keyboard.OVER}" if self.keys else "Ctrl-C again stops the job, SIGUSR1 goes on"
+        self.show.tell(f"{what}; {how}")
+
+    def _end(self, why: str, now: float) -> None:
+        """Hold, and stop when the machine stands."""
+        self._ending = (why, now)
+        if not self.sender.held:
+            self.sender.hold(now)
+            self._urge()
+
+    def _when_closed(self, now: float) -> None:
+        """The program that read the job's events is gone: nobody watches any more."""
+        if self.keys:
+            self._hold(now)
+            self.show.tell(CLOSED)
+        elif self._ending is None:
+            self._end(CLOSED, now)
+
+    def _when_still(self, now: float) -> None:
+        if self._ending is None:
+            return
+        why, since = self._ending
+        status = self.sender.status
+        if now - since > STANDS or (status and status.state == "hold" and status.detail == "0"):
+            self.sender.stop(now, why)
+
+    def _obey_keys(self, now: float) -> None:
+        pressed = self.keys.pressed() if self.keys else None
+        if pressed is None:
+            self.keys = None
+        if self.sender.asks:
+            self._ask(pressed, now)
+            return
+        for key in pressed or "":
+            self._key(key, now)
+
+    def _key(self, key: str, now: float) -> None:
+        """One key. What was typed by mistake does nothing."""
+        sender = self.sender
+        if key in keyboard.OVERRIDES:
+            what = keyboard.OVERRIDES[key]
+            self.show.tell(f"override: {what}" if sender.override(what) else "this controller takes no such override")
+        elif key == keyboard.RESET:
+            sender.stop(now, "reset by the user")
+        elif not sender.held:
+            if key in (keyboard.HOLD, " "):
+                self._hold(now)
+            elif key == keyboard.HELP:
+                self.show.tell(f"h holds the feed, x resets at once; {keyboard.OVER}")
+        elif key == keyboard.RESUME:
+            sender.resume(now)
+        elif key == keyboard.STOP:
+            self._end("stopped by the user", now)
+        else:
+            self.show.tell(f"{keyboard.IN_HOLD}; {keyboard.OVER}")
+
+    def _ask(self, pressed: str | None, now: float) -> None:
         """Show a refused line, and obey the answer. A keyboard that is gone stops the job."""
         for line, words in self.sender.asks[self._asked :]:
             rest = len(self.sender.waiting)
-            self._tell(
+            self.show.tell(
                 f"{endings.fact_of_refusal(line, words)}\n    {endings.behind(rest)}{self.sender.protocol.does['hold']}"
             )
-        if len(self.sender.asks) > self._asked or (said is not None and said[:1] not in ("c", "s")):
-            self._tell("c and Enter: go on without it; s and Enter: stop here")
-        elif said is not None or not self.keys:
-            self.sender.decide(said is not None and said[:1] == "c", now)
+        answers = [key for key in pressed or "" if key in (keyboard.SKIP, keyboard.STOP, keyboard.RESET)]
+        if len(self.sender.asks) > self._asked or (pressed and not answers):
+            self.show.tell("c: go on without it; s: stop here; x: reset at once")
+        elif answers and answers[0] == keyboard.RESET:
+            self.sender.stop(now, "reset by the user")
+        elif answers or pressed is None:
+            self.sender.decide(bool(answers) and answers[0] == keyboard.SKIP, now)
         self._asked = len(self.sender.asks)
 
-    def _said(self) -> str | None:
-        """A line from the keyboard, where there is one; None: nothing was typed."""
-        if not self.keys or not select.select([sys.stdin], [], [], 0)[0]:
-            return None
-        with contextlib.suppress(OSError):  # the terminal was closed
-            data = os.read(sys.stdin.fileno(), 1024)
-            if data:
-                return data.decode("utf-8", "replace").strip().lower()
-        self.keys = False
-        return None
+    # -- what is kept and told -----------------------------------------------------------------------------------------
 
-    @staticmethod
-    def _tell(message: str) -> None:
-        print(f"gcomp: {message}", file=sys.stderr, flush=True)
-
-    def _log(self, now: float) -> None:
+    def _log(self) -> None:
         entries, self.sender.log = self.sender.log, []
         out = []
         for kind, what, t in entries:
             if self.journal is not None:
                 out.append(journals.record(kind, what, t - self.begun, self.sender.account.executed))
             if self.trace is not None:
-                if kind == "sent" and isinstance(what, WireLine):
-                    self.trace.sent(what)
-                elif isinstance(what, Status) and what.place:
-                    order = self.sender.order
-                    place = tuple(what.place[i] for i in order) if order else what.place
-                    self.record.write(self.trace.row(place, t - self.begun))
+                self._traced(kind, what, t)
             if kind in ("hold", "resumed"):
-                self._tell(str(what))
+                self.show.tell(str(what))
                 self.show.event(kind, str(what))
             if kind == "told" and isinstance(what, str) and "echo" not in what:
-                self._tell(f"the controller says: {what}")
+                self.show.tell(f"the controller says: {what}")
         if self.journal is not None:
             self.journal.write(b"".join(out))
-            self._journal_fault()
+            self._fault("journal", self.journal.fault)
+        if self.record is not None:
+            self._fault("recording", self.record.gone)
 
-    def _journal_fault(self) -> None:
-        """Told once."""
-        if self.journal is not None and self.journal.fault:
-            self._tell(
-                f"the journal can not be written any more: {self.journal.fault}; the job goes on, --resume-from LINE needs none"
-            )
-            self.journal = None
+    def _traced(self, kind: str, what: object, t: float) -> None:
+        """A line, or a report, for the recording."""
+        if self.trace is None or self.record is None:
+            return
+        if kind == "sent" and isinstance(what, WireLine):
+            self.trace.sent(what)
+        elif isinstance(what, Status) and what.place:
+            order = self.sender.order
+            place = tuple(what.place[i] for i in order) if order else what.place
+            row = self.trace.row(place, t - self.begun)
+            if row:
+                self.record.say(row.rstrip("\n"))
+
+    def _fault(self, which: str, why: str) -> None:
+        """Of a file that can not be written: told once, and when that is over."""
+        if why and which not in self._faults:
+            self._faults.add(which)
+            rest = "; --resume-from LINE needs none" if which == "journal" else ""
+            self.show.tell(f"the {which} can not be written: {why}; the job goes on{rest}")
+        elif not why and which in self._faults:
+            self._faults.discard(which)
+            self.show.tell(f"the {which} is written again, and nothing of it is missing")

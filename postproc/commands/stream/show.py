@@ -6,31 +6,100 @@ import json
 import sys
 from typing import Any
 
+from postproc.commands.stream.outlets import Outlet
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.rates import Clock
-from postproc.streaming.sender import HELD, Sender
+from postproc.streaming.sender import Sender
 
 EVERY = {"terminal": 0.2, "lines": 1.0}  # s
 
 
 class Show:
-    """Call it often with the time; it speaks when it is due. total: lines of the job, 0: not known."""
+    """Call it often with the time; it speaks when it is due, and never waits. total: lines of the job, 0: not known. keys: whether keys
+    may be pressed. out, err: where it is told."""
 
-    def __init__(self, sender: Sender, clock: Clock | None, total: int, letters: tuple[str, ...], quiet: bool):
+    def __init__(
+        self, sender: Sender, clock: Clock | None, total: int, letters: tuple[str, ...], quiet: bool, keys: bool = False
+    ):
         self.sender, self.clock, self.total, self.letters = sender, clock, total, letters
         self.terminal = sys.stderr is not None and sys.stderr.isatty()
-        self.quiet = quiet
+        self.quiet, self.keys = quiet, keys
         self._next = 0.0
+        self._begun: float | None = None
+        self._rates: tuple[float, ...] = ()
         self._live: Any = None
+        self.out = Outlet(sys.stdout)
+        self.err = Outlet(sys.stderr, self._draw if self.terminal else None, self._above)
 
     def __call__(self, now: float) -> None:
+        if self._begun is None:
+            self._begun = now
+        if self.sender.status and self.sender.status.rates:
+            self._rates = self.sender.status.rates
         if self.quiet or now < self._next:
             return
         self._next = now + EVERY["terminal" if self.terminal else "lines"]
         state = self.state(now)
-        if not self.terminal:
+        if self.terminal:
+            self.err.refresh(state)
+        elif not self.out.stalls():  # nobody reads: the newest will do
             self._line({"event": "progress", **state})
-            return
+
+    def state(self, now: float) -> dict[str, Any]:
+        """Position (mm, degrees, machine and work coordinates), buffers, feed, rates, last line, what is over and what is left."""
+        sender, tally, status = self.sender, self.sender.tally, self.sender.status
+        executed = sender.account.executed
+        result: dict[str, Any] = {
+            "state": status.state if status else "unknown", "sent": tally.sent, "answered": tally.answered,
+            "executed": executed, "executed_source_line": sender.account.source, "total": self.total or None,
+            "percent": round(100 * executed / self.total, 2) if self.total else None,
+            "source_line": tally.source, "buffer_bytes": getattr(sender.protocol, "used", None), "held": sender.held,
+            "elapsed_s": round(now - (now if self._begun is None else self._begun), 1),
+        }  # fmt: skip
+        if status and status.place:
+            result["position_mm"] = {x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)}
+            if status.shift and len(status.shift) == len(status.place):
+                work = (v - s for v, s in zip(status.place, status.shift, strict=True))
+                result["work_mm"] = {x: round(v, 4) for x, v in zip(self.letters, work, strict=False)}
+        if status and status.free:
+            result["planner_free"], result["receive_free"] = status.free
+        if status and status.feed is not None:
+            result["feed_mm_min"] = round(status.feed, 1)
+        if self._rates:
+            names = ("feed", "rapid", "spindle")
+            result["override_percent"] = dict(zip(names, self._rates, strict=False))
+        if sender.waiting:
+            result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
+        if self.clock is not None:
+            self.clock.done = sender.account.seconds
+            result["eta_s"] = round(self.clock.left(now), 1)
+        return result
+
+    def _words(self, state: dict[str, Any]) -> str:
+        parts = [str(state["state"])]
+        if state["total"]:
+            parts.append(f"{state['percent']:.1f} %")
+        parts.append(f"line {state['executed_source_line']} is over, {state['source_line']} answered")
+        for name, which in (("work_mm", "work"), ("position_mm", "machine")):
+            if name in state:
+                parts.append(f"{which} " + " ".join(f"{x}{v:.3f}" for x, v in state[name].items()))
+        if "feed_mm_min" in state:
+            parts.append(f"F{state['feed_mm_min']:g}")
+        if any(v != 100 for v in state.get("override_percent", {}).values()):
+            parts.append(" ".join(f"{k} {v:g} %" for k, v in state["override_percent"].items() if v != 100))
+        if state["buffer_bytes"] is not None:
+            parts.append(f"{state['buffer_bytes']} bytes in the buffer")
+        if "planner_free" in state:
+            parts.append(f"{state['planner_free']} blocks free")
+        parts.append(f"{_minutes(state['elapsed_s'])} gone")
+        if "eta_s" in state:
+            parts.append(f"{_minutes(state['eta_s'])} left")
+        if state["state"] in ("hold", "door") or state["held"]:
+            parts.append("HOLD: r goes on, s stops, x resets" if self.keys else "HOLD: SIGUSR1 goes on, Ctrl-C stops")
+        return "  ".join(part for part in parts if part)
+
+    def _draw(self, state: dict[str, Any]) -> None:
+        """Of the outlet's own thread."""
         if self._live is None:
             from rich.console import Console
             from rich.live import Live
@@ -39,48 +108,19 @@ class Show:
             self._live.start()
         self._live.update(self._words(state), refresh=True)
 
-    def state(self, now: float) -> dict[str, Any]:
-        """Position (mm, degrees, machine coordinates), buffer, feed, last line, what is left."""
-        sender, tally, status = self.sender, self.sender.tally, self.sender.status
-        result: dict[str, Any] = {
-            "state": status.state if status else "unknown", "sent": tally.sent, "answered": tally.answered,
-            "executed": sender.account.executed, "executed_source_line": sender.account.source, "total": self.total or None,
-            "source_line": tally.source, "buffer_bytes": getattr(sender.protocol, "used", None), "held": sender.state == HELD,
-        }  # fmt: skip
-        if status and status.place:
-            result["position_mm"] = {x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)}
-        if status and status.free:
-            result["planner_free"], result["receive_free"] = status.free
-        if status and status.feed is not None:
-            result["feed_mm_min"] = round(status.feed, 1)
-        if sender.waiting:
-            result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
-        if self.clock is not None:
-            self.clock.done = sender.account.seconds
-            result["eta_s"] = round(self.clock.left(now), 1)
-        return result
+    def _above(self, text: str) -> bool:
+        """A line above what is drawn."""
+        if self._live is None:
+            return False
+        self._live.console.print(text, markup=False, highlight=False, soft_wrap=True)
+        return True
 
-    @staticmethod
-    def _words(state: dict[str, Any]) -> str:
-        parts = [str(state["state"])]
-        if state["total"]:
-            parts.append(f"{100 * state['executed'] / state['total']:.1f} %")
-        parts.append(f"line {state['executed_source_line']} is over, {state['source_line']} answered")
-        parts.append(" ".join(f"{x}{v:.3f}" for x, v in state.get("position_mm", {}).items()))
-        if "feed_mm_min" in state:
-            parts.append(f"F{state['feed_mm_min']:g}")
-        if state["buffer_bytes"] is not None:
-            parts.append(f"{state['buffer_bytes']} bytes in the buffer")
-        if "eta_s" in state:
-            minutes, seconds = divmod(int(state["eta_s"]), 60)
-            parts.append(f"{minutes}:{seconds:02d} left")
-        if state["state"] in ("hold", "door") or state["held"]:
-            parts.append("HOLD: Enter goes on, Ctrl-C stops")
-        return "  ".join(part for part in parts if part)
+    def _line(self, fields: dict[str, Any]) -> None:
+        self.out.say(json.dumps(fields))
 
-    @staticmethod
-    def _line(fields: dict[str, Any]) -> None:
-        print(json.dumps(fields), flush=True)
+    def tell(self, message: str) -> None:
+        """For a person, whatever happens."""
+        self.err.say(f"gcomp: {message}")
 
     def event(self, kind: str, message: str) -> None:
         """What happened by itself."""
@@ -88,8 +128,7 @@ class Show:
             self._line({"event": kind, "message": message})
 
     def end(self, outcome: Outcome) -> None:
-        if self._live is not None:
-            self._live.stop()
+        """The last event; then whoever has not read by now is not waited for."""
         if not self.terminal and not self.quiet:
             self._line(
                 {
@@ -98,3 +137,13 @@ class Show:
                     "unanswered": [{"line": x.number, "source_line": x.source, "text": x.text.decode("ascii", "replace")} for x in outcome.unanswered],
                 }
             )  # fmt: skip
+        self.out.close()
+
+    def close(self) -> None:
+        """Give the terminal back."""
+        self.err.close(lambda: self._live.stop() if self._live is not None else None)
+
+
+def _minutes(seconds: float) -> str:
+    minutes, rest = divmod(int(seconds), 60)
+    return f"{minutes}:{rest:02d}"

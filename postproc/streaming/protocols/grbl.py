@@ -48,7 +48,11 @@ DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECA
 SLOW = 300.0  # s: homing
 # mc_dwell and the program's stop and end wait for the planner to run empty (motion_control.c, gcode.c), also behind other words.
 EMPTIED = re.compile(rb"G0*4(?![0-9.])|M0*(?:0|2|30)(?![0-9])", re.IGNORECASE)
-URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
+URGENT = {
+    "status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18",
+    "feed 100": b"\x90", "feed+": b"\x91", "feed-": b"\x92", "rapid 100": b"\x95", "rapid 50": b"\x96", "rapid 25": b"\x97",
+    "spindle 100": b"\x99", "spindle+": b"\x9a", "spindle-": b"\x9b", "spindle stop": b"\x9e", "jog cancel": b"\x85",
+}  # fmt: skip
 DOES = {
     "hold": "it was told to hold (!): resume (~) executes what it has, a reset (Ctrl-X) drops it",
     "stop": "a reset (Ctrl-X) was sent, which drops what was not executed: home it if it moved when it was stopped",
@@ -236,7 +240,7 @@ class Grbl:
         try:
             for part in found[3].split("|"):
                 name, _, values = part.partition(":")
-                if name in ("MPos", "WPos", "WCO", "F", "FS", "Bf", "Ln"):
+                if name in ("MPos", "WPos", "WCO", "F", "FS", "Bf", "Ln", "Ov"):
                     fields[name] = [float(v) for v in values.split(",")]
         except ValueError:
             return Told(text)  # cut or damaged on the way
@@ -254,7 +258,7 @@ class Grbl:
         free = fields.get("Bf", [])
         return Status(
             state, found[2] or "", place, speeds[0] * per if speeds else None, speeds[1] if len(speeds) > 1 else None,
-            (int(free[0]), int(free[1])) if len(free) == 2 else None, int(fields["Ln"][0]) if "Ln" in fields else None,
+            (int(free[0]), int(free[1])) if len(free) == 2 else None, int(fields["Ln"][0]) if "Ln" in fields else None, tuple(fields.get("Ov", ())), self._shift,
         )  # fmt: skip
 
     # -- what it says of itself ----------------------------------------------------------------------------------------

@@ -1,0 +1,263 @@
+"""Whatever happens to gcomp's surroundings, `!` is on the wire within 50 ms, and the journal stays whole. The time is taken at the
+receiver's end of the wire.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import resource
+import signal
+import subprocess
+import sys
+import termios
+import time
+
+import pytest
+
+pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
+
+from postproc.streaming import journal  # noqa: E402
+from tests.streaming.pty_host import PtyHost  # noqa: E402
+from tests.streaming.test_stream_command import MILL, PATIENCE, ROOT, model, place, program, sent_rows  # noqa: E402, F401
+
+SOON = 0.05  # s
+TRIES = 4  # on a computer that is shared, one of so many
+HOLD, RESET = ord("!"), 0x18
+FAILS = """
+import sys
+from postproc.commands.stream import show
+from postproc.cli import main
+calls = []
+def fails(self, now):
+    calls.append(now)
+    if len(calls) > 400:
+        import time
+        open("failed", "w").write(repr(time.monotonic()))
+        raise {error}
+show.Show.__call__ = fails
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def begin(folder, host: PtyHost, *arguments: str, code: str = "", **how) -> subprocess.Popen:
+    """gcomp stream, or the program `code` with the same arguments."""
+    run = ["-c", code] if code else ["-m", "postproc"]
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    how = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | how
+    return subprocess.Popen(
+        [sys.executable, *run, "stream", *MILL, "--port", host.path, "job.nc", *arguments], cwd=folder, env=env, **how
+    )
+
+
+def until(what, process: subprocess.Popen) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not what():
+        if time.monotonic() > deadline or process.poll() is not None:
+            process.kill()
+            raise AssertionError(process.communicate())
+        time.sleep(0.001)
+
+
+def at_hold(host: PtyHost) -> float:
+    """When `!` arrived."""
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline:
+        for when, value in list(host.times):
+            if value == HOLD:
+                return when
+        time.sleep(0.001)
+    raise AssertionError("there was no hold")
+
+
+def full_pipe(room: int = 0) -> tuple[int, int]:
+    """A pipe that nobody reads, and that is full but for so many bytes."""
+    reads, writes = os.pipe()
+    size = fcntl.fcntl(writes, fcntl.F_SETPIPE_SZ, 4096)
+    os.write(writes, b"x" * (size - room))
+    return reads, writes
+
+
+def small_files() -> None:
+    """No file of this process may have more than 6000 bytes: its disk is full then."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
+
+
+def whole(folder, host: PtyHost) -> journal.Past:
+    """The journal can be read, every record, and says at least what arrived."""
+    data = (folder / "job.nc.journal").read_bytes()
+    assert data.endswith(b"\n")
+    past = journal.read(data, "j")
+    assert past.sent >= len(sent_rows(host)) - 1
+    return past
+
+
+def often(once, folder) -> None:
+    """once(host) gives the seconds to `!`."""
+    (folder / "job.nc").write_text(program(400, 1500))
+    took = []
+    for _ in range(TRIES):
+        with PtyHost(model(), speed=2.0) as host:
+            took.append(once(host))
+        if took[-1] <= SOON:
+            break
+    print(f"\n! after {' '.join(f'{1000 * t:.1f}' for t in took)} ms")
+    assert min(took) <= SOON and max(took) < 1.0
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGHUP, signal.SIGTSTP])
+def test_every_signal_that_could_end_it_holds_first(place, sign):  # noqa: F811
+    def once(host):
+        process = begin(place, host)
+        until(lambda: len(sent_rows(host)) > 30, process)
+        sent = time.monotonic()
+        process.send_signal(sign)
+        took = at_hold(host) - sent
+        if sign in (signal.SIGINT, signal.SIGTSTP):  # which hold, and no more
+            time.sleep(0.5)
+            assert process.poll() is None and host.model.state == "Hold"
+            process.kill()
+            process.communicate()
+        else:  # then it ends when it stands: no alarm, the position is kept
+            _, err = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 130 and sign.name in err.decode(), err
+            assert [value for _, value in host.times] == [HOLD, RESET] and host.model.state == "Idle"
+            assert whole(place, host).outcome == "aborted"
+        return took
+
+    often(once, place)
+
+
+def test_nobody_reads_what_it_says(place):  # noqa: F811
+    """Standard output and error are pipes that nobody reads, full when the job begins and soon after; Ctrl-C, and again."""
+
+    def once(host):
+        pipes = full_pipe(), full_pipe(500)
+        process = begin(place, host, stdout=pipes[0][1], stderr=pipes[1][1])
+        until(lambda: len(sent_rows(host)) > 100, process)  # it goes on, too
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        took = at_hold(host) - sent
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+        for end in (*pipes[0], *pipes[1]):
+            os.close(end)
+        assert whole(place, host).outcome == "aborted"
+        return took
+
+    often(once, place)
+
+
+def test_a_reader_that_closes_the_pipe(place):  # noqa: F811
+    """The program that watched the job is gone: hold, and stop when it stands."""
+
+    def once(host):
+        process = begin(place, host)
+        until(lambda: len(sent_rows(host)) > 10, process)
+        assert process.stdout is not None
+        process.stdout.close()
+        arrived = at_hold(host)
+        process.stdout = None
+        _, err = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 130 and "nobody reads standard output" in err.decode()
+        assert [value for _, value in host.times] == [HOLD, RESET] and host.model.state == "Idle"
+        records = (place / "job.nc.journal").read_text().splitlines()
+        assert whole(place, host).outcome == "aborted" and len(records) > 20
+        return arrived * 0.0  # the next event is due within 1 s: nobody can know of it before
+
+    often(once, place)
+
+
+def test_a_terminal_that_is_gone(place):  # noqa: F811
+    """As when the window is closed, or ssh drops: standard input, output and error are the terminal, and it hangs up."""
+
+    def once(host):
+        master, slave = os.openpty()
+
+        def own() -> None:
+            os.setsid()
+            fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+
+        process = begin(place, host, stdin=slave, stdout=slave, stderr=slave, preexec_fn=own)
+        os.close(slave)
+        os.set_blocking(master, False)
+
+        def read() -> bool:
+            with contextlib.suppress(OSError):
+                os.read(master, 65536)
+            return len(sent_rows(host)) > 30
+
+        until(read, process)
+        gone = time.monotonic()
+        os.close(master)
+        took = at_hold(host) - gone
+        assert process.wait(PATIENCE) == 130
+        assert [value for _, value in host.times][-1] == RESET
+        assert whole(place, host).outcome == "aborted"
+        return took
+
+    often(once, place)
+
+
+def test_a_full_disk(place):  # noqa: F811
+    """For the journal, the recording and standard output; the job goes on, is held and stopped, and what was kept is readable."""
+
+    def once(host):
+        with open(place / "out", "wb") as out:
+            process = begin(place, host, "--record", "run.csv", stdout=out, preexec_fn=small_files)
+            until(lambda: len(sent_rows(host)) > 150, process)
+            sent = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            took = at_hold(host) - sent
+            time.sleep(0.3)
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=PATIENCE)
+        assert (
+            process.returncode == 130
+            and "the journal can not be written: File too large; the job goes on" in err.decode()
+        )
+        data = (place / "job.nc.journal").read_bytes()
+        assert 5000 < len(data) <= 6000 and data.endswith(b"\n") and journal.read(data, "j").sent > 10
+        return took
+
+    often(once, place)
+
+
+@pytest.mark.parametrize("error", ["ValueError('a fault')", "SystemExit(3)"])
+def test_a_fault_of_gcomp_itself(place, error):  # noqa: F811
+    def once(host):
+        process = begin(place, host, code=FAILS.format(error=error))
+        _, err = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 1 and "gcomp failed" in err.decode(), err
+        assert host.model.state == "Hold" and [value for _, value in host.times] == [HOLD]
+        assert whole(place, host).outcome == "failed"
+        return at_hold(host) - float((place / "failed").read_text())
+
+    often(once, place)
+
+
+@pytest.mark.parametrize("phase", ["homing", "reading the program"])
+def test_before_the_job(place, phase):  # noqa: F811
+    """Homing listens to a reset alone (limits.c of grbl), so that follows the hold at once; before the first line a hold is enough."""
+    (place / "job.nc").write_text(program(60))
+    took = []
+    for _ in range(TRIES):
+        homing = phase == "homing"
+        if not homing:
+            (place / "job.nc").write_text(program(60000))
+        with PtyHost(model(homing=homing)) as host:
+            process = begin(place, host, *["--home"] * homing)
+            until(lambda: b"$H" in host.heard if homing else b"$G" in host.heard, process)
+            time.sleep(0.5)
+            sent = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            took.append(at_hold(host) - sent)
+            _, err = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 130 and "interrupted (SIGINT)" in err.decode(), err
+            assert [value for _, value in host.times] == [HOLD] + [RESET] * homing
+            assert not sent_rows(host) and "Traceback" not in err.decode()
+        if took[-1] <= SOON:
+            break
+    assert min(took) <= SOON
