@@ -75,7 +75,7 @@ def fetch() -> None:
 def command(sender: str, control: str, port: str, path: Path) -> list[str]:
     if sender == "gcomp":
         return [sys.executable, "-m", "postproc", "stream", str(path), "--machine", "perfect", "--dialect", control, "--protocol", control,
-                "--port", port, "--no-journal", "--quiet"]  # fmt: skip
+                "--port", port, "--no-journal", "--quiet", "--check-first", "never"]  # fmt: skip
     return [
         str(CACHE / "bin" / "python"),
         str(ROOT / "benchmarks" / f"peer_{sender.replace('-', '_')}.py"),

@@ -23,7 +23,8 @@ class Outcome:
     """kind: one of the names above; message: a fact; advice: the way out.
 
     last_certain: number of the last wire line that was answered; unanswered: lines that were sent and not answered, which
-    may or may not have been executed; rejected: lines that the controller refused, with its words.
+    may or may not have been executed; rejected: lines that the controller refused, with its words. at: the first line that may not be
+    over, in which the tool is or will be; None: all are.
     """
 
     kind: str
@@ -33,6 +34,7 @@ class Outcome:
     unanswered: tuple[WireLine, ...] = ()
     rejected: tuple[tuple[WireLine, str], ...] = ()
     certain_source: int = 0
+    at: WireLine | None = None
 
     @property
     def exit_status(self) -> int:
@@ -41,6 +43,8 @@ class Outcome:
     def text(self) -> str:
         """For a person, at the end of a job."""
         lines = [self.message]
+        if self.at and self.kind != DONE:
+            lines.append(f"the tool is in, or just before, {self.at.where()}")
         if self.unanswered:
             first, last = self.unanswered[0], self.unanswered[-1]
             which = f"wire line {first.number}" if first is last else f"wire lines {first.number} to {last.number}"
@@ -70,11 +74,13 @@ class Tally:
     rejected: list[tuple[WireLine, str]] = field(default_factory=list)
 
 
-def with_rest(outcome: Outcome, last: WireLine | None, unanswered: Sequence[WireLine], tally: Tally) -> Outcome:
-    """The outcome with what is certain and what is not; last: the line answered last."""
+def with_rest(
+    outcome: Outcome, last: WireLine | None, unanswered: Sequence[WireLine], tally: Tally, at: WireLine | None = None
+) -> Outcome:
+    """The outcome with what is certain and what is not; last: the line answered last; at: where the tool is."""
     return Outcome(
         outcome.kind, outcome.message, outcome.advice, last.number if last else 0,
-        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected), last.source if last else 0,
+        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected), last.source if last else 0, at,
     )  # fmt: skip
 
 

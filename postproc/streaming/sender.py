@@ -31,6 +31,7 @@ class Sender:
     and wait for decide(), `asks` being the lines that were refused, with the controller's words.
 
     order: where each axis of a line's `end` stands in the controller's reports; (): in the same order, None: it does not report them.
+    spindle_off: stop the spindle when the job has ended in a hold, where the controller can (it starts again with resume).
     path: to see whether it stands on the lines' path while it moves; None: nobody looks.
     `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected", line, time), ("status",
     status, time), ("told", text, time), and ("hold", text, time), ("resumed", text, time) for what gcomp did not order.
@@ -38,8 +39,9 @@ class Sender:
 
     def __init__(
         self, protocol: Protocol, limits: Limits = Limits(), on_error: str = "stop", check: bool = False,
-        order: tuple[int, ...] | None = (), path: Path | None = None,
+        order: tuple[int, ...] | None = (), path: Path | None = None, spindle_off: bool = False,
     ):  # fmt: skip
+        self.spindle_off = spindle_off
         self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
         self.path = path or Path(protocol.controller, order or (), watched=False)
         self.account = self.path.account
@@ -340,6 +342,8 @@ class Sender:
             self._finish(endings.alarm_state())
             return
         if self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
+            if self.spindle_off and status.state == "hold":
+                self._urgent += self.protocol.urgent("spindle stop")
             self._deadline = min(self._deadline, now)
         if self.state in (RUNNING, HELD):
             self._looked(self.path.judge(status), status, now)
@@ -425,4 +429,6 @@ class Sender:
             self.outcome = self._told(self._pending or outcome)
 
     def _told(self, outcome: Outcome) -> Outcome:
-        return with_rest(outcome, self._last, self.waiting, self.tally)
+        parts = self.account.running(self.status) if self.status else list(self.account.parts)
+        at = parts[0].line if parts and not self.check else None
+        return with_rest(outcome, self._last, self.waiting, self.tally, at)

@@ -101,7 +101,8 @@ class RealGrbl:
 def start(folder: Path, port: str, *arguments: str, machine: str = "perfect", stdin=subprocess.DEVNULL):
     """gcomp stream as a process."""
     return subprocess.Popen(
-        [sys.executable, "-m", "postproc", "stream", "--machine", machine, "--dialect", "grbl", "--port", port, *arguments],
+        [sys.executable, "-m", "postproc", "stream", "--machine", machine, "--dialect", "grbl", "--port", port,
+         "--check-first", "never", *arguments],
         cwd=folder, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)},
     )  # fmt: skip

@@ -47,7 +47,10 @@ def begin(folder, host: PtyHost, *arguments: str, code: str = "", **how) -> subp
     env = {**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
     how = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | how
     return subprocess.Popen(
-        [sys.executable, *run, "stream", *MILL, "--port", host.path, "job.nc", *arguments], cwd=folder, env=env, **how
+        [sys.executable, *run, "stream", *MILL, "--port", host.path, "job.nc", "--check-first", "never", *arguments],
+        cwd=folder,
+        env=env,
+        **how,
     )
 
 

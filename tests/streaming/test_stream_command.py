@@ -48,7 +48,7 @@ def model(**how) -> GrblModel:
 def start(place: Path, host: PtyHost | None, *arguments: str, machine=MILL, stdin=subprocess.DEVNULL):
     port = ("--port", host.path) if host else ()
     return subprocess.Popen(
-        [sys.executable, "-m", "postproc", "stream", *machine, *port, *arguments], cwd=place, stdin=stdin,
+        [sys.executable, "-m", "postproc", "stream", *machine, *port, "--check-first", "never", *arguments], cwd=place, stdin=stdin,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(place), "XDG_CONFIG_HOME": str(place)},
     )  # fmt: skip

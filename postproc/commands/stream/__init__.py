@@ -14,6 +14,7 @@ from postproc.commands import reading
 from postproc.errors import ProgramError, UsageError
 
 REFUSED, INTERRUPTED = 2, 130
+CHECK_SECONDS, CHECK_SHARE = 10.0, 0.05  # that a check pass may take on the wire, s, or of the job
 
 if TYPE_CHECKING:
     from postproc.commands.stream.job import Job
@@ -53,6 +54,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         choices=("stop", "continue", "ask"),
         default="stop",
         help="when a line is refused: hold and stop (default), go on without it, or hold and ask on the terminal",
+    )
+    job.add_argument(
+        "--check-first",
+        choices=("auto", "always", "never"),
+        default="auto",
+        help="let the controller read the program in its check mode before it moves (default: where that takes seconds)",
+    )
+    job.add_argument(
+        "--tool-change",
+        choices=("pause", "ignore", "refuse"),
+        help="what becomes of M6: wait there for a person, leave it out, or refuse the program (default with GRBL, which has no M6; others get it)",
+    )
+    job.add_argument(
+        "--spindle-at-stop",
+        choices=("off", "on"),
+        default="off",
+        help="when a job ends in a hold by a fault: stop the spindle, where the controller can (default), or let it turn",
     )
     job.add_argument("--home", action="store_true", help="home the machine first ($H)")
     job.add_argument(
@@ -125,7 +143,15 @@ def run(options: argparse.Namespace) -> int:
                 load = job.precheck(0.0 if "://" in options.port else options.baud / 10)
                 if load.warning():
                     print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
+            if not options.quiet:
+                for notice in job.notices:
+                    print(f"gcomp: notice: {notice.message}", file=sys.stderr)
             signals.at_once = None  # from here on the job obeys
+            if load is not None and _check_first(options, job, load):
+                status = _dry_run(options, machine, port, greeting, job, load, signals)
+                if status:
+                    return status
+                greeting = _again(port, options, greeting, machine, job, signals)
             return _stream(options, machine, port, greeting, job, load, signals)
     except Interrupted as why:
         with contextlib.suppress(OSError, ValueError):
@@ -234,6 +260,59 @@ def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     return greeting
 
 
+def _check_first(options: argparse.Namespace, job: Job, load: Load) -> bool:
+    """Whether the controller shall read the program in its check mode before the job."""
+    assert job.known is not None
+    how = options.check_first
+    if how == "never" or options.check or not job.protocol.check_mode():
+        return False
+    checkable = job.known.checkable() and not any(job.live.length.values()) and "G92" not in job.live.work
+    if how == "always" and not checkable:
+        raise UsageError(
+            "a pass in check mode ends in a reset, which would drop a G92, a tool length or modes that are in force now, and the program's own "
+            "settings (G10, G28.1) would be stored in it",
+            "--check-first never",
+        )
+    seconds = load.bytes / load.rate if load.rate else 0.0
+    return checkable and (how == "always" or seconds <= max(CHECK_SECONDS, CHECK_SHARE * load.expected))
+
+
+def _dry_run(
+    options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load, signals: Signals
+) -> int:
+    """The whole program in the controller's check mode, nothing moving; its exit status."""
+    dry = argparse.Namespace(**vars(options))
+    dry.check, dry.record, dry.dry = True, None, True
+    return _stream(dry, machine, port, greeting, job, load, signals)
+
+
+def _again(port, options: argparse.Namespace, greeting: Greeting, machine, job: Job, signals: Signals) -> Greeting:
+    """The controller behind its check, which ends in a reset: the same zeros and modes as before. Raises UsageError."""
+    from postproc.commands.stream import loop
+    from postproc.streaming import live as lives
+    from postproc.streaming.greeting import Greeting
+
+    greeted = Greeting(greeting.found[0], counting=not options.simple)
+    signals.at_once = lambda name: loop.interrupt(port, greeted, name)
+    loop.greet(port, greeted)
+    assert greeted.protocol is not None
+    now = lives.read(greeted.protocol.controller, greeted.status, machine.letters)
+    if (now.work, now.length, now.place, set(now.modal)) != (
+        job.live.work,
+        job.live.length,
+        job.live.place,
+        set(job.live.modal),
+    ):
+        raise UsageError(
+            "after the check pass, and the reset with which it ends, the controller's zeros, modes or place are not what they were: "
+            f"{' '.join(now.modal)} {now.work} {now.place}, before {' '.join(job.live.modal)} {job.live.work} {job.live.place}",
+            "start the job again, or --check-first never",
+        )
+    job.protocol = greeted.protocol
+    signals.at_once = None
+    return greeted
+
+
 def _stream(
     options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
 ) -> int:
@@ -254,24 +333,31 @@ def _stream(
     if options.check and not greeting.protocol.check_mode():
         raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
     path = Way(controller, order) if job.watched() else None
-    sender = Sender(greeting.protocol, on_error=options.on_error, check=options.check, order=order, path=path)
+    sender = Sender(
+        greeting.protocol,
+        on_error=options.on_error,
+        check=options.check,
+        order=order,
+        path=path,
+        spindle_off=options.spindle_at_stop == "off",
+    )
     with contextlib.ExitStack() as stack:
         trace, record = _recording(options, machine, job, order, reported, stack)
         journal = _journal(options, machine, job, sender.account.holds)
         clock = Clock(load.expected, time.monotonic()) if load else None
         keys = Keys() if _keys(options) else None
         letters = tuple(CONTROLLER_AXES[:reported]) or machine.letters
-        show = Show(sender, clock, load.lines if load else 0, letters, options.quiet, keys is not None)
+        quiet = options.quiet or getattr(options, "dry", False)
+        show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
         prefetch = Prefetch(job.lines).start()
         try:
             outcome = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys).to_the_end()
         finally:
             prefetch.close()
-        if not options.quiet:
-            for notice in job.notices:
-                show.tell(f"notice: {notice.message}")
-        show.tell(outcome.text())
+        dry = getattr(options, "dry", False)
+        if not dry or outcome.exit_status:
+            show.tell(("nothing has moved: in the controller's check mode, " if dry else "") + outcome.text())
         if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
             show.tell(f"the program ended there, because of: {prefetch.fault}")
         if job.copy and job.copy.changed():

@@ -19,8 +19,10 @@ from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
 from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
+from postproc.streaming.foreknown import REFUSE, Foreknown, tool_change
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Protocol
+from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.rates import Load
 from postproc.streaming.source import RAPID_MM_MIN, Source
 from postproc.streaming.trace import CHORD
@@ -56,13 +58,15 @@ class Job:
     whole: bytes | None = None
     library: dict[str, bytes | None] = field(default_factory=dict)
     source: Source | None = None
+    known: Foreknown | None = None
 
     def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
         """Wire lines, batch by batch."""
         filter_ = fresh or self.fresh()
         absolute = "G90" in self.live.modal
         shorten = Compact(absolute, "G94" in self.live.modal).line if self.options.compact else None
-        source = self.source = Source(filter_, self.protocol.prepare, shorten, self._rapid(), sampled=self._sampled())
+        prepare = tool_change(self.changes(), self.protocol.prepare) if self.changes() else self.protocol.prepare
+        source = self.source = Source(filter_, prepare, shorten, self._rapid(), sampled=self._sampled())
         if self.preamble:
             yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
         if self.whole is not None:
@@ -78,6 +82,15 @@ class Job:
         except ProgramError:
             yield source.delivered
             raise
+
+    def changes(self) -> str:
+        """What becomes of M6: as was said, else refused by GRBL itself, which has none; "": it is sent."""
+        return self.options.tool_change or (REFUSE if self.is_grbl else "")
+
+    @property
+    def is_grbl(self) -> bool:
+        """Whether it is GRBL itself, and no relative."""
+        return isinstance(self.protocol, Grbl) and type(self.protocol) is Grbl
 
     def _sampled(self) -> float:
         """mm by which an arc's chords may miss it: of a recording, of the watch over the path."""
@@ -109,9 +122,14 @@ class Job:
     def precheck(self, rate: float) -> Load:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
         load = Load(rate)
+        letters = self.fresh().setup.axes
+        order = tuple(lives.CONTROLLER_AXES.index(x) for x in letters)
+        known = self.known = Foreknown(self.protocol.controller, letters, order, self.name, self.is_grbl)
         for batch in self.lines():
             for line in batch:
                 load.add(line)
+                known.look(line)
+        self.notices += known.notices()
         assert self.source is not None
         self.notices += self.source.filter.notices
         if self.source.dropped:

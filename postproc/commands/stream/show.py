@@ -134,6 +134,7 @@ class Show:
                 {
                     "event": "outcome", "outcome": outcome.kind, "exit_status": outcome.exit_status, "message": outcome.message,
                     "last_answered": outcome.last_certain, "source_line": outcome.certain_source,
+                    "at_source_line": outcome.at.source if outcome.at else None,
                     "unanswered": [{"line": x.number, "source_line": x.source, "text": x.text.decode("ascii", "replace")} for x in outcome.unanswered],
                 }
             )  # fmt: skip
