@@ -8,6 +8,7 @@ from __future__ import annotations
 from postproc.errors import GcompError
 from postproc.streaming import protocols
 from postproc.streaming.events import Accepted, Alarm, Rejected, Restarted, Status, Told
+from postproc.streaming.orders import told
 from postproc.streaming.protocols import Protocol
 
 AUTO = "auto"
@@ -25,9 +26,13 @@ class GreetingError(GcompError):
 
 
 class Greeting:
-    """name: a protocol or "auto"; first: lines to send before the questions ($H, $X)."""
+    """name: a protocol or "auto"; first: lines to send before the questions ($H, $X). state_only: ask for
+    its state and nothing else, which it answers whatever state it is in."""
 
-    def __init__(self, name: str, counting: bool = True, first: tuple[bytes, ...] = (), listen: float = LISTEN):
+    def __init__(
+        self, name: str, counting: bool = True, first: tuple[bytes, ...] = (), listen: float = LISTEN, state_only: bool = False
+    ):  # fmt: skip
+        self.state_only = state_only
         self.counting, self.first, self.listen = counting, first, listen
         self.found = [] if name == AUTO else [name]
         self.auto = name == AUTO
@@ -81,7 +86,7 @@ class Greeting:
                 self.protocol.forget()
                 self.restarted = True
                 self._asked, self._asks_status, self._settles = None, False, True
-            elif isinstance(event, Alarm):
+            elif isinstance(event, Alarm) and not self.state_only:
                 self._fail(
                     f"the controller is in alarm: {event.code} {event.meaning}", "clear its cause and start again"
                 )
@@ -135,7 +140,7 @@ class Greeting:
     def _begin(self, now: float) -> None:
         assert self.protocol is not None
         self.protocol.forget()
-        self._script = [*self.first, *self.protocol.questions]
+        self._script = [] if self.state_only else [*self.first, *self.protocol.questions]
         self._ask(now)
 
     def _ask(self, now: float) -> None:
@@ -201,7 +206,4 @@ def unfit(protocol: Protocol, status: Status | None) -> GreetingError | None:
             "the controller is locked (alarm): where it stands is not certain",
             "home it (--home), or unlock it with --unlock if you are sure of its position",
         )
-    return GreetingError(
-        f"the controller is not idle ({status.state}{':' + status.detail if status.detail else ''})",
-        "wait until it has finished, or reset it",
-    )
+    return GreetingError(f"the controller is not idle. {told(status)}", "gcomp control --port PORT gives these orders")

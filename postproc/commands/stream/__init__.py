@@ -29,7 +29,14 @@ EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
     link = parser.add_argument_group("the link")
-    link.add_argument("--port", metavar="PORT", help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port")
+    link.add_argument(
+        "--port",
+        metavar="PORT",
+        help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port; auto: the only one there is",
+    )
+    link.add_argument(
+        "--list-ports", action="store_true", help="the serial ports of this computer, with what is plugged in"
+    )
     link.add_argument("--baud", type=int, help="default 115200; of a DNC link, its control's common speed")
     link.add_argument(
         "--frame",
@@ -115,16 +122,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from postproc.commands.stream import job as jobs
+    from postproc.commands.stream import ports_found
     from postproc.commands.stream.port import Port
     from postproc.commands.stream.signals import Interrupted, Signals
 
+    if options.list_ports:
+        print(ports_found.listed())
+        return 0
     frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
     copy = ports.Copy(options.file) if jobs.is_file(options.file) else None
     line, past = jobs.resumed(options, machine, copy) if options.resume_from and copy else (1, None)
-    if options.port is None:
-        raise UsageError("--port is missing: where is the controller?", _ports())
+    options.port = ports_found.chosen(options.port)
     job = None
     port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame, rtscts=options.rtscts)
     try:
@@ -217,17 +227,6 @@ def _keys(options: argparse.Namespace) -> bool:
     from postproc.commands.stream.keys import terminal
 
     return jobs.is_file(options.file) and terminal()
-
-
-def _ports() -> str:
-    """What could be meant."""
-    with contextlib.suppress(ImportError):
-        from serial.tools import list_ports
-
-        found = [p.device for p in list_ports.comports()]
-        if found:
-            return f"--port {' or '.join(found)}"
-    return "--port /dev/ttyUSB0, COM3, socket://host:port"
 
 
 def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
