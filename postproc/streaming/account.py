@@ -198,6 +198,26 @@ class Account:
                 return list(self.parts)[i:]
         return []
 
+    def likely(self, status: Status | None) -> tuple[int, float]:
+        """Where it probably is: the last line that is over, and the share of the next that is; by what the planner holds at this report,
+        and where it stands. Good for telling the time, and for nothing else."""
+        planned = self._blocks - 1 - status.free[0] if status and status.free else len(self.parts)
+        answered = [part for part in self.parts if part.answered and part.block]
+        if not answered or planned <= 0:
+            return max(self.executed, answered[-1].upto if answered else 0), 0.0
+        part = answered[-planned] if planned <= len(answered) else answered[0]
+        return part.line.number - 1, self._share(part, status.place if status else None)
+
+    def _share(self, part: Part, place: tuple[float, ...] | None) -> float:
+        """How much of a straight way is behind it."""
+        if place is None or len(part.places) < 2:
+            return 0.0
+        rows = self.order or tuple(range(len(part.places[0])))
+        ends = zip(part.places[0], part.places[-1], rows, strict=False)
+        steps = [(b - a, place[k] - a) for a, b, k in ends if k < len(place) and not math.isnan(b - a)]
+        square = sum(way * way for way, _ in steps)
+        return min(1.0, max(0.0, sum(way * gone for way, gone in steps) / square)) if square > 0 else 0.0
+
     def lines(self) -> list[WireLine]:
         """Those that the machine may be executing, or will."""
         return [part.line for part in self.parts]

@@ -101,4 +101,6 @@ def stand(filter_: Filter, live: Live) -> None:
     if frame is not None and any(live.length.values()):
         length = np.array([round(live.length.get(x, 0.0) * TICKS_PER_MM) for x in letters], np.int64)
         frame = replace(frame, length=length)
+    # An axis that the first blocks do not name stays where the controller has it: that is its last command.
+    filter_.carry = replace(filter_.carry, issued=np.where(known, position, filter_.carry.issued))
     filter_.modal = replace(modal, codes=codes, position=position, known=known, frame=frame)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
+from postproc.streaming.account import Account
+from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
+from postproc.streaming.pace import Pace
 
 AHEAD = 32  # lines over which controller and buffer even the load out: about a planner and a receive buffer
 MOST = 0.8  # part of the link that a job may use
@@ -61,7 +64,11 @@ class Load:
 
     def seconds(self, line: WireLine) -> float:
         """How long a line takes: its motion, or its way over the wire where that is longer."""
-        return max(line.seconds, (len(line.text) + 1) / self.rate if self.rate else 0.0)
+        return max(line.seconds, self.link(line))
+
+    def link(self, line: WireLine) -> float:
+        """s of its way over the wire."""
+        return (len(line.text) + 1) / self.rate if self.rate else 0.0
 
     def warning(self) -> str:
         """What to tell where the link is too slow for the feeds, or ""."""
@@ -78,16 +85,29 @@ class Load:
 
 @dataclass
 class Clock:
-    """What is left: from the load's seconds, and from how the job went so far."""
+    """What is left: by the load's seconds, by a planner's where it knows the machine's accelerations, and by how the job went so far.
+    held: s that it stood in a hold, which say nothing of the pace; rate: the feed's override, 1: as programmed."""
 
     expected: float
     begun: float
+    pace: Pace | None = None
     done: float = 0.0
+    held: float = 0.0
+    rate: float = 1.0
+
+    def over(self, account: Account, status: Status | None) -> None:
+        """Take where the machine is."""
+        if self.pace is None:
+            self.done = account.seconds
+            return
+        line, share = account.likely(status)
+        begin, end = self.pace.at(line), self.pace.at(line + 1)
+        self.done = begin + (end - begin) * share
 
     def left(self, now: float) -> float:
         """s to the end, as far as can be said."""
-        spent = now - self.begun
-        rest = max(0.0, self.expected - self.done)
+        spent = now - self.begun - self.held
+        rest = max(0.0, self.expected - self.done) / max(self.rate, 0.1)
         if self.done > 5.0 and spent > 5.0:  # the machine's own pace, once there is enough of it
-            return rest * max(0.5, min(4.0, spent / self.done))
+            return rest * max(0.5, min(4.0, spent * self.rate / self.done))
         return rest

@@ -109,6 +109,18 @@ def test_an_altered_coordinate_is_seen_where_the_machine_is(how, old_new):
     assert made.state == "Hold"
 
 
+@pytest.mark.parametrize("machine", ["perfect", "example-mill"])
+def test_axes_that_the_first_block_does_not_name_stay_where_the_controller_stands(machine):
+    """As at the head of a restart. They were taken for 0, and a report on the second motion for 7.9 mm beside the path."""
+    made = model()
+    made.place = made.target = [9.704, 8.989, -190.005]
+    lines = wire("G21 G90 G94\nG54\nG53 G0 Z-180\nG0 X6.4 Y0\nG53 G0 Z-170\n", made, machine)
+    ends = [line.end[:3] for line in lines]
+    assert ends[2] == (9.704, 8.989, -180.0) and lines[2].correction[:2] == (0.0, 0.0)
+    assert ends[3] == pytest.approx((6.4, 0.0, -180.0), abs=0.02)
+    assert ends[4] == (*ends[3][:2], -170.0)
+
+
 def test_a_jog_before_the_first_line_is_no_alarm():
     made = model()
     lines = wire("G21 G90 G94\nG54\n" + "".join(f"G1 X{x} Y{x} Z5 F600\n" for x in range(1, 30)), made)

@@ -92,6 +92,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="do not look whether the reports lie on the path of the lines in execution",
     )
     job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
+    job.add_argument(
+        "--report",
+        metavar="FILE",
+        help="write what became of the job, one JSON object: times, lines, holds, how it ended",
+    )
     job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
     job.add_argument("--no-journal", action="store_true", help="keep no journal")
     job.add_argument(
@@ -343,7 +348,7 @@ def _stream(
     with contextlib.ExitStack() as stack:
         trace, record = _recording(options, machine, job, order, reported, stack)
         journal = _journal(options, machine, job, sender.account.holds)
-        clock = Clock(load.expected, time.monotonic()) if load else None
+        clock = Clock(load.expected, time.monotonic(), job.pace) if load else None
         keys = Keys() if _keys(options) else None
         letters = tuple(CONTROLLER_AXES[:reported]) or machine.letters
         quiet = options.quiet or getattr(options, "dry", False)
@@ -363,6 +368,13 @@ def _stream(
             show.tell(
                 f"notice: {options.file} was changed while the job ran; what was sent is the program as it was when the job began"
             )
+        if options.report and not dry:
+            about = {
+                "program": job.name, "sha256": job.copy.digest if job.copy else None, "machine": machine.name, "map": machine.digest,
+                "controller": f"{controller.name} {controller.version}", "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+            }  # fmt: skip
+            with open(options.report, "w", encoding="utf-8") as file:
+                file.write(show.report(outcome, time.monotonic(), about))
         show.end(outcome)
     if prefetch.fault is not None:
         return outcome.exit_status or REFUSED

@@ -21,6 +21,7 @@ from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
 from postproc.streaming.foreknown import REFUSE, Foreknown, tool_change
 from postproc.streaming.lines import WireLine
+from postproc.streaming.pace import Pace
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.rates import Load
@@ -59,6 +60,7 @@ class Job:
     library: dict[str, bytes | None] = field(default_factory=dict)
     source: Source | None = None
     known: Foreknown | None = None
+    pace: Pace | None = None
 
     def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
         """Wire lines, batch by batch."""
@@ -125,11 +127,18 @@ class Job:
         letters = self.fresh().setup.axes
         order = tuple(lives.CONTROLLER_AXES.index(x) for x in letters)
         known = self.known = Foreknown(self.protocol.controller, letters, order, self.name, self.is_grbl)
+        planner = Pace(self.protocol.controller, order, load.link)
+        pace = planner if planner.knows else None
         for batch in self.lines():
             for line in batch:
                 load.add(line)
                 known.look(line)
+                if pace is not None:
+                    pace.add(line)
         self.notices += known.notices()
+        if pace is not None:
+            pace.end()
+            self.pace, load.expected = pace, pace.total
         assert self.source is not None
         self.notices += self.source.filter.notices
         if self.source.dropped:

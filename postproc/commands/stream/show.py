@@ -26,14 +26,19 @@ class Show:
         self.quiet, self.keys = quiet, keys
         self._next = 0.0
         self._begun: float | None = None
+        self._looked = 0.0
         self._rates: tuple[float, ...] = ()
         self._live: Any = None
+        self._events: list[dict[str, Any]] = []
         self.out = Outlet(sys.stdout)
         self.err = Outlet(sys.stderr, self._draw if self.terminal else None, self._above)
 
     def __call__(self, now: float) -> None:
         if self._begun is None:
-            self._begun = now
+            self._begun = self._looked = now
+        if self.clock is not None and self.sender.held:
+            self.clock.held += now - self._looked
+        self._looked = now
         if self.sender.status and self.sender.status.rates:
             self._rates = self.sender.status.rates
         if self.quiet or now < self._next:
@@ -71,7 +76,8 @@ class Show:
         if sender.waiting:
             result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
         if self.clock is not None:
-            self.clock.done = sender.account.seconds
+            self.clock.over(sender.account, status)
+            self.clock.rate = self._rates[0] / 100 if self._rates and self._rates[0] > 0 else 1.0
             result["eta_s"] = round(self.clock.left(now), 1)
         return result
 
@@ -124,6 +130,9 @@ class Show:
 
     def event(self, kind: str, message: str) -> None:
         """What happened by itself."""
+        self._events.append(
+            {"s": round(self._looked - (self._begun or self._looked), 2), "event": kind, "message": message}
+        )
         if not self.terminal and not self.quiet:
             self._line({"event": kind, "message": message})
 
@@ -139,6 +148,19 @@ class Show:
                 }
             )  # fmt: skip
         self.out.close()
+
+    def report(self, outcome: Outcome, now: float, about: dict[str, Any]) -> str:
+        """The run in one JSON object. about: what else is known of it."""
+        tally, begun = self.sender.tally, now if self._begun is None else self._begun
+        fields = {
+            "format": "gcomp-run/1", **about, "outcome": outcome.kind, "exit_status": outcome.exit_status, "message": outcome.message,
+            "seconds": round(now - begun, 2), "held_s": round(self.clock.held, 2) if self.clock else None,
+            "expected_s": round(self.clock.expected, 2) if self.clock else None, "lines": self.total or None, "sent": tally.sent,
+            "answered": tally.answered, "executed": self.sender.account.executed, "bytes": tally.bytes, "buffer_bytes_at_most": tally.peak,
+            "refused": [{"source_line": line.source, "text": line.text.decode("ascii", "replace"), "words": words} for line, words in tally.rejected],
+            "at_source_line": outcome.at.source if outcome.at else None, "events": self._events,
+        }  # fmt: skip
+        return json.dumps(fields, indent=1) + "\n"
 
     def close(self) -> None:
         """Give the terminal back."""
