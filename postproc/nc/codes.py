@@ -78,7 +78,7 @@ TILTED = "the words are coordinates of a tilted plane: let the CAM program write
 TOOL_POINT = (
     "the control swings the slides about the tool tip: let the CAM program write the places of the axes themselves"
 )
-DIRECTION = "its I J K are the tool's direction: let the CAM program write the rotary axes, under G43.4"
+DIRECTION = "its I J K are the tool's direction: --expand writes the rotary axes, under G43.4"
 ITSELF = "the control moves an axis by itself: write its motion out, or take it out"
 CORNER = "it changes the contour before it: write the corner out"
 # The same where nothing writes it out.

@@ -62,4 +62,5 @@ NO_CASE: dict[str, str] = {
     "to hold the tip there * goes to * *, beyond the * of * (* to * *)": ELSEWHERE,
     "what holds here is not known, because of a line before: *": ELSEWHERE,
     "within a cycle or a frame, and this block is more than words and numbers": ELSEWHERE,
+    "G43.5 turns the tool, and *": MACHINE,
 }

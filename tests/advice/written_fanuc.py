@@ -104,6 +104,38 @@ OKUMA = [
         ("G91 G71 Z5.|G90 G0 X2.", "G90 G71 Z5.|G90 G0 X2."),
     )
 ]
+FIVE = {"machine": "example-five-axis", **WRITE, "offsets": {"G54": {}, "H1": {"Z": 100.0}}}
+
+
+def turned(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G90 G0 X0. Y0. Z-300. A0. C0.|"
+    how = {**FIVE, **options.pop("how", {})}
+    return Case(M, head + before, head + after, then, how=how, **options)
+
+
+D1 = {"offsets": {"G54": {}, "D1": {"R": 2.0}}}
+POCKETS = [
+    mill(before, after, dialect=H, first=D1, also=D1)
+    for before, after in (
+        ("G18 G12 I8. D1", "G17 G12 I8. D1"),
+        ("G12 I8. D1 L2", "G91 G12 I8. D1 Z-1. L2"),
+        ("G12 D1", "G12 I8. D1"),
+        ("G12 I8. K9. D1", "G12 I8. K9. Q1. D1"),
+        ("G12 I8. K9. Q0 D1", "G12 I8. K9. Q1. D1"),
+        ("G12 I2. D1", "G12 I3. D1"),
+        ("G12 I8.", "G12 I8. D0"),
+        ("G12 I8. D9", "G12 I8. D1"),
+    )
+]
+DIRECTIONS = [
+    Case(M, "G43.5 H1|G1 X1. F9", "G43 H1|G1 X1. F9", how={**WRITE, "offsets": {"H1": {}}, "lathe": True}),
+    turned("G43.5 H1 Q2.|G1 X1. F9", "G43.5 H1|G1 X1. F9"),
+    turned("G43.5 H1|G2 X5. I1. J1. F9", "G43.4 H1|G1 X5. A1. F9"),
+    turned("G43.5 H1|G91 G1 X5. J1. K9. F9", "G43.5 H1|G90 G1 X5. J1. K9. F9"),
+    turned("G43.5 H1|G1 X5. I0 J0 K0 F9", "G43.5 H1|G1 X5. I0 J0 K1. F9"),
+    turned("G43.5 H1|G1 X5. K-1. F9", "G43.5 H1|G1 X5. K1. F9"),
+    Case(M, "G43.5 H1|G1 X5. J1. K9. F9", "G0 A0. C0.|G43.5 H1|G1 X5. Y0. Z-300. J1. K9. F9", "", how={**FIVE, "start": NOWHERE}),
+]  # fmt: skip
 FRAMES = [
     mill("G68 X0 Y0 Z1. R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G51.1 X0|G68 X0 Y0 R30.", "G51.1 X0|G50.1 X0|G0 X1. Y1.|G68 X0 Y0 R30.|G69|G0 X1. Y1."),
@@ -222,4 +254,4 @@ MORE = [
     macro("END2", "M30"),
     macro("M198", "M30"),
 ]
-ALL = [*MORE, *TURNING, *HAAS_LATHE, *FAGOR, *OKUMA, *DRILLING, *FRAMES, *CURVES, *MACROS]
+ALL = [*MORE, *TURNING, *HAAS_LATHE, *FAGOR, *OKUMA, *DIRECTIONS, *POCKETS, *DRILLING, *FRAMES, *CURVES, *MACROS]

@@ -149,4 +149,18 @@ DRILLING = [
     run("CYCLE85(10,0,2,-5,,0,100,100)", "F100|CYCLE85(10,0,2,-5,,0,100,100)"),
     run("F100|CYCLE83(10,0,2,-5,,,0.0001)", "F100|CYCLE83(10,0,2,-5,,,1)"),
 ]
-ALL = [*DRILLING, *FRAMES, *CORNERS, *PARTS]
+POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
+POLYNOMIALS = [
+    frame("G1 X50 RND=5|" + POLY, "G1 X50|" + POLY),
+    frame("G1 " + POLY, POLY),
+    frame("PO[X]=(9,2)", "POLY PO[X]=(9,2)"),
+    frame('POLY|PO[X]=(9,2) MSG("A")', 'POLY|MSG("A")|PO[X]=(9,2)'),
+    frame("POLY PO[X]=(9,1,1,1,1,1)", "POLY PO[X]=(9,1,1,1,1)"),
+    frame("POLY PO[X]=(9,2) PO[]=(-2)", "G1 X9"),
+    frame("G41 D1 G1 X9|" + POLY, "G41 D1 G1 X9|G40 X5|" + POLY),
+    frame("G91 " + POLY, "G90 " + POLY),
+    frame(POLY + " PL=0", POLY + " PL=1"),
+    frame("DIAM90|" + POLY, "DIAMOF|" + POLY),
+    frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
+]
+ALL = [*DRILLING, *FRAMES, *CORNERS, *PARTS, *POLYNOMIALS]

@@ -479,6 +479,21 @@ def test_g74_and_g75_peck_by_least_increments():
     assert lines[1:] == [*one, "Z-2.", *one, "Z2.", "G0 X120."]
 
 
+def test_g12_and_g13_of_haas_are_circles_about_where_the_tool_stands():
+    """Manual: I is the finished radius, less the tool's, 5: 10. I 8 by Q 5 to K 15 is 8, 13, 15: 3, 8, 10. All arcs; the last circle
+    is gone round in two halves, and half a circle leads in and out."""
+    setup = replace(MILL, offsets={"D1": {"R": 5.0}}, start=dict.fromkeys("XYZABC", 0.0))
+    lines = text_of("G90 G17 G0 X10. Y20. Z1.|G13 I15. D1 Z-2. F100.|G0 Z9.", "haas", setup)
+    ring = ["G3 X20. Y20. I5. J0.", "X0. Y20. I-10. J0.", "X20. Y20. I10. J0.", "X10. Y20. I-5. J0."]
+    assert lines[1:] == ["G1 Z-2. F100.", *ring, "G0 Z9."]
+    lines = text_of("G90 G17 G0 X10. Y20. Z1.|G12 I8. K15. Q5. D1|G0 Z9.", "haas", setup)
+    ends = [float(re.search(r"X(-?[0-9.]+)", line)[1]) - 10.0 for line in lines[1:-1]]
+    assert ends == [3.0, -3.0, 3.0, -8.0, 8.0, -8.0, 10.0, -10.0, 10.0, 0.0]
+    assert lines[1].startswith("G2 ") and not any("Z" in line for line in lines[1:-1])
+    lines = text_of("G17 G0 X0. Y0. Z0.|G91 G13 I8. D0 Z-1. L2|G90 G0 Z9.", "haas", setup)
+    assert lines.count("G1 Z-1.") + lines.count("G91 G1 Z-1.") == 2 and lines[2] == "G3 X8. Y0. I4. J0."
+
+
 def test_lathe_drilling_counts_r_from_where_it_stands():
     """B-64304EN-1, "Front drilling cycle (G83)", "Side drilling (G87)": R is a distance from the initial level."""
     assert lathe("G0 X0 Z5.|G83 Z-4. R-3. F.1", "fanuc-lathe")[1:] == ["G0 Z2. F.1", "G1 Z-4.", "G0 Z5."]
@@ -589,6 +604,8 @@ HAAS_REFUSED = {
         "G73 Z-9. R2. Q2. K6.": "Q and K of G73 together",
         "G83 Z-9. R2. I2. J.5": "I and J of G83 together",
         "G81 Z-9. R2. P500": "P in a drilling cycle",
+        "G12 I8. X5. D0": "X in a pocket cycle .G12.: that is no word of it",
+        "G13 I8. D7": "the tool's radius D7 of G13 is not stated",
     },
     "haas-lathe": {
         "G71 P10 Q20 D2. R1|N10 G0 X40.|N20 G1 Z-5.": "R1 in a turning cycle .G71.: it chooses type II",

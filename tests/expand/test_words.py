@@ -29,7 +29,11 @@ from tests.expand.test_cycles import LATHE, motions, needs_oracle, same_motions
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import setup_for
 
-MILL = replace(setup_for({}), start=dict.fromkeys("XYZABC", 0.0))
+MILL = replace(
+    setup_for({}),
+    start=dict.fromkeys("XYZABC", 0.0),
+    offsets={**setup_for({}).offsets, "D1": {"R": 2.0}, "D2": {"R": 3.0}},
+)
 CODE = re.compile(r"`([a-z-]+)`")
 
 
@@ -102,6 +106,9 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     """The programs for a row of the table."""
     if name == "linuxcnc":
         return [LINUXCNC_SAMPLES.get(code, Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN))]
+    if name == "haas" and code in ("G12", "G13"):
+        pockets = ["I8./7. K15./14. Q4./3. D1/2 Z-2./-3.", "I8./7. D1/2 Z-2./-3. L2/3"]
+        return [Sample(values(pockets[k]), "F100|G17 G0 X0 Y0 Z9|" + "G91 " * k) for k in (0, 1)]
     if name in ("fagor", "okuma"):
         one = "G90 G81 X0 Y0 Z-1 R1 M5{}|"
         before = one.format(4) if name == "okuma" and code != "G71" else ""
@@ -231,7 +238,7 @@ def strange(lines: list[Line], name: str) -> list[Line]:
     for line in lines:
         block = Block.of(line.text, dialects.load(name).grammar)
         more = next(
-            ({20: "IKR", 30: "IKR", 330: "K"}.get(c, "") for c in block.codes if c in (0, 10, 20, 30, 330)), more
+            ({20: "IJKR", 30: "IJKR", 330: "K"}.get(c, "") for c in block.codes if c in (0, 10, 20, 30, 330)), more
         )
         also = "P" + dialects.load(name).dwell if 40 in block.codes else more
         found += [line] * any(w.letter not in GENERAL + "XYZABCUVWH" + also for w in block.words)

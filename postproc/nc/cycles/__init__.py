@@ -12,7 +12,8 @@ from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.corners_siemens import Corners
+from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
+from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
 from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
@@ -25,6 +26,7 @@ from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
 from postproc.nc.cycles.pole_heidenhain import PoleArcs
+from postproc.nc.cycles.polynomials_siemens import Polynomials
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.spline_marlin import SPLINE, MarlinSpline
@@ -54,9 +56,11 @@ class Cycle(Protocol):
 
 
 class Before(Protocol):
-    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes out."""
+    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes out; `rigid`: whether what
+    it wrote last has a size of its own, which no frame may scale."""
 
     codes: tuple[int, ...]
+    rigid: bool
 
     def wants(self, line: Line) -> bool: ...
 
@@ -119,12 +123,14 @@ def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
     holes = FanucDrilling(synchronised=synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles[NURBS] = FanucNurbs()
-    return Family(cycles, FanucFrames, restores=True)
+    return Family(cycles, FanucFrames, restores=True, before=ToolDirections)
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
     holes = HaasDrilling(synchronised)
-    return Family(dict.fromkeys([*MILL, *MILL_REFUSED], holes), lambda scene: FanucFrames(scene, False), restores=True)
+    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
+    cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
+    return Family(cycles, lambda scene: FanucFrames(scene, False), restores=True)
 
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
@@ -156,7 +162,7 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames, before=Corners)
+    return Family(control=SiemensFrames, before=Polynomials)
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:

@@ -42,6 +42,12 @@ class Curve:
         return np.array([end[:-1] / end[-1] for end in ends])
 
 
+def lines_of(piece: np.ndarray, tolerance: float, straight: int) -> np.ndarray:
+    """(M, D) ends of the lines that one Bezier piece becomes: (K, D + 1) poles, each with its weight behind, the coordinates
+    times the weight."""
+    return np.array([end[:-1] / end[-1] for end in _ends(piece, tolerance, straight, MOST_HALVINGS)])
+
+
 def uniform(poles: np.ndarray, weights: np.ndarray, order: int) -> Curve:
     """A curve that begins and ends in its first and last pole, with all inner knots 1 apart."""
     inner = len(poles) - order + 1

@@ -28,6 +28,7 @@ POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 class PoleArcs:
     """Follows pole and motion code, and writes arcs out."""
 
+    rigid = False
     codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR)
 
     def __init__(self, scene: Scene):

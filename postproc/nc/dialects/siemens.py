@@ -46,8 +46,9 @@ DIALECT = Dialect(
         *rows("motion", {"335": "thread along an arc", "336": "thread along an arc"}, refuses=codes.CURVE),
         *rows("motion", {"CIP": "arc through a point", "CT": "tangential arc"}, refuses="its circle follows from other "
               "places: write the arc with its centre I J K or with CR="),
-        *rows("motion", {"INVCW": "involute", "INVCCW": "involute", "POLY": "polynomial", "ASPLINE": "Akima spline",
+        *rows("motion", {"INVCW": "involute", "INVCCW": "involute", "ASPLINE": "Akima spline",
               "BSPLINE": "B spline", "CSPLINE": "cubic spline"}, refuses=codes.CURVE),
+        *rows("motion", {"POLY": "polynomial"}, refuses=codes.SPLINE),
         *rows("", {"63": "tapping with a compensating chuck"},
             refuses="it ends where the chuck lets it: write G331 and G332"),
         *rows("", {"74": "to the reference point", "75": "to a fixed point"}, takes=True),

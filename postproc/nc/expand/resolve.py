@@ -77,7 +77,8 @@ class Resolver:
             whole = self.before_it.take(line)
         except BlockFault as error:
             raise self._unread(error) from None
-        self._sized(line)
+        if self.before_it.rigid:
+            self._sized(line)
         return [plain for one in whole for plain in self._take(one)]
 
     def finish(self) -> list[Line]:

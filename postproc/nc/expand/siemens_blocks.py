@@ -231,7 +231,7 @@ class Words(Parser):
             self.piece(start, self.at, lambda scope: "")
             return 1
         self.at = token.end()
-        indices = self.index_entries()
+        indices = self.index_entries(name == "PO")
         stop = self.at
         if self.taken("="):
             self.assignment(Target(name, indices, start, stop))
@@ -319,10 +319,12 @@ class Words(Parser):
             if self.need(",", ")") == ")":
                 return found
 
-    def index_entries(self) -> list[Entry]:
-        """What stands between brackets, if brackets follow."""
+    def index_entries(self, empty: bool = False) -> list[Entry]:
+        """What stands between brackets, if brackets follow; `empty`: nothing may (PO[ ], the denominator)."""
         found: list[Entry] = []
         if self.taken("["):
+            if empty and self.taken("]"):
+                return found
             while True:
                 found.append(self.free(self.entry()))
                 if self.need(",", "]") == "]":
