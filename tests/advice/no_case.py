@@ -63,4 +63,5 @@ NO_CASE: dict[str, str] = {
     "what holds here is not known, because of a line before: *": ELSEWHERE,
     "within a cycle or a frame, and this block is more than words and numbers": ELSEWHERE,
     "G43.5 turns the tool, and *": MACHINE,
+    "* holds no numbers": ELSEWHERE,
 }
