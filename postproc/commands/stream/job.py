@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 CHUNK = 1 << 13  # bytes of the program at a time: small, so that little is ahead of the link
 CHORD_SEEN = 0.005  # mm
+NO_AXIS = 1000  # of which no setting tells
 LARGEST_JOURNAL = 1 << 30
 
 
@@ -125,7 +126,8 @@ class Job:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
         load = Load(rate)
         letters = self.fresh().setup.axes
-        order = tuple(lives.CONTROLLER_AXES.index(x) for x in letters)
+        # A printer's E is none of the axes of which settings tell.
+        order = tuple(lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS for x in letters)
         known = self.known = Foreknown(self.protocol.controller, letters, order, self.name, self.is_grbl)
         planner = Pace(self.protocol.controller, order, load.link)
         pace = planner if planner.knows else None
