@@ -69,7 +69,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
             "record at several places, from both sides; gcomp simulate --test writes such a program",
         )
     options.told("learning the noise")
-    evidence = _learned(rows, units, train, jumps)
+    evidence = _learned(rows, machine, units, train, jumps)
     search = Search(rows, evidence, blocks)
     options.told("calibrating")
     search.calibrate(np.random.default_rng(SEED))
@@ -168,14 +168,14 @@ def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
     return [(jump, shared_jump.columns(jump, rows)) for jump in shared_jump.find(part, part.residual, sigma[own])]
 
 
-def _learned(rows: Rows, units: list[Unit], train: np.ndarray, jumps) -> Evidence:
+def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray, jumps) -> Evidence:
     """The model of the readings; what scatters in each unit told from what wanders and from what comes back."""
     y = rows.residual.copy()
     for unit in units:
         if unit.sees != "part":
             y[unit.rows] -= np.median(y[unit.rows])
     own = [nuisances.of_unit(rows, u) + nuisances.processes(rows, u) for u in units]
-    shared = [*nuisances.of_map(rows), *(Group("jump", columns, FREE) for _, columns in jumps)]
+    shared = [*nuisances.of_map(rows, machine), *(Group("jump", columns, FREE) for _, columns in jumps)]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)
         on = frozenset(

@@ -110,6 +110,9 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     moving = [x for x, p in rows.state.position.items() if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))]
     if module.PER == "all":
         return [""]
+    if getattr(module, "RESTING", False):
+        seen = visible(rows, module)
+        return [x for x in rows.state.position if np.any(rows.direction[seen, XYZ.index(x)])]
     if module.PER == "pair":
         return ["".join(pair) for pair in combinations(sorted(moving), 2)]
     if getattr(module, "LINE", False):

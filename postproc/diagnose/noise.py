@@ -21,6 +21,8 @@ from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
+USUAL = {"laser": 3e-4, "angle": 5e-7, "tool": 5e-4, "scale": 3e-4}  # mm, rad: what they scatter by
+FEW, KNOWN = 12, 6.0  # readings from which a unit's noise is told by itself; how many what is usual counts as
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
 CHANCE = 0.4  # of the logarithm: two standard deviations of a median of 31 absolute values
@@ -33,7 +35,7 @@ TAIL = 4.0  # standard deviations: beyond, a reading counts as less sure (Studen
 class Unit:
     """Readings of one instrument. rows (n,): their numbers in the order of time; sees, dense: what kind; edges: where
     passages (unbroken motions, runs of targets) begin, and n; time (n,) s; r (n,) mm: standard deviation of the white part; ar: coefficients of the
-    autoregression; innovation: its share of the variance."""
+    autoregression; innovation: its share of the variance; usual mm: of few readings, what others scatter by, else 0."""
 
     rows: np.ndarray
     sees: str
@@ -43,16 +45,23 @@ class Unit:
     r: np.ndarray
     ar: np.ndarray = field(default_factory=lambda: np.zeros(0))
     innovation: float = 1.0
+    usual: float = 0.0
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def believed(self, own: float) -> float:
+        """mm: the scatter of its own readings, drawn to what is usual where they are few: they may as well show an effect."""
+        if not self.usual:
+            return own
+        return float(own * (self.usual / own) ** (KNOWN / (len(self) + KNOWN)))
 
     def pick(self, keep: np.ndarray) -> Unit:
         """The rows of which keep (N,) bool is true."""
         use = keep[self.rows]
         passage = np.searchsorted(self.edges, np.arange(len(self)), side="right")[use]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [int(use.sum())]])
-        return Unit(self.rows[use], self.sees, self.dense, edges, self.time[use], self.r[use], self.ar, self.innovation)
+        return Unit(self.rows[use], self.sees, self.dense, edges, self.time[use], self.r[use], self.ar, self.innovation, self.usual)
 
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the samples before foretell."""
@@ -87,6 +96,11 @@ def units(rows: Rows) -> list[Unit]:
         unit = Unit(order, str(rows.sees[order[0]]), dense, edges, t, np.ones(len(order)))
         unit.r = _white(rows, rows.residual, unit)
         found.append(unit)
+    for unit in found:
+        if len(unit) < FEW and unit.sees != "part":
+            alike = [float(np.median(u.r)) for u in found if u.sees == unit.sees and len(u) >= FEW]
+            unit.usual = float(np.median(alike)) if alike else USUAL[unit.sees]
+            unit.r = unit.r * unit.believed(float(np.median(unit.r))) / float(np.median(unit.r))
     return found
 
 
@@ -219,6 +233,7 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
                 [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
             base = max(total, FLOOR[unit.sees])
+    base = unit.believed(base)
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
 
 

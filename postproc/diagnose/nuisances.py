@@ -13,15 +13,18 @@ import numpy as np
 from postproc.diagnose.noise import Unit, hats, wander
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
+from postproc.machine.model import Machine
 
 FREE = 1e3  # mm: a zero that nobody knows
 MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+LEAST_UM = 0.05  # um: what is stated to be exact was rounded, and lies between nodes
+COVERAGE = 2.0  # an expanded uncertainty U over a standard one
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
 STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
-ALIGNED = 0.1  # rad: how the line of a straightness optic may lie, nobody knows
+ALIGNED = 5e-6  # rad, a second of arc: what squares and levels are good for that lines of straightness are referred to (unverified)
 FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
 RUN, MOST_RUN = 3e-4, 1e-3  # mm: by how much the zero of an instrument differs from run to run, usually and at most
 WANDER, MOST_WANDER = (
@@ -71,7 +74,7 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
         share = _share(unit.time)  # the bar warms in the hand and on the machine
         found.append(Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR))
     if kind == "targets" and unit.sees == "tool":
-        for p in rows.state.position.values():  # a straightness reading knows its line up to the optics' alignment
+        for p in rows.state.position.values():  # its line is known as well as it was referred to an axis
             if np.ptp(p[own]) > 1e-3:
                 found.append(Group("set-up", (p[own] - p[own].mean())[:, None], ALIGNED))
     numbers = np.unique(rows.run[own])
@@ -184,8 +187,8 @@ def _nodes(value: np.ndarray, side: np.ndarray, number: int, only: tuple[float, 
     return np.concatenate(columns, axis=1)
 
 
-def of_map(rows: Rows, map_um: float = MAP_UM) -> list[Group]:
-    """What the machine's map may be wrong by: the same for all instruments. (N, M)."""
+def of_map(rows: Rows, machine: Machine) -> list[Group]:
+    """What the machine's map may be wrong by, as it states or as maps usually are: the same for all instruments. (N, M)."""
     seen = np.isin(rows.sees, ("laser", "tool"))
     part = rows.sees == "part"
     smooth, square = [], []
@@ -193,21 +196,30 @@ def of_map(rows: Rows, map_um: float = MAP_UM) -> list[Group]:
         u = np.clip(rows.state.share(x), -1.2, 1.2)
         for along in range(3):
             enters = np.where(seen, rows.direction[:, along], 0.0)
+            times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
                 if along == XYZ.index(x) or degree > 1:
                     shape = enters * legendre(u, degree)
                     if along == XYZ.index(x):  # features see the same map, at the two places of their walls
                         shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
-                    smooth.append(shape)
+                    smooth.append(times * shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])
-    groups = [("map", smooth, map_um * 1e-3, 3 * map_um * 1e-3), ("square", square, SQUARE, 0.0)]
+    groups = [("map", smooth, MAP_UM * 1e-3, 3 * MAP_UM * 1e-3), ("square", square, SQUARE, 0.0)]
     found = []
     for kind, columns, sd, most in groups:
         shown = [c for c in columns if np.abs(c).max(initial=0.0) > 1e-9]
         if shown:
             found.append(Group(kind, np.stack(shown, axis=1), sd, most))
     return found
+
+
+def _stated(machine: Machine, axis: str, along: int) -> float:
+    """um: the standard uncertainty of one component of an axis' table, in the middle of its nodes; MAP_UM where none is stated."""
+    known = machine.axes[axis].uncertainty
+    if known is None or along not in known.stated:
+        return MAP_UM
+    return max(float(np.median(known.table.forward[along])) / COVERAGE * 1e3, LEAST_UM)
 
 
 def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:

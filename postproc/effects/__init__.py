@@ -9,6 +9,7 @@ A module holds
 - NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
   instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
 - sensible(**parameters): False where such parameters are another effect's; optional;
+- RESTING: True where it moves the tool along an axis that does not move itself, too;
 - LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it is simulated, never fitted;
 - WALLS: True where an effect that goes with time changes what lies between the two walls of a feature;
 - TEXT: what it is and what to do about it;

@@ -20,6 +20,7 @@ OPTIONAL = {"power": 1.0, "usual_N": 1.0, "by": 0.0}
 PLAUSIBLE = {"um_per_N": (-10.0, 10.0)}  # beyond, it is something else (unverified: usual stiffnesses)
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("force",), ("tool",)
+RESTING = True
 TEXT = "The axis gives way under load. Less force, a stiffer set-up; part of it can be measured with a weight."
 
 

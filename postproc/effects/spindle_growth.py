@@ -25,6 +25,7 @@ PLAUSIBLE = {"um_per_1000_rpm": (-50.0, 50.0), "housing_um": (-50.0, 50.0)}  # b
 CONTINUOUS = {"tau_s": (200.0, 7200.0), "power": (1.0, 2.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
+RESTING = True
 TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed and time."
 
 

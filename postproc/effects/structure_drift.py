@@ -29,6 +29,7 @@ PLAUSIBLE = {"size_um": (-300.0, 300.0), "bend_um": (-300.0, 300.0)}  # beyond, 
 NONE = {"tau_s": 1.0, "from_s": -1.0, "file": -1.0, "creep": 0.0, "cycle_s": 0.0}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time",), ("tool", "part")
+RESTING = True
 TEXT = (
     "The frame moves with the room's temperature or with time. "
     "A steady room, a warm-up, probing of the zero between cuts."
