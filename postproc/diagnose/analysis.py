@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -38,6 +39,7 @@ ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 SEED = 20131
 ROUNDS, STEPS = 2, 6  # in which noise is told from what comes back
 MAP_WORSE = 1.8  # times its usual size
+SHORTEST = 1.0  # mm: over less nothing leans
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     sigma = np.hypot(said["noise"], findings.form(search, state))
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
-        usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence)], doubts=doubts,
+        usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence), *_leaning(rows, evidence, found)], doubts=doubts,
     )  # fmt: skip
     diagnosis.unknown = judge.judged(diagnosis, search, state)
     options.told("forces and currents")
@@ -214,3 +216,21 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
     return [
         f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
     ]
+
+
+def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:
+    """One line for each file of straightness readings in which what was named leans: its line counts as the machine's."""
+    named = sum((f.contribution for f in found), np.zeros(len(rows)))
+    lines = []
+    for own in (p.whole.rows for p in evidence.parts if p.whole.sees == "tool" and not p.whole.dense):
+        for axis, place in rows.state.position.items():
+            if np.ptp(place[own]) < SHORTEST:
+                continue
+            lean = float(np.polyfit(place[own], named[own], 1)[0])
+            if abs(lean) > 2 * nuisances.ALIGNED:
+                name = Path(rows.files[rows.file[own[0]]]).name
+                lines.append(
+                    f"{name}: what was named leans by {lean * 1e6:.0f} urad along {axis}; if nothing squares the line of this "
+                    "optic to an axis, take the line out of the readings and diagnose again"
+                )
+    return lines

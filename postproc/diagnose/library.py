@@ -110,11 +110,13 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     moving = [x for x, p in rows.state.position.items() if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))]
     if module.PER == "all":
         return [""]
-    if getattr(module, "RESTING", False):
+    resting = getattr(module, "RESTING", False)
+    if module.PER == "pair":
+        pairs = combinations(sorted(rows.state.position if resting else moving), 2)
+        return ["".join(pair) for pair in pairs if set(pair) & set(moving)]
+    if resting:
         seen = visible(rows, module)
         return [x for x in rows.state.position if np.any(rows.direction[seen, XYZ.index(x)])]
-    if module.PER == "pair":
-        return ["".join(pair) for pair in combinations(sorted(moving), 2)]
     if getattr(module, "LINE", False):
         return [*moving, ""]
     return moving

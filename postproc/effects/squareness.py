@@ -13,6 +13,7 @@ OPTIONAL = {"leans": 0.0}
 PLAUSIBLE = {"urad": (-5000.0, 5000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "pair"
 NEEDS, SEES = ("position",), ("tool",)
+RESTING = True
 TEXT = "Two axes are not square. Write it into the machine's squareness; a program compensates it."
 
 

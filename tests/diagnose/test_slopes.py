@@ -113,3 +113,49 @@ def test_one_air_says_the_slopes_of_all_lasers(tmp_path):
     found = [(e["effect"], e["axis"]) for e in told["effects"] if e["status"] == "accepted"]
     assert found == [("laser_air", None)]
     assert told["effects"][0]["parameters"]["wrong_ppm"]["value"] == pytest.approx(25.0, rel=0.2)
+
+
+def straightness(folder: Path, urad: float, um_per_h: float, angle: str = "") -> str:
+    """A file of straightness of X across Z along 150 mm of Z, two runs there and back, 20 s a target; X leans and drifts."""
+    lines = [
+        '# format = "gcomp-recording/1"', '# kind = "targets"', '# instrument = "straightness optics"',
+        '# quantity = "straightness"', "# sensitive = { X = 1.0 }", "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um",
+    ]  # fmt: skip
+    rng, t = np.random.default_rng(4), 0.0
+    for run in range(1, 9):
+        for k in list(range(16)) if run % 2 else list(range(15, -1, -1)):
+            t += 20.0
+            value = 10.0 * k * urad * 1e-3 + um_per_h * t / 3600 + rng.normal(0, 0.1)
+            lines.append(f"{run},{t:.1f},100.0,{10.0 * k:.1f},1,{1 if run % 2 else -1},{value:.3f}")
+    path = folder / "r.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def bare(folder: Path) -> str:
+    """A machine of two axes without tables."""
+    axes = "".join(f"[axes.{x}]\ntravel = [0.0, 200.0]\nleast_increment = 0.001\nmeasured_at = {{ {y} = 0.0 }}\n" for x, y in ("XZ", "ZX"))
+    (folder / "bare").mkdir()
+    text = 'format = "gcomp-machine/1"\nname = "bare"\ncontrol = "fanuc-lathe-a"\nchain = "w-b-Z-X-t"\n'
+    (folder / "bare" / "machine.toml").write_text(text + axes)
+    return str(folder / "bare")
+
+
+def answered(folder: Path, path: str) -> dict:
+    main(["diagnose", path, "--machine", bare(folder), "--json", str(folder / "a.json"), "--quiet", "--force"])
+    return json.loads((folder / "a.json").read_text())
+
+
+def test_a_frame_drifts_across_the_axis_that_moves(tmp_path):
+    """12 um in 43 minutes across Z, which alone moves: X does not move, and drifts all the same."""
+    answer = answered(tmp_path, straightness(tmp_path, 0.0, 17.0))
+    assert [e["effect"] for e in answer["effects"] if e["status"] == "accepted"] == ["structure_drift"]
+
+
+def test_the_line_of_a_straightness_reading_is_the_machines_and_that_is_said(tmp_path, capsys):
+    answer = answered(tmp_path, straightness(tmp_path, 60.0, 0.0))
+    (found,) = answer["effects"]
+    assert (found["effect"], found["axis"], found["status"]) == ("squareness", "XZ", "accepted")
+    assert abs(found["parameters"]["urad"]["value"]) == pytest.approx(60.0, abs=10.0)
+    main(["diagnose", str(tmp_path / "r.csv"), "--machine", str(tmp_path / "bare")])
+    assert "take the line out of the readings" in " ".join("".join(capsys.readouterr()).split())
