@@ -198,11 +198,10 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
             enters = np.where(seen, rows.direction[:, along], 0.0)
             times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
-                if along == XYZ.index(x) or degree > 1:
-                    shape = enters * legendre(u, degree)
-                    if along == XYZ.index(x):  # features see the same map, at the two places of their walls
-                        shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
-                    smooth.append(times * shape)
+                shape = enters * legendre(u, degree)
+                if along == XYZ.index(x):  # features see the same map, at the two places of their walls
+                    shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
+                smooth.append(times * shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])
     groups = [("map", smooth, MAP_UM * 1e-3, 3 * MAP_UM * 1e-3), ("square", square, SQUARE, 0.0)]

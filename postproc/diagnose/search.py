@@ -39,7 +39,6 @@ FORM = 0.1  # of what an effect explains at most, a textbook form is wrong by in
 OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its error of form
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
-KIN, MIXED, DIRECTIONS = 40, 0.3, 4  # shapes; how much of another one; directions
 FORMED = 1e-3  # mm: the error of form of less is nothing
 TOLD = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
@@ -148,7 +147,6 @@ class Search:
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
             terms.append(_later(self.rows, part))
-            terms += self._of_family(k, part)
             for x in block.axis:
                 if x in self.rows.state.since:
                     since = np.where(self.rows.state.passage >= 0, self.rows.state.since[x], np.inf)
@@ -160,31 +158,6 @@ class Search:
         numbers = self.evidence.add(made, FORM_SD) if made else []
         self._of_form |= dict(zip(numbers, whose, strict=True))
         return numbers
-
-    def _of_family(self, k: int, part: np.ndarray) -> list[np.ndarray]:
-        """Directions in which what a member explains differs from what its other shapes say instead: a mixture of shapes, as
-        two time constants in the place of one, is the same effect."""
-        block = self.blocks[k]
-        if not block.shape or {"t_s", "period_mm", "frequency_hz"} & set(dict(block.shape)):
-            return []
-        rows = np.flatnonzero(part)
-        kin = [b for j, b in enumerate(self.blocks) if b.key == block.key and j not in self.evidence.fixed and b.shape != block.shape]
-        kin = kin[:: max(1, len(kin) // KIN)]
-        if not kin:
-            return []
-        sigma = np.full(len(self.rows), np.inf)
-        for p in self.evidence.parts:
-            sigma[p.unit.rows] = p.unit.r
-        weight = 1.0 / sigma
-        target = part * weight
-        differences = []
-        for b in kin:
-            x = b.columns * weight[:, None]
-            value = np.linalg.lstsq(x, target, rcond=1e-9)[0]
-            differences.append(b.columns @ value - part)
-        d = np.stack(differences, axis=1) * (MIXED / FORM_SD / np.sqrt(len(kin)))
-        q, root = np.linalg.eigh(d.T @ (d * weight[:, None] ** 2))
-        return [d @ root[:, -1 - i] for i in range(min(DIRECTIONS, len(q))) if q[-1 - i] > 1.0]
 
     def form(self, fit: Fit) -> np.ndarray:
         """(U,) variance of each unit that the error of form of its largest effect gives (1: of its white noise)."""
