@@ -58,9 +58,10 @@ def problem(case: Path) -> Problem:
     options = recordings.ReadingOptions(strict=False)
     files = sorted(case.glob("r*.csv"))
     read = [recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files]
-    rows = of(read, read_machine(case / "machine"))
+    machine = read_machine(case / "machine")
+    rows = of(read, machine)
     rows = rows.pick(noise.isolated(rows, rows.residual, _sigma(rows))[0] < 6.0)
-    return Problem(rows, rows.residual, _sigma(rows), *_nuisances(rows), ~held_out(rows))
+    return Problem(rows, rows.residual, _sigma(rows), *_nuisances(rows, machine), ~held_out(rows))
 
 
 def _sigma(rows) -> np.ndarray:
@@ -73,7 +74,7 @@ def _sigma(rows) -> np.ndarray:
     return sigma
 
 
-def _nuisances(rows) -> tuple[np.ndarray, np.ndarray]:
+def _nuisances(rows, machine) -> tuple[np.ndarray, np.ndarray]:
     """(N, Q) columns and (Q,) their usual standard deviations: those of each instrument but its wander, and the map's own error."""
     from postproc.diagnose import noise, nuisances
 
@@ -86,7 +87,7 @@ def _nuisances(rows) -> tuple[np.ndarray, np.ndarray]:
             wide[unit.rows] = group.columns
             columns.append(wide)
             prior.append(np.full(wide.shape[1], group.sd))
-    for group in nuisances.of_map(rows):
+    for group in nuisances.of_map(rows, machine):
         columns.append(group.columns)
         prior.append(np.full(group.columns.shape[1], group.sd))
     return np.concatenate(columns, axis=1), np.concatenate(prior)

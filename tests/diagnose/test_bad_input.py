@@ -78,7 +78,7 @@ REFUSED = {  # what was done: (which, how, what is said, line or 0)
     "places in um": ("targets", times(1e3, "X_mm", "Z_mm"), "beyond 100000 mm", 0),
     "places beyond the travel": ("targets", cells("Z_mm", lambda v, k: f"{float(v) + 200:g}"), "lies outside the travel of studer-s36, -5 to 520 mm", 0),
     "places turned round": ("targets", times(-1, "Z_mm"), "these places fit as the other sign", 0),
-    "one place": ("targets", all_of("100", "Z_mm"), "no axis moves", 0),
+    "one place at one time": ("targets", lambda t: all_of("1", "t_s")(all_of("100", "Z_mm")(t)), "no axis moves", 0),
     "time backwards": ("targets", backwards("t_s"), "t_s runs backwards", 17),
     "time below zero": ("targets", times(-1, "t_s"), "t_s runs backwards", 17),
     "one row": ("targets", rows(lambda r: r[:1]), "1 row can be used, and 8 at least", 16),

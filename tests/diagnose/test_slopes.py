@@ -159,3 +159,16 @@ def test_the_line_of_a_straightness_reading_is_the_machines_and_that_is_said(tmp
     assert abs(found["parameters"]["urad"]["value"]) == pytest.approx(60.0, abs=10.0)
     main(["diagnose", str(tmp_path / "r.csv"), "--machine", str(tmp_path / "bare")])
     assert "take the line out of the readings" in " ".join("".join(capsys.readouterr()).split())
+
+
+def test_slides_at_rest_show_what_drifts(tmp_path):
+    """ISO 230-3: a reading a minute for two hours at one place; the frame goes 12 um with a time constant of 45 minutes."""
+    rng, t = np.random.default_rng(7), np.arange(120) * 60.0
+    value = 12.0 * (1 - np.exp(-t / 2700.0)) + rng.normal(0, 0.1, len(t))
+    head = HEAD.format("dial gauge").replace("Z = 1.0", "X = 1.0")
+    table = "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um\n"
+    rows_ = "".join(f"1,{s:.0f},100.0,50.0,1,1,{v:.3f}\n" for s, v in zip(t, value, strict=True))
+    (tmp_path / "r.csv").write_text(head + table + rows_)
+    (found,) = answered(tmp_path, str(tmp_path / "r.csv"))["effects"]
+    assert (found["effect"], found["status"]) == ("structure_drift", "accepted")
+    assert found["parameters"]["tau_s"]["value"] == pytest.approx(2700.0, rel=0.5)
