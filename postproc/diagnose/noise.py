@@ -61,7 +61,17 @@ class Unit:
         use = keep[self.rows]
         passage = np.searchsorted(self.edges, np.arange(len(self)), side="right")[use]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [int(use.sum())]])
-        return Unit(self.rows[use], self.sees, self.dense, edges, self.time[use], self.r[use], self.ar, self.innovation, self.usual)
+        return Unit(
+            self.rows[use],
+            self.sees,
+            self.dense,
+            edges,
+            self.time[use],
+            self.r[use],
+            self.ar,
+            self.innovation,
+            self.usual,
+        )
 
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the samples before foretell."""

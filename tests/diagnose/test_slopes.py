@@ -134,7 +134,10 @@ def straightness(folder: Path, urad: float, um_per_h: float, angle: str = "") ->
 
 def bare(folder: Path) -> str:
     """A machine of two axes without tables."""
-    axes = "".join(f"[axes.{x}]\ntravel = [0.0, 200.0]\nleast_increment = 0.001\nmeasured_at = {{ {y} = 0.0 }}\n" for x, y in ("XZ", "ZX"))
+    axes = "".join(
+        f"[axes.{x}]\ntravel = [0.0, 200.0]\nleast_increment = 0.001\nmeasured_at = {{ {y} = 0.0 }}\n"
+        for x, y in ("XZ", "ZX")
+    )
     (folder / "bare").mkdir()
     text = 'format = "gcomp-machine/1"\nname = "bare"\ncontrol = "fanuc-lathe-a"\nchain = "w-b-Z-X-t"\n'
     (folder / "bare" / "machine.toml").write_text(text + axes)
