@@ -7,12 +7,22 @@ these recordings ask for nothing, and naming them is no mistake.
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from typing import Any
 
 NO_AXIS = {"laser_air", "dead_path", "delay", "clock_skew", "tool_size"}
 VALUES = {"backlash": "size_um", "cyclic": "amplitude_um", "servo_lag": "tau_ms"}  # medians of these are stated
 NARROWEST = 1e-9  # of the value: an interval that narrow is none
+
+
+def kept(found: dict[str, Any]) -> str:
+    """The JSON of a trial's score to be kept: a line for each case, so that a person can read and compare it."""
+    held = []
+    for name, value in found.items():
+        rows = ",\n".join(json.dumps(one) for one in value) if isinstance(value, list) else ""
+        held.append(f"{json.dumps(name)}: " + (f"[\n{rows}\n]" if rows else json.dumps(value)))
+    return "{\n" + ",\n".join(held) + "\n}\n"
 
 
 def key_of(effect: dict[str, Any]) -> str:

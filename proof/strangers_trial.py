@@ -98,9 +98,7 @@ def trial(
     (kept / "commitment.json").write_text(json.dumps(laid | {"salt": salt.hex()}, indent=1) + "\n")
     outcomes = {who: judged(out, truth, details) for who, out in answers.items()}
     rows = {who: lines(found) for who, found in outcomes.items()}
-    (kept / "score.json").write_text(
-        json.dumps({who: [asdict(o) for o in found] for who, found in outcomes.items()}, indent=1) + "\n"
-    )
+    (kept / "score.json").write_text(score.kept({who: [asdict(o) for o in found] for who, found in outcomes.items()}))
     (kept / "FAILURES.md").write_text(score_table.failures(rows["now"]))
     text = page(laid, rows, outcomes["now"], details)
     (kept / "TABLE.md").write_text(text)

@@ -25,6 +25,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from proof import trial_run, trial_seal
+from proof.score import kept
 from proof.trial_seal import ROOT, SALT, Commitment, SealError
 
 FULL = {
@@ -161,7 +162,7 @@ def score(places: Places, jobs: int, page: Path | None = None, say: Callable = p
     revealed = {"salt": (places.sealed / SALT).read_text().strip()}
     text = trial_page.block(found)
     (places.kept / "revealed.json").write_text(json.dumps(revealed, indent=1) + "\n")
-    (places.kept / "score.json").write_text(json.dumps(found, indent=1) + "\n")
+    (places.kept / "score.json").write_text(kept(found))
     (places.kept / "TABLE.md").write_text(text)
     (places.kept / "FAILURES.md").write_text(found["failures"])
     say(text)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -173,3 +175,9 @@ def test_a_fit_that_its_residuals_do_not_bear_out_is_told(tmp_path):
     assert trial_run.believed({"fit": {"rms_after_um": 12.5**0.5}}, path) == ""
     assert "states 1.0" in trial_run.believed({"fit": {"rms_after_um": 1.0}}, path)
     assert trial_run.believed({"fit": {"rms_after_um": None}}, path) == ""
+
+
+def test_a_kept_score_is_the_same_again_with_a_line_for_each_case():
+    found = {"now": [{"case": "a", "names": []}, {"case": "b", "names": ["scale:X"]}], "failures": "none", "blind": []}
+    text = score.kept(found)
+    assert json.loads(text) == found and text.count("\n") == 8
