@@ -10,7 +10,7 @@ import os
 import pkgutil
 import signal
 import sys
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 from postproc import __version__
 from postproc.errors import GcompError
@@ -40,6 +40,15 @@ def commands() -> list[str]:
 
 def main(argv: list[str] | None = None) -> int:
     """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
+    try:
+        return _answered(argv)
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            _let_go(stream)
+
+
+def _answered(argv: list[str] | None) -> int:
+    """The exit status, every error told."""
     argv = sys.argv[1:] if argv is None else argv
     _keep_memory()
     if (
@@ -73,10 +82,25 @@ def main(argv: list[str] | None = None) -> int:
         return _complain("out of memory", FAILED)
 
 
+def _let_go(stream: TextIO | None) -> None:
+    """Write what a standard stream still holds, or drop it where nobody reads it any more, as after a terminal has gone: it
+    would fail once more when the interpreter ends, with the status 120."""
+    try:
+        if stream is not None:
+            stream.flush()
+    except (OSError, ValueError):
+        _forget(stream)
+
+
 def _forget_output() -> None:
-    """Drop what standard output still holds: it would fail once more when the interpreter ends, with a status of its own."""
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    """Drop what standard output still holds."""
+    _forget(sys.stdout)
+
+
+def _forget(stream: TextIO | None) -> None:
+    with contextlib.suppress(OSError, ValueError):
+        if stream is not None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _keep_memory() -> None:

@@ -341,7 +341,7 @@ def test_polar_words_about_a_pole():
     [
         ("ROT Z30|X5", "names X alone"), ("ROT Z30|G91 X5 Y3", "a distance"), ("ROT X30 Y30", "about 2 axes"),
         ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"), ("AP=30", "without RP"), ("SCALE X0", "factors"),
-        ("ROT Z30|G1 X1 Y1 F1|CYCLE81(1,2,3)", "CYCLE81"), ("ROT Z30|G70", "G70"), ("ROT Z30 F1", "a block of its own"),
+        ("ROT Z30|G70", "G70"), ("ROT Z30 F1", "a block of its own"),
         ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"), ("G111 X1 RP=3", "polar words"),
         ("G1 X3 RP=3 AP=4 F1", "beside polar words"),
     ],

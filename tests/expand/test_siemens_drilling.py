@@ -71,3 +71,12 @@ def test_reaming_has_feeds_of_its_own():
 def test_what_can_not_be_written_out_is_said(call, message):
     with pytest.raises(ProgramError, match=message):
         holes(call + "\nX1\n")
+
+
+def test_a_hole_within_a_frame_is_drilled_in_its_coordinates():
+    """SCALE doubles the clearance 2 and the depth -20; ROT X30 leans the way down by Y sin 30 and Z cos 30 of the 22 mm."""
+    made = holes("SCALE X2 Y2 Z2\nG1 X1 Y1 Z20\nCYCLE81(10,0,2,-20)\n")
+    assert made[-4:] == ["G0 Z4.", "G1 Z-40.", "G0 Z20.", "G1"]
+    down = holes("ROT X30\nG1 X1 Y1 Z20\nCYCLE81(10,0,2,-20)\n")[-4:-2]
+    (y, z), (deep_y, deep_z) = ([float(w[1:]) for w in line.split()[1:]] for line in down)
+    assert (deep_y - y, deep_z - z) == pytest.approx((11.0, -22 * 3**0.5 / 2), abs=1e-5)

@@ -122,7 +122,9 @@ def test_a_report_of_work_positions_becomes_machine_coordinates():
     protocol.receive(b"<Idle|WPos:1,2,3|WCO:10,0,-5>\n")
     assert protocol.receive(b"<Idle|WPos:1,2,3|FS:0,0>\n")[0].place == (11, 2, -2)
     protocol.learn(b"$$", ["$13=1", "$22=0"])
-    assert protocol.receive(b"<Run:2|MPos:1,0,0|F:10>\n")[0] == Status("run", "2", (25.4, 0, 0), 254.0)
+    assert protocol.receive(b"<Run:2|MPos:1,0,0|F:10>\n")[0] == Status(
+        "run", "2", (25.4, 0, 0), 254.0, shift=(10, 0, -5)
+    )
 
 
 def test_A4_a_line_that_is_echoed_otherwise_is_told():

@@ -61,8 +61,8 @@ LOOKS = math.sqrt(2 * 400 * 1.6)  # mm/s from which it can stop within the 16 mo
         ([(0, 0, 50)], 1 + 50 / 100),  # Z is slower to come to speed
         (
             [(0.1 * i, 0, 0) for i in range(1, 201)],
-            20 / 50 + 50 / 400 + 0.0,
-        ),  # 16 motions of 0.1 mm are enough to brake from 36 mm/s
+            20 / LOOKS + LOOKS / 400,
+        ),  # it can stop within the 16 motions that it holds from 36 mm/s, and goes no faster
     ],
 )
 def test_by_hand(places, expected):

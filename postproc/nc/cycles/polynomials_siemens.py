@@ -156,7 +156,7 @@ class Polynomials:
         if incremental or any(w.mode for w in block.words):
             raise scene.fault("a polynomial in G91, or beside IC( )", "its ends are places here: write G90")
         if length <= 0:
-            raise scene.fault(f"PL={length:g}", "an interval is longer than 0")
+            raise scene.fault(f"PL={length:g} is no length of an interval", "write one above 0")
         axes = scene.tracker.setup.axes
         other = next(
             (x for x in [*values, *(w.letter for w in block.words if w.letter in axes)] if x and x not in AXES), ""
