@@ -9,6 +9,7 @@ NO_CASE: dict[str, str] = {
     " is missing": ADVICE,
     "#* is read: a tool's length is in force, and controls differ on whether it counts here": ELSEWHERE,
     "'%' within *": ELSEWHERE,
+    "the axis * in a polynomial": "wants a machine with an axis beside X Y Z; A is no axis of the one here",
     "* begins no word": ELSEWHERE,
     "* brings back what * has changed, which is not followed": ELSEWHERE,
     "* brings the * back, and none was named before": ELSEWHERE,

@@ -82,7 +82,7 @@ def test_values_may_be_expressions():
         ("PO[X]=(20,1)", "PO. . without POLY"),
         ("G1 POLY PO[X]=(20,1)", "beside another motion code"),
         ("G91 POLY PO[X]=(20,1)", "in G91"),
-        ("POLY PO[A]=(20,1)", "a polynomial with A|a polynomial with"),
+        ("POLY PO[A]=(20,1)", "the axis A in a polynomial"),
         ("POLY PO[X]=(20,1) PO[]=(2,1) Y5", "a plain axis beside a denominator"),
         ("POLY PO[X]=(20,1) PO[]=(-1)", "denominator whose poles"),
         ("POLY PO[X]=(20,1) PL=0", "PL=0"),

@@ -76,7 +76,7 @@ class CircularPocket:
         """The radii of the tool's centre, program's unit."""
         first, last, step = (self._length(scene, block.word(x)) for x in "IKQ")
         if first is None:
-            raise scene.fault(f"{name} without I", "write the radius of the first circle")
+            raise scene.fault(f"the first circle of {name} has no radius", "write it as I")
         if (last is None) != (step is None):
             raise scene.fault(
                 f"{name} with one of K and Q", "write both, or I alone", block.word("K") or block.word("Q")
@@ -104,7 +104,7 @@ class CircularPocket:
         """The radius that D names, program's unit."""
         number = block.get("D")
         if number is None:
-            raise scene.fault(f"{name} without D", "name the tool's radius by D, or D0 for the path of its centre")
+            raise scene.fault(f"the tool of {name} has no radius", "name it by D, or D0 for the path of its centre")
         if number == 0:
             return 0.0
         radius = scene.tracker.offset(f"D{number:g}", "R")

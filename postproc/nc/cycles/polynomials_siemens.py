@@ -150,7 +150,7 @@ class Polynomials:
         ):
             own = [c for c in block.codes if scene.group_of(c) == mode]
             if (own[-1] if own else scene.code(mode)) in codes:
-                raise scene.fault(f"a polynomial with {what}", "end it before")
+                raise scene.fault(f"{what} beside a polynomial", "end it before")
         distance = [c for c in block.codes if scene.group_of(c) == "distance"]
         incremental = distance[-1] == 910 if distance else scene.incremental
         if incremental or any(w.mode for w in block.words):
@@ -162,7 +162,7 @@ class Polynomials:
             (x for x in [*values, *(w.letter for w in block.words if w.letter in axes)] if x and x not in AXES), ""
         )
         if other:
-            raise scene.fault(f"a polynomial with {other}", "only X Y Z are followed: " + WRITE)
+            raise scene.fault(f"the axis {other} in a polynomial", "only X Y Z are followed: " + WRITE)
         if any(scene.is_diameter(x) for x in values if x) or scene.code("diameter") == code_number("DIAM90"):
             raise scene.fault("a polynomial of a diameter", "write it in radii: DIAMOF")
         if DENOMINATOR in values and any(w.letter in AXES for w in block.words):
