@@ -249,7 +249,7 @@ def test_before_the_job(place, phase):  # noqa: F811
     for _ in range(TRIES):
         homing = phase == "homing"
         if not homing:
-            (place / "job.nc").write_text(program(60000))
+            (place / "job.nc").write_text(program(60).replace("G0 Z20\nM30", "G1 X6\nG1 X5\n" * 60000 + "M30"))
         with PtyHost(model(homing=homing)) as host:
             process = begin(place, host, *["--home"] * homing)
             until(lambda: b"$H" in host.heard if homing else b"$G" in host.heard, process)
