@@ -21,8 +21,16 @@ from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
-USUAL = {"laser": 3e-4, "angle": 5e-7, "tool": 5e-4, "scale": 3e-4}  # mm, rad: what they scatter by
-FEW, KNOWN = 12, 6.0  # readings from which a unit's noise is told by itself; how many what is usual counts as
+USUAL = {
+    "laser": 3e-4,
+    "angle": 5e-7,
+    "tool": 5e-4,
+    "scale": 3e-4,
+}  # mm, rad: what they scatter by (unverified: workshops, the design of the experiment)
+FEW, KNOWN = (
+    12,
+    6.0,
+)  # readings from which a unit's noise is told by itself; how many readings what is usual counts as (unverified)
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
 CHANCE = 0.4  # of the logarithm: two standard deviations of a median of 31 absolute values
@@ -50,8 +58,9 @@ class Unit:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def believed(self, own: float) -> float:
-        """mm: the scatter of its own readings, drawn to what is usual where they are few: they may as well show an effect."""
+    def shrunk(self, own: float) -> float:
+        """mm: the standard deviation of its own readings, shrunk towards what is usual (geometric mean, weighted by their number) where
+        they are few: they may as well show an effect."""
         if not self.usual:
             return own
         return float(own * (self.usual / own) ** (KNOWN / (len(self) + KNOWN)))
@@ -110,7 +119,7 @@ def units(rows: Rows) -> list[Unit]:
         if len(unit) < FEW and unit.sees != "part":
             alike = [float(np.median(u.r)) for u in found if u.sees == unit.sees and len(u) >= FEW]
             unit.usual = float(np.median(alike)) if alike else USUAL[unit.sees]
-            unit.r = unit.r * unit.believed(float(np.median(unit.r))) / float(np.median(unit.r))
+            unit.r = unit.r * unit.shrunk(float(np.median(unit.r))) / float(np.median(unit.r))
     return found
 
 
@@ -243,7 +252,7 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
                 [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
             base = max(total, FLOOR[unit.sees])
-    base = unit.believed(base)
+    base = unit.shrunk(base)
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
 
 

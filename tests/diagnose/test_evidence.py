@@ -115,5 +115,5 @@ def test_what_an_instrument_wanders_is_learned(size):
 def test_few_readings_scatter_as_others_do():
     """Of five readings 5 um apart beside others that scatter by 0.2 um: 5 (0.2/5)^(6/11) = 0.86 um; of sixty, what they scatter by."""
     few = Unit(np.arange(5), "laser", False, np.array([0, 5]), np.arange(5.0), np.full(5, 5e-3), usual=2e-4)
-    assert few.believed(5e-3) == pytest.approx(0.864e-3, rel=1e-2)
-    assert unit(np.arange(60)).believed(5e-3) == 5e-3
+    assert few.shrunk(5e-3) == pytest.approx(0.864e-3, rel=1e-2)
+    assert unit(np.arange(60)).shrunk(5e-3) == 5e-3

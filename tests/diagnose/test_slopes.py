@@ -13,7 +13,7 @@ import pytest
 
 from postproc import effects, recordings
 from postproc.cli import main
-from postproc.diagnose import rows
+from postproc.diagnose import nuisances, rows
 from postproc.diagnose.signals import signals_of
 from postproc.effects import State
 from postproc.machine.file import read_machine
@@ -175,3 +175,22 @@ def test_slides_at_rest_show_what_drifts(tmp_path):
     (found,) = answered(tmp_path, str(tmp_path / "r.csv"))["effects"]
     assert (found["effect"], found["status"]) == ("structure_drift", "accepted")
     assert found["parameters"]["tau_s"]["value"] == pytest.approx(2700.0, rel=0.5)
+
+
+def test_the_map_errs_by_what_it_states(tmp_path):
+    """EXZ is stated to 2.4 um (95 %), 1.2 um (k = 1), four times the usual 0.3: of its terms the columns are four times as large."""
+    folder, path = Path(bare(tmp_path)), straightness(tmp_path, 0.0, 0.0)
+    read = [recordings.read(recordings.Source("r.csv", Path(path).read_bytes()))]
+
+    def terms() -> np.ndarray:
+        machine = read_machine(folder)
+        return nuisances.of_map(rows.of(read, machine), machine)[0].columns
+
+    (folder / "Z.csv").write_text("Z_mm,EXZ_um\n0,1\n200,1\n")
+    text = (folder / "machine.toml").read_text()
+    (folder / "machine.toml").write_text(text.replace("[axes.Z]\n", '[axes.Z]\ntable = "Z.csv"\n'))
+    usual = terms()
+    (folder / "Z_uncertainty.csv").write_text("Z_mm,EXZ_um\n0,2.4\n200,2.4\n")
+    stated = terms()
+    ratio = np.abs(stated).max(axis=0) / np.abs(usual).max(axis=0)
+    assert sorted({round(float(r), 6) for r in ratio}) == [1.0, 4.0]
