@@ -74,6 +74,10 @@ def _alike(one: Recording, other: Recording) -> bool:
     return sum(v * other.sensitive.get(x, 0.0) for x, v in one.sensitive.items()) > ALIKE
 
 
+def _vector(recording: Recording) -> str:
+    return " ".join(f"{x}{v:+.4f}" for x, v in recording.sensitive.items() if v)
+
+
 def _points(recording: Recording) -> np.ndarray:
     """(K, A) mm: places of a recording, each once."""
     return np.unique(np.stack([recording.position(x) for x in recording.axes], axis=1), axis=0)
@@ -86,20 +90,28 @@ def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], c
     """
     own = np.stack([recording.position(x) for x in recording.axes], axis=1)
     best, source = None, recording
-    for other, points in before:
-        if other.axes != recording.axes or other.quantity != recording.quantity or not _alike(recording, other):
+    alike = [(r, p) for r, p in before if r.axes == recording.axes and r.quantity == recording.quantity]
+    for other, points in alike:
+        if not _alike(recording, other):
             continue
         apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
         near = points[apart.argmin(axis=1)]
         if best is None or np.abs(own - near).max() < np.abs(own - best).max():
             best, source = near, other
+    against = commanded or recording.head.get("against") == "commanded"
+    if best is None and alike and against:
+        raise AcceptError(
+            f"its readings are along {_vector(recording)}, and those before along {_vector(alike[0][0])}",
+            "measure along the same direction; of a corrected program gcomp simulate --nominal FILE does",
+            Place(recording.file, 1),
+        )
     if best is None:
         return recording  # another quantity: pairs() names it
     far = float(np.abs(own - best).max())
     if far <= SAME:
         return recording
     worst = int(np.abs(own - best).max(axis=1).argmax())
-    if far > NEAR or not (commanded or recording.head.get("against") == "commanded"):
+    if far > NEAR or not against:
         say = "readings are wanted against the nominal targets, those of before; where they are against what the corrected program commands, say --commanded"
         raise AcceptError(
             f"its target lies {far:.4g} mm beside the next one of before",

@@ -7,11 +7,14 @@ import io
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from postproc import ports
 from postproc.commands import reading
 from postproc.errors import UsageError
+
+if TYPE_CHECKING:
+    from postproc.recordings import Recording
 
 HELP = "say what physics the machine's model leaves out, from recordings"
 EXAMPLE = "gcomp diagnose r1.csv r2.csv --machine studer-s36 --json answer.json"
@@ -39,6 +42,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="EFFECT:AXIS",
         help="write this effect although another name explains the readings as well (with --write-machine)",
     )
+    parser.add_argument(
+        "--compensated",
+        action="store_true",
+        help="recorded with a corrected program, readings against its nominal targets: what is left is looked at "
+        "(a head that says compensated = true does without)",
+    )
     parser.add_argument("--force", action="store_true", help="overwrite files that exist")
     parser.add_argument("--quiet", action="store_true", help="no progress on standard error")
 
@@ -47,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
     from postproc import recordings as formats
     from postproc.diagnose import report
     from postproc.diagnose.analysis import Options, diagnose
+    from postproc.simulate.program import without_errors
 
     options.temperature = {}
     machine = reading.machine_of(options)
@@ -68,7 +78,10 @@ def run(options: argparse.Namespace) -> int:
         for source in sources:
             told(f"reading {source.name}")
             read.append(formats.read(source, options=lenient))
-        found = diagnose(read, machine, Options(held_out=options.holdout, told=told))
+        left = _corrected(read, options.compensated)
+        found = diagnose(
+            read, without_errors(machine) if left else machine, Options(held_out=options.holdout, told=told)
+        )
     finally:
         told("")  # a refusal has its line to itself
     found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
@@ -101,7 +114,25 @@ def run(options: argparse.Namespace) -> int:
         _write(options.json, json.dumps(answer, indent=1) + "\n")
     else:
         print(report.as_text(found))
+    if left and not options.quiet:
+        print(
+            f"gcomp: notice: measured after compensation, against nominal targets: judged beside a machine without errors, so "
+            f"what is found is what the map of {machine.name} left (gcomp accept compares with the measurement before)",
+            file=sys.stderr,
+        )
     return 0
+
+
+def _corrected(read: list[Recording], said: bool) -> bool:
+    """Whether the readings hold what a correction has left, so that no map is in them. Raises UsageError where some do."""
+    left = [said or (r.head.get("compensated") is True and r.head.get("against") != "commanded") for r in read]
+    if any(left) and not all(left):
+        raise UsageError(
+            f"{read[left.index(True)].file} was measured after compensation, {read[left.index(False)].file} was not, or "
+            "against what the corrected program commands",
+            "diagnose each state by itself; gcomp accept compares both",
+        )
+    return all(left)
 
 
 def _write(path: str, text: str) -> None:

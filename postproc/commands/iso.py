@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from postproc import ports
+from postproc.commands import values
 from postproc.commands.recordings import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options, Stated, choose, figure, report
@@ -30,15 +31,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     u = parser.add_argument_group(
         "uncertainty (ISO/TR 230-9)", "Standard uncertainties, k = 1. What is not stated is not in U, and is named."
     )
-    u.add_argument("--device", metavar="UM", type=_size, help="of one reading, um; default: u_um of the recording")
-    u.add_argument("--device-angle", metavar="URAD", type=_size, help="of one reading of an angle, urad")
-    u.add_argument("--misalignment", metavar="MRAD", type=_size, help="largest angle between beam and axis, mrad")
-    u.add_argument("--alpha", metavar="UM_M_K", type=_size, help="expansion coefficient, um/m/K")
-    u.add_argument("--u-alpha", metavar="UM_M_K", type=_size, help="its standard uncertainty, um/m/K")
-    u.add_argument("--temperature", metavar="C", type=_number, help="mean temperature in the test, degrees Celsius")
-    u.add_argument("--u-temperature", metavar="K", type=_size, help="its standard uncertainty, K")
-    u.add_argument("--drift", metavar="UM", type=_size, help="whole range of an EVE test of the same duration, um")
-    u.add_argument("--u-square", metavar="URAD", type=_size, help="of the square that a squareness rests on, urad")
+    u.add_argument(
+        "--device", metavar="UM", type=values.size, help="of one reading, um; default: u_um of the recording"
+    )
+    u.add_argument("--device-angle", metavar="URAD", type=values.size, help="of one reading of an angle, urad")
+    u.add_argument("--misalignment", metavar="MRAD", type=values.size, help="largest angle between beam and axis, mrad")
+    u.add_argument("--alpha", metavar="UM_M_K", type=values.size, help="expansion coefficient, um/m/K")
+    u.add_argument("--u-alpha", metavar="UM_M_K", type=values.size, help="its standard uncertainty, um/m/K")
+    u.add_argument(
+        "--temperature", metavar="C", type=values.number, help="mean temperature in the test, degrees Celsius"
+    )
+    u.add_argument("--u-temperature", metavar="K", type=values.size, help="its standard uncertainty, K")
+    u.add_argument(
+        "--drift", metavar="UM", type=values.size, help="whole range of an EVE test of the same duration, um"
+    )
+    u.add_argument(
+        "--u-square", metavar="URAD", type=values.size, help="of the square that a squareness rests on, urad"
+    )
     reading_arguments(parser)
 
 
@@ -74,26 +83,9 @@ def _stated(options: argparse.Namespace) -> Stated:
     )  # fmt: skip
 
 
-def _number(word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{word!r} is not a number")
-    return value
-
-
-def _size(word: str) -> float:
-    value = _number(word)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{word} is below zero")
-    return value
-
-
 def _lead(word: str) -> tuple[str, float]:
     found = re.fullmatch(r"(?:([XYZ])=)?(.+)", word)
-    value = _number(found[2]) if found else math.nan
+    value = values.number(found[2]) if found else math.nan
     if not found or not value > 0:
         raise argparse.ArgumentTypeError(f"{word!r}: a lead is above zero, like 10 or Z=10")
     return found[1] or "", value

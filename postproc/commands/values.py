@@ -86,6 +86,39 @@ def temperatures(text: str) -> dict[str, float]:
     return result
 
 
+def number(word: str) -> float:
+    """A finite number."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or abs(value) > 1e12:
+        raise argparse.ArgumentTypeError(f"{word!r} is not a number")
+    return value
+
+
+def size(word: str) -> float:
+    """A finite number that is not below zero."""
+    value = number(word)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{word} is below zero")
+    return value
+
+
+def seed(word: str) -> int:
+    """A whole number of 18 digits at most."""
+    if not re.fullmatch(r"[0-9]{1,18}", word):
+        raise argparse.ArgumentTypeError(f"{word!r} is not a whole number")
+    return int(word)
+
+
+def count(word: str) -> int:
+    """A whole number of 1 to 9999."""
+    if not re.fullmatch(r"[0-9]{1,4}", word) or int(word) < 1:
+        raise argparse.ArgumentTypeError(f"{word!r} is not a number of 1 to 9999")
+    return int(word)
+
+
 def _words(whole: str, text: str, letters: str, wanted: str) -> dict[str, float]:
     """Letter to number of "X1,Z-2.5". `whole` and `wanted` are for the message."""
     result: dict[str, float] = {}

@@ -223,3 +223,14 @@ def test_lost_motion_of_the_wrong_sign_is_named(tmp_path, capsys):
 def test_page_and_json_to_one_file_are_refused(tmp_path, capsys):
     assert gcomp("accept", *files(tmp_path), "--json", "a", "--page", "a") == 2
     assert "name two files" in capsys.readouterr().err
+
+
+def test_another_direction_is_no_uncorrected_machine(loop, capsys):
+    """A diagonal read along another line than before, against commanded places, looked as if nothing had happened."""
+    made, place = loop
+    assert made("studer-s36") == 0
+    words = ("simulate", place / "dia_c.nc", "--machine", "studer-s36", "--instrument", "laser", "--quiet")
+    assert gcomp(*words, "--set", "along=X0.3,Z0.95", "-o", place / "other.csv") == 0
+    capsys.readouterr()
+    assert gcomp("accept", place / "dia1.csv", place / "other.csv") == 2
+    assert "its readings are along X+0.3011 Z+0.9536, and those before along X+0.3162" in capsys.readouterr().err
