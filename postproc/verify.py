@@ -196,7 +196,7 @@ class Verifier:
         program and of this one. counts: PATH; END of a take-up, which counts for the slides alone; or NOTHING."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
-        known &= run.code != HOLE
+        known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))  # a rapid that was cut has one end
         whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
         whole &= ~nominal.whole[owner]  # a thread in one block is corrected at its ends, as a notice says
         moves = (nominal.target != nominal.start).any(axis=0) | ~self._all(nominal.start_known)

@@ -115,8 +115,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    like = _like(options.like)
-    head, axes, decided = _machine(options, like)
+    like = like_of(options.like)
+    head, axes, decided = machine_of(options, like)
     read, digests = _recordings(options.recordings, options)
     calibration = calibrate(read, decided)
     texts = folder.folder(calibration, head, axes)
@@ -231,7 +231,7 @@ def _datum(texts: list[str]) -> tuple[dict[str, float], bool]:
 # -- what is read ------------------------------------------------------------------------------------------------------
 
 
-def _like(name: str | None) -> dict[str, Any]:
+def like_of(name: str | None) -> dict[str, Any]:
     """machine.toml of the machine that is copied, empty where none is."""
     if not name:
         return {}
@@ -244,7 +244,7 @@ def _like(name: str | None) -> dict[str, Any]:
     return tomllib.loads(ports.read_whole(path / "machine.toml", LARGEST).decode("utf-8-sig"))
 
 
-def _machine(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], Options]:
+def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], Options]:
     """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the option that is missing."""
     head = {k: like[k] for k in TAKEN if k in like}
     said = {"control": options.control or head.get("control"), "chain": options.chain or like.get("chain")}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import sys
 import time
 from pathlib import Path
@@ -45,6 +46,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance",
     )
+    say.add_argument(
+        "--json", metavar="FILE", help="what was done as JSON (gcomp-program/1); - for standard output, with -o"
+    )
     say.add_argument("--quiet", action="store_true", help="no notices, no summary")
     say.add_argument(
         "--filter-progress",
@@ -63,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             "--unbuffered writes to standard output as it goes: not with --output, --in-place, --dry-run or --expand"
         )
+    _one_place_each(options)
     machine = reading.machine_of(options)
     with ports.opened(options.file) as (source, name, size):
         if options.unbuffered:
@@ -77,6 +82,8 @@ def run(options: argparse.Namespace) -> int:
         print(f"gcomp: verified: {done.verifier.report()}", file=sys.stderr)
         if lacking := lacks.sentence(machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
+    if options.json:
+        _put_json(done, options.json)
     if done.why:
         print(f"gcomp: {done.why}", file=sys.stderr)
     if not options.quiet:
@@ -84,6 +91,16 @@ def run(options: argparse.Namespace) -> int:
         if not options.dry_run:
             print(f"gcomp: {summary(done.filter)}", file=sys.stderr)
     return 0
+
+
+def _one_place_each(options: argparse.Namespace) -> None:
+    """Raises UsageError where the program and what is told of it would go to one place."""
+    if options.json and options.unbuffered:
+        raise UsageError("--json is known at the end of a program, and --unbuffered has none", "without --unbuffered")
+    if options.json == "-" and not (options.output not in (None, "-") or options.in_place or options.dry_run):
+        raise UsageError("the program and --json - are both for standard output", "-o FILE for the program")
+    if options.json not in (None, "-") and options.json in (options.output, options.file):
+        raise UsageError(f"the program and the JSON are both to be written to {options.json}", "name two files")
 
 
 def _live(filter_: Filter, source) -> None:
@@ -110,6 +127,16 @@ def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
             ports.replace_file(Path(options.output), spool, backup=False)
         else:
             ports.copy_out(spool, ports.write_standard)
+
+
+def _put_json(done: attempts.Attempt, name: str) -> None:
+    from postproc.api.programs import result
+
+    data = (result(done, b"").to_json() + "\n").encode()
+    if name == "-":
+        ports.write_standard(data)
+    else:
+        ports.replace_file(Path(name), io.BytesIO(data), backup=False)
 
 
 def summary(filter_: Filter) -> str:

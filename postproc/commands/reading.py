@@ -142,7 +142,7 @@ def machine_of(options: argparse.Namespace) -> Machine:
             "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
         )
     machine = with_control_tables(places.load(options.machine))
-    return _warmed(machine, getattr(options, "temperature", {}))
+    return warmed(machine, getattr(options, "temperature", {}))
 
 
 def with_control_tables(machine: Machine) -> Machine:
@@ -178,7 +178,7 @@ def with_control_tables(machine: Machine) -> Machine:
     return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
 
 
-def _warmed(machine: Machine, temperatures: dict[str, float]) -> Machine:
+def warmed(machine: Machine, temperatures: dict[str, float]) -> Machine:
     """The machine at other temperatures. Raises UsageError where it does not say how it grows."""
     grows = [x for x, axis in machine.axes.items() if axis.expansion is not None]
     for name in temperatures:
