@@ -39,7 +39,7 @@ class Options:
     chain: who carries whom. datum: axis to the position where its deviations are zero; keep_zero: leave the zeros as
     recorded. line: how the reference line of a straightness is drawn; keep_lines: leave it in. squareness: name to
     (value, u) in rad, or to "straightness" or "diagonals". square_error: (value, u) rad, the angle of the square over 90
-    degrees. leads: axis to mm of a turn of its screw. travel: axis to mm. point (3,): mm, the measured point from the
+    degrees. square_at: axis to mm, where the axes stood when a stated squareness was measured. leads: axis to mm of a turn of its screw. travel: axis to mm. point (3,): mm, the measured point from the
     last carriage. u_random: u of the recordings is noise and averages out. u_temperature: K, of the scale's mean
     temperature; expansion: 1/K. mean: one column for both directions. keep_all: components within their uncertainty too.
     """
@@ -51,6 +51,7 @@ class Options:
     keep_lines: bool = False
     squareness: Mapping[str, tuple[float, float | None] | str] = field(default_factory=dict)
     square_error: tuple[float, float] | None = None
+    square_at: Mapping[str, float] = field(default_factory=dict)
     leads: Mapping[str, float] = field(default_factory=dict)
     travel: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     max_slope: float = 0.005

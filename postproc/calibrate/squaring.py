@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.calibrate import CalibrationError, Finding, square
+from postproc.calibrate import CalibrationError, Finding, opening, square
 from postproc.calibrate.component import Component
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
@@ -43,7 +43,8 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
     result: dict[str, Squareness] = {}
     for name, wanted in options.squareness.items():
         if not isinstance(wanted, str):
-            result[name] = Squareness(name, wanted[0], wanted[1], "stated")
+            result[name] = _stated(calibration, name, wanted)
+            told += _nowhere(calibration, result[name])
         elif wanted in found.get(name, {}):
             result[name] = found[name][wanted]
         else:
@@ -60,6 +61,35 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
     if options.keep_lines:
         told += _counted_twice(calibration, result)
     return result, told
+
+
+def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | None]) -> Squareness:
+    """What the user says, brought from where the square stood to where the tables are zero."""
+    value, u = wanted
+    at = calibration.options.square_at
+    if not at:
+        return Squareness(name, value, u, "stated")
+    opened = opening.opened(calibration, name, at)
+    known = [opening.known_to(calibration, name, at, x) for x in square.pair_of(name)]
+    where = ", ".join(f"{x} = {v:g}" for x, v in at.items())
+    told = (
+        f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make {opened / URAD:+.1f} of it"
+    )
+    return Squareness(name, value - opened, None if u is None else float(np.hypot(u, np.linalg.norm(known))), "stated", told)
+
+
+def _nowhere(calibration: Calibration, one: Squareness) -> list[Finding]:
+    """A stated value without its place, where the place matters more than its u."""
+    if calibration.options.square_at:
+        return []
+    most = opening.farthest(calibration, one.name)
+    if most / URAD < max(0.05, (one.u or 0.0) / URAD):
+        return []
+    text = (
+        f"{one.name} = {one.value / URAD:+.1f} urad is taken as measured where the tables are zero; where the square stood "
+        f"elsewhere, the axes' own angles are in it, up to {most / URAD:.1f} urad: --square-at X200,Y150 says the place"
+    )
+    return [Finding("square-at", "doubt", one.name, text, {"opened_urad": most / URAD})]
 
 
 def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding]:
@@ -101,13 +131,12 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> l
     return told
 
 
-def _slope(series: Series, kind: str) -> float:
-    """rad: of the reference line of one file's means."""
+def _slope(calibration: Calibration, series: Series) -> float:
+    """rad: of the reference line of one file's means, without what the axes' own angles make of it where it was read."""
     cells = cells_of(series.position, series.approach, series.reading)
     mean = np.nanmean(cells.mean, axis=0)
-    if kind == "end-points":
-        return float((mean[-1] - mean[0]) / (cells.nodes[-1] - cells.nodes[0]))
-    return float(np.polyfit(cells.nodes, mean, 1)[0])
+    own = opening.of_line(calibration, series.component, cells.nodes, series.rest)
+    return opening.slope(cells.nodes, mean, calibration.options.line) - own
 
 
 def _straightness(calibration: Calibration, name: str) -> Squareness | None:
@@ -125,13 +154,15 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
             same = bool(one.head.get("reference")) and one.head.get("reference") == other.head.get("reference")
             turned = bool(one.head.get("reversed", False))
             if (same or asked) and turned == bool(other.head.get("reversed", False)):
-                slopes = {s.component: _slope(s, options.line) for s in (one, other)}
+                slopes = {s.component: _slope(calibration, s) for s in (one, other)}
                 sums.setdefault(turned, []).append(square.from_slopes(name, slopes))
     if not sums:
         return None
-    scatter = float(np.hypot(_known(parts[0]), _known(parts[1])))
+    both = (parts[0], parts[1])
+    arms = [opening.known_to(calibration, name, c.rest, c.letter) for c in both]
+    scatter = float(np.sqrt(sum(_known(c) ** 2 for c in both) + sum(u**2 for u in arms)))
     means = {turned: float(np.mean(values)) for turned, values in sums.items()}
-    files = " and ".join(dict.fromkeys(c.file for c in (parts[0], parts[1])))
+    files = " and ".join(dict.fromkeys(c.file for c in both))
     if len(means) == 2:
         own = -square.sign(name) * (means[True] - means[False]) / 2
         told = f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and dropped out"

@@ -88,6 +88,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="URAD,U",
         help="angle of the square over 90 degrees, and its u: --square-error=-3,2",
     )
+    how.add_argument(
+        "--square-at",
+        type=values.place,
+        default={},
+        metavar="X200,Y150",
+        help="mm, where the axes stood when the --squareness was measured",
+    )
     how.add_argument("--drop-outliers", action="store_true", help="leave outliers out")
     how.add_argument("--keep-all", action="store_true", help="write components within their uncertainty too")
     how.add_argument(
@@ -283,7 +290,8 @@ def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[
     datum, keep_zero = _datum(options.datum)
     decided = Options(
         chain=chain, datum=datum, keep_zero=keep_zero, line=options.line, keep_lines=options.keep_lines,
-        squareness=dict(options.squareness), square_error=options.square_error, leads=dict(options.lead),
+        squareness=dict(options.squareness), square_error=options.square_error,
+        square_at=options.square_at, leads=dict(options.lead),
         travel={x: (float(s["travel"][0]), float(s["travel"][1])) for x, s in axes.items() if "travel" in s},
         max_slope=limits.get("max_slope", Options.max_slope), outside=limits.get("outside", "error"),
         point=tuple(options.point.get(x, 0.0) for x in "XYZ"), u_random=options.u_random,
