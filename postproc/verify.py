@@ -27,6 +27,7 @@ from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.spaces import Space
+from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM, UM, URAD
 from postproc.verify_cutter import CentreVerifier
 
@@ -85,6 +86,7 @@ class Verifier:
         self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
+        self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
@@ -124,6 +126,8 @@ class Verifier:
         if len(motions):
             line = self._own(first_line + words.line[motions.block] + 1)
             every, one = np.arange(len(motions)), np.ones(len(motions))
+            if self.trace:
+                self.trace.begin(words, motions, line, first_line)
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
             self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH)
             owner = pieces.motion
@@ -142,6 +146,8 @@ class Verifier:
                 self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
             self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
             self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+            if self.trace:
+                self.trace.end(words, pieces, output, again.line[back.block])
 
     def _near(self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int) -> Place:
         """The program's line that a piece was made of; of one too many, the line of the last."""
@@ -240,8 +246,26 @@ class Verifier:
                     there = self._points(nominal, nominal_curved, owner[row[turns]], t[turns])
                     off = (actual[:, turns] - there)[list(self.machine.corrected)]
                     distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
+                if self.trace and not slides:
+                    nominal_at = self._points(nominal, nominal_curved, owner[row], t)
+                    there = (nominal_at, command, actual, distance)
+                    self._trace(run, row, (owner[row], t), there, weights[0], into, path[row])
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
+
+    def _trace(self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray) -> None:
+        """Tell the trace of places: motions of the run and t of nominal motions, and there (nominal, command, actual,
+        distance). path (K,): whether it is one of the way, not of a take-up."""
+        assert self.trace is not None
+
+        def u(some: np.ndarray) -> np.ndarray:
+            rows = row[path][some]
+            slides = self._slides(run, rows, there[1][:, path][:, some])
+            return self.map.at(slides, weight[:, path][:, some] * self.follows, run.length[:, rows] / TICKS_PER_MM)
+
+        name = "before" if into is self.uncorrected else "after"
+        motion, t = (column[path] for column in where)
+        self.trace.see(name, motion, t, run.code[row[path]] != RAPID, tuple(a[..., path] for a in there), u)
 
     def _lean(self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest) -> None:
         """How far the tool leans at commands (A, K) reached with weights (A, K), away from its nominal direction. which: (K,)

@@ -20,6 +20,7 @@ from postproc.commands import expansion, reading
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import Filter
 from postproc.machine.model import Machine
+from postproc.trace import Trace
 from postproc.verify import Verifier
 
 # A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a loop, an end.
@@ -45,7 +46,10 @@ class Attempt:
         """Nothing read yet."""
         filter_ = reading.filter_of(options, machine, head)
         filter_.name = name
-        return cls(filter_, Verifier(filter_) if options.verify else None)
+        verifier = Verifier(filter_) if options.verify else None
+        if verifier and getattr(options, "report", None):
+            verifier.trace = Trace(machine)
+        return cls(filter_, verifier)
 
 
 def best(

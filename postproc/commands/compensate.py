@@ -49,6 +49,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     say.add_argument(
         "--json", metavar="FILE", help="what was done as JSON (gcomp-program/1); - for standard output, with -o"
     )
+    say.add_argument(
+        "--report", metavar="FILE.html",
+        help="a page: the path, its deviation before and after, where and in which lines (verifies too)",
+    )  # fmt: skip
     say.add_argument("--quiet", action="store_true", help="no notices, no summary")
     say.add_argument(
         "--filter-progress",
@@ -68,6 +72,8 @@ def run(options: argparse.Namespace) -> int:
             "--unbuffered writes to standard output as it goes: not with --output, --in-place, --dry-run or --expand"
         )
     _one_place_each(options)
+    asked = options.verify
+    options.verify = asked or bool(options.report)
     machine = reading.machine_of(options)
     with ports.opened(options.file) as (source, name, size):
         if options.unbuffered:
@@ -75,10 +81,12 @@ def run(options: argparse.Namespace) -> int:
             _live(done.filter, source)
         else:
             kept = ports.Kept(source, expansion.LARGEST)
-            with _progress(size, options) as step:
+            with progress(size, options) as step:
                 done = attempts.best(options, machine, kept, name, ports.head(source), step)
             _put(done, options)
-    if done.verifier:
+    if options.report:
+        _put_page(done, options.report)
+    if done.verifier and asked:
         print(f"gcomp: verified: {done.verifier.report()}", file=sys.stderr)
         if lacking := lacks.sentence(machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
@@ -99,8 +107,12 @@ def _one_place_each(options: argparse.Namespace) -> None:
         raise UsageError("--json is known at the end of a program, and --unbuffered has none", "without --unbuffered")
     if options.json == "-" and not (options.output not in (None, "-") or options.in_place or options.dry_run):
         raise UsageError("the program and --json - are both for standard output", "-o FILE for the program")
-    if options.json not in (None, "-") and options.json in (options.output, options.file):
-        raise UsageError(f"the program and the JSON are both to be written to {options.json}", "name two files")
+    if options.report and options.unbuffered:
+        raise UsageError("--report is drawn at the end of a program, and --unbuffered has none", "without --unbuffered")
+    named = [options.output or "", options.file or "", options.json or "", options.report or ""]
+    for k, name in enumerate(named):
+        if name not in ("", "-") and k > 1 and name in named[:k]:
+            raise UsageError(f"two things are to be written to {name}", "name another file")
 
 
 def _live(filter_: Filter, source) -> None:
@@ -129,6 +141,14 @@ def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
             ports.copy_out(spool, ports.write_standard)
 
 
+def _put_page(done: attempts.Attempt, name: str) -> None:
+    from postproc.pages import program
+
+    assert done.verifier is not None
+    data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
+    ports.replace_file(Path(name), io.BytesIO(data), backup=False)
+
+
 def _put_json(done: attempts.Attempt, name: str) -> None:
     from postproc.api.programs import result
 
@@ -154,7 +174,7 @@ def _say(notices: list[Notice]) -> None:
 
 
 @contextlib.contextmanager
-def _progress(size: int, options: argparse.Namespace):
+def progress(size: int, options: argparse.Namespace):
     """A callable that takes bytes done: LinuxCNC's lines, a bar on a terminal when it takes long, or nothing."""
     if options.filter_progress:
         done = [0, -1]

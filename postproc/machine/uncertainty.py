@@ -71,15 +71,20 @@ class AlongPath:
         the first line counts, in whatever portions they come."""
         if not len(line) or not self.known.parts:
             return
-        u = np.zeros(len(line))
-        lengths, which = np.unique(tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True)
-        for k, length in enumerate(lengths.T):
-            of = which.ravel() == k
-            u[of] = self._with(length).length(position[:, of], approach[:, of])
+        u = self.at(position, approach, tool)
         largest = float(u.max())
         first = int(line[u == largest].min())
         if self.line == 0 or largest > self.largest:
             self.largest, self.line = largest, first
+
+    def at(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
+        """(N,) mm: U at places, as in `see`."""
+        u = np.zeros(position.shape[1])
+        lengths, which = np.unique(tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True)
+        for k, length in enumerate(lengths.T):
+            of = which.ravel() == k
+            u[of] = self._with(length).length(position[:, of], approach[:, of])
+        return u
 
     def _with(self, tool: np.ndarray) -> MapUncertainty:
         letters = self.known.machine.letters
