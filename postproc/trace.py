@@ -177,7 +177,7 @@ class Trace:
         self.histogram[name] += np.bincount(sizes, share[motion[feed]], len(CLASSES) + 1)
         order = np.argsort(batch.line[motion], kind="stable")
         lines, first = np.unique(batch.line[motion][order], return_index=True)
-        largest = np.maximum.reduceat(distance[order], first) if len(first) else []
+        largest = np.maximum.reduceat(distance[order], first) if len(first) else distance[:0]
         into = batch.before if name == "before" else batch.after
         for line, size in zip(lines.tolist(), largest, strict=True):
             into[line] = max(into.get(line, 0.0), float(size))

@@ -248,8 +248,8 @@ class Verifier:
                     distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
                 if self.trace and not slides:
                     nominal_at = self._points(nominal, nominal_curved, owner[row], t)
-                    there = (nominal_at, command, actual, distance)
-                    self._trace(run, row, (owner[row], t), there, weights[0], into, path[row])
+                    places = (nominal_at, command, actual, distance)
+                    self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 

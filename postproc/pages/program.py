@@ -191,14 +191,14 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
     if not len(used):
         return
     low, high = max(int(used[0]), 1), min(int(used[-1]), len(CLASSES) - 1)
-    middle = charts.column(np.log10(np.sqrt(CLASSES[low - 1 : high] * CLASSES[low : high + 1]) / UM), 3)
+    middle = np.round(np.log10(np.sqrt(CLASSES[low - 1 : high] * CLASSES[low : high + 1]) / UM), 3).tolist()
     whole = max(float(counts["after"].sum()), 1e-9)
     data, top = [], 1.0
     for name, said, role in (("before", "not corrected", "before"), ("after", "corrected", "after")):
         own = 100 * counts[name][low : high + 1] / whole
         own[0] += 100 * counts[name][:low].sum() / whole
         own[-1] += 100 * counts[name][high + 1 :].sum() / whole
-        sizes = [f"{10**x:.2g} um" for x in middle if x is not None]
+        sizes = [f"{10**x:.2g} um" for x in middle]
         data.append(
             charts.bars(
                 middle, charts.column(own, 2), said, role, opacity=0.75, width=0.09, customdata=sizes,
