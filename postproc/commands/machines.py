@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import io
+from pathlib import Path
 
 import numpy as np
 
+from postproc import ports
 from postproc.errors import GcompError, UsageError
 from postproc.machine import overshoot, places
 from postproc.machine.chain import ROTARY, XYZ
@@ -22,14 +25,24 @@ HELP = "list the machines, or show one: gcomp machines show NAME"
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", nargs="?", choices=("list", "show"), default="list")
     parser.add_argument("name", nargs="?", metavar="NAME")
+    parser.add_argument(
+        "--report", metavar="FILE.html", help="with show: a page with every table, the squareness and the volume"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     if options.what == "show":
         if not options.name:
             raise UsageError("which machine?", "gcomp machines show NAME")
-        print(show(places.load(options.name)))
+        machine = places.load(options.name)
+        if options.report:
+            from postproc.pages import machine as page
+
+            ports.replace_file(Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False)
+        print(show(machine))
         return 0
+    if options.report:
+        raise UsageError("--report draws one machine", "gcomp machines show NAME --report FILE.html")
     found = places.every()
     width = max((len(name) for name in found), default=0)
     for name, path in found.items():

@@ -15,6 +15,7 @@ gcomp.colour = function (role) {
 };
 
 gcomp.resolved = function (value) {
+  if (value === "@sequential") return SEQUENTIAL;
   if (typeof value === "string") return value[0] === "@" ? gcomp.colour(value.slice(1)) : value;
   if (Array.isArray(value)) {
     if (value.length && typeof value[0] !== "object" && !(typeof value[0] === "string" && value[0][0] === "@")) return value;
@@ -32,7 +33,7 @@ gcomp.layout = function (own, height) {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", height,
     font: { family: gcomp.colour("font"), size: narrow ? 11 : 12, color: gcomp.colour("ink") },
     margin: narrow ? { l: 44, r: 8, t: 8, b: 40 } : { l: 60, r: 16, t: 8, b: 46 },
-    legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
+    showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
     hoverlabel: { bgcolor: gcomp.colour("panel"), bordercolor: gcomp.colour("rule"), font: { color: gcomp.colour("ink") } },
     colorway: ["plus", "minus", "after", "limit", "command", "still"].map(gcomp.colour), hovermode: "closest", dragmode: "zoom",
     modebar: { bgcolor: "rgba(0,0,0,0)", color: gcomp.colour("muted"), activecolor: gcomp.colour("link") },
@@ -95,6 +96,14 @@ gcomp.start = async function () {
     button.addEventListener("click", () => {
       const figure = gcomp.data.figures.find((f) => f.id === button.dataset.for);
       figure.log = !figure.log;
+      gcomp.draw(figure);
+    });
+  }
+  for (const slider of document.querySelectorAll(".steps input")) {
+    slider.addEventListener("input", () => {
+      const figure = gcomp.data.figures.find((f) => f.id === slider.dataset.for), steps = figure.steps;
+      figure.data = steps.data[Number(slider.value)];
+      slider.parentNode.querySelector("output").textContent = steps.values[Number(slider.value)];
       gcomp.draw(figure);
     });
   }
