@@ -140,7 +140,8 @@ class Greeting:
     def _begin(self, now: float) -> None:
         assert self.protocol is not None
         self.protocol.forget()
-        self._script = [] if self.state_only else [*self.first, *self.protocol.questions]
+        hails = getattr(self.protocol, "hails", ())  # without which it answers nothing
+        self._script = list(hails) if self.state_only else [*self.first, *self.protocol.questions]
         self._ask(now)
 
     def _ask(self, now: float) -> None:

@@ -33,6 +33,8 @@ STATES = {
     "jog": ("it jogs", "wait; reset stops it"),
     "home": ("it homes", "wait; reset stops that, and it must be homed anew"),
     "tool": ("it waits for a tool", "put it in, then resume"),
+    "off": ("it is switched off, or in emergency stop", "switch it on at its own panel, and home it"),
+    "unhomed": ("it is not homed", "home it at its own panel"),
 }
 
 
@@ -116,6 +118,8 @@ class Order:
                 self.protocol.forget()
         else:
             self._out = self.protocol.send(1, self.protocol.prepare(self.line) or self.line)
+            if not self._out:
+                raise UsageError(f"{self.protocol.controller.name} has no such order on the wire", "use its own panel")
 
     def bytes_out(self) -> bytes:
         data, self._out = self._out, b""

@@ -8,7 +8,7 @@
 set -eu
 
 dir=${1:-${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc-headless}
-programs="usr/bin/milltask usr/bin/io usr/bin/linuxcncsvr usr/bin/rtapi_app usr/bin/halcmd"
+programs="usr/bin/milltask usr/bin/io usr/bin/linuxcncsvr usr/bin/rtapi_app usr/bin/halcmd usr/bin/linuxcncrsh"
 wanted="$programs
 usr/lib/linuxcnc/modules/motmod.so usr/lib/linuxcnc/modules/tpmod.so usr/lib/linuxcnc/modules/homemod.so
 usr/lib/linuxcnc/modules/trivkins.so usr/lib/linuxcnc/modules/hal_lib.so
@@ -20,7 +20,7 @@ usr/share/linuxcnc/linuxcnc.nml
 
 fail() { echo "fetch_headless.sh: $1" >&2; exit 1; }
 
-[ -e "$dir/complete" ] && exit 0
+[ -e "$dir/complete" ] && [ -e "$dir/usr/bin/linuxcncrsh" ] && exit 0
 
 for tool in apt-get dpkg-deb tar ldd; do
     command -v $tool >/dev/null 2>&1 || fail "needs $tool (Debian 12); LinuxCNC was not fetched"

@@ -121,6 +121,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="for --resume-from: since the job stopped you have made sure that the controller's zero is where the job had it",
     )
+    job.add_argument(
+        "--hand-over",
+        metavar="FILE",
+        help="LinuxCNC: where the corrected program is put for it, a path under which both see it (default: FILE.handed.ngc in this "
+        "folder)",
+    )
     job.add_argument("--quiet", action="store_true", help="no progress, no notices")
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input")
 
@@ -204,6 +210,8 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
     for name in ("safe_z", "safe_x"):
         if getattr(options, name) is not None and not options.resume_from:
             raise UsageError(f"--{name.replace('_', '-')} is for --resume-from alone", "leave it out")
+    if options.protocol == "linuxcnc" and not (is_file or options.expand):
+        raise UsageError("LinuxCNC takes its program as a whole, and a pipe has no end yet", "name a file")
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
     if options.on_error == "ask" and not _keys(options):
@@ -254,7 +262,8 @@ def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     if fault:
         raise fault
     if not options.quiet:
-        size = f", receive buffer {controller.window} bytes" if greeting.protocol.confirms == "idle" else ""
+        sent = greeting.protocol.confirms == "idle" and not getattr(greeting.protocol, "handed", False)
+        size = f", receive buffer {controller.window} bytes" if sent else ""
         print(f"gcomp: {controller.name} {controller.version}{size}", file=sys.stderr)
         if controller.homing is False:
             print(
@@ -321,7 +330,7 @@ def _stream(
     options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import loop
+    from postproc.commands.stream import handed, loop
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -337,6 +346,8 @@ def _stream(
     if options.check and not greeting.protocol.check_mode():
         raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
     path = Way(controller, order) if job.watched() else None
+    if handed.wanted(greeting.protocol):
+        handed.write(options, job, greeting.protocol)
     sender = Sender(
         greeting.protocol,
         on_error=options.on_error,
