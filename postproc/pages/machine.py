@@ -193,7 +193,8 @@ def _corners(machine: Machine) -> np.ndarray:
 def _deviation(machine: Machine, places: np.ndarray) -> np.ndarray:
     """(S, N) mm of the slides: the mean of both directions."""
     rows = [machine.letters.index(x) for x in _slides(machine)]
-    return sum(machine.deviation(places, np.full_like(places, s))[rows] for s in (-1.0, 1.0)) / 2
+    below, above = (machine.deviation(places, np.full_like(places, s))[rows] for s in (1.0, -1.0))
+    return (below + above) / 2
 
 
 def _volume(result: Page, machine: Machine) -> None:
