@@ -23,13 +23,14 @@ AUTO = "auto"
 LARGEST_OFFSETS = 10_000_000  # bytes
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """The options that say for which machine, how, and in which language: shared by all that read programs."""
-    parser.add_argument(
-        "--machine",
-        metavar="NAME",
-        help="a machine by name (gcomp machines) or by the path of its folder",
-    )
+def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """The options that say for which machine, how, and in which language: shared by all that read programs. several:
+    whether they may be read for more than one machine."""
+    machine = "a machine by name (gcomp machines) or by the path of its folder"
+    if several:
+        parser.add_argument("--machine", metavar="NAME", action="append", default=[], help=f"{machine}; repeatable")
+    else:
+        parser.add_argument("--machine", metavar="NAME", help=machine)
     how = parser.add_argument_group("how it is corrected")
     how.add_argument(
         "--tolerance",

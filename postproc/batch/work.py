@@ -1,0 +1,75 @@
+"""One job, done in whatever process: a program read, corrected, written, and what came of it as plain data."""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import hashlib
+import os
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from postproc import ports
+from postproc.batch.jobs import Job
+from postproc.errors import GcompError
+
+DONE, REFUSED, FAILED = "done", "refused", "failed"
+
+
+def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
+    """Correct a program and write it whole, or not at all. Never raises for what a program or a file is: that is told."""
+    begun = time.monotonic()
+    told: dict[str, Any] = {"program": job.program, "machine": job.machine, "output": job.output, "pid": os.getpid()}
+    try:
+        told |= _corrected(job, options)
+    except GcompError as error:
+        place = error.place
+        told |= {
+            "status": REFUSED, "message": error.message, "advice": error.advice,
+            "line": place.line if place else None, "text": str(error),
+        }  # fmt: skip
+    except (OSError, MemoryError) as error:
+        what = f"{getattr(error, 'filename', '') or job.program}: {getattr(error, 'strerror', '') or 'out of memory'}"
+        told |= {"status": FAILED, "message": what, "text": what}
+    told["seconds"] = round(time.monotonic() - begun, 3)
+    return told
+
+
+def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
+    from postproc.api import programs
+
+    own = copy.copy(options)
+    own.file, own.machine = job.program, job.machine
+    own.in_place = own.unbuffered = own.filter_progress = False
+    own.verify = bool(options.verify or options.report)
+    done = programs.attempt(Path(job.program), _machine(job.machine, tuple(sorted(options.temperature.items()))), own)
+    with done.spool as spool:
+        spool.seek(0)
+        sha, data = hashlib.sha256(), b""
+        while data := spool.read(ports.CHUNK):
+            sha.update(data)
+        target = Path(job.output)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        ports.replace_file(target, spool, backup=False)
+    if options.report:
+        _page(done, target)
+    return {"status": DONE, "sha256": sha.hexdigest(), "result": programs.result(done, b"").as_dict()}
+
+
+@lru_cache(maxsize=64)
+def _machine(name: str, temperatures: tuple[tuple[str, float], ...]):
+    """A machine is read once in each process."""
+    from postproc.api.machines import load_machine
+
+    return load_machine(name, dict(temperatures))
+
+
+def _page(done, target: Path) -> None:
+    import io
+
+    from postproc.pages import program
+
+    page = program.html(done.filter, done.verifier, done.why).encode("utf-8")
+    ports.replace_file(target.with_name(target.name + ".html"), io.BytesIO(page), backup=False)

@@ -1,0 +1,250 @@
+"""`gcomp batch PROGRAM... --machine M -o DIR`: many programs, in many processes; one that can not be corrected stops no other."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import json
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from postproc import ports
+from postproc.commands import reading
+from postproc.errors import UsageError
+
+HELP = "correct many programs or whole folders, in several processes or on a Dask cluster"
+EXAMPLE = "gcomp batch jobs/ --machine studer-s36 -o corrected/ -j 4"
+FORMAT = "gcomp-batch/1"
+TABLE = "gcomp-batch.csv"
+SHOWN = 40  # rows: of more, those that went wrong are printed, and all stand in the table
+COLUMNS = (
+    "program",
+    "machine",
+    "status",
+    "changed",
+    "added",
+    "correction_um",
+    "before_um",
+    "after_um",
+    "seconds",
+    "message",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("programs", nargs="+", metavar="PROGRAM", help="programs, or folders of them")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="the folder of results; with several machines one folder for each in it")  # fmt: skip
+    parser.add_argument("-j", "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="processes (default: one for each core)")  # fmt: skip
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, like tcp://host:8786, in place of processes here; its workers must see the same files")  # fmt: skip
+    parser.add_argument("--retries", metavar="N", type=int, default=2, help="how often a program is tried again whose process was killed (2)")  # fmt: skip
+    parser.add_argument("--pattern", metavar="GLOB", action="append", default=[], help="which files of folders are programs: '*.nc'; repeatable (default: the usual endings)")  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="do again what is done, and write over files that gcomp batch did not write")  # fmt: skip
+    parser.add_argument("--verify", action="store_true", help="replay each result on its machine's model; the table has the deviations")  # fmt: skip
+    parser.add_argument("--report", action="store_true", help="a page beside each result (verifies too)")
+    parser.add_argument("--json", metavar="FILE", help="everything as JSON; - for standard output")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no table; refusals are still told")
+    reading.arguments(parser, several=True)
+
+
+def run(options: argparse.Namespace) -> int:
+    from postproc.batch.jobs import PATTERNS, jobs
+    from postproc.batch.ledger import Ledger
+
+    if not options.machine:
+        reading.machine_of(options)  # refuses with the machines that there are
+    for name in dict.fromkeys(options.machine):
+        reading.machine_of(argparse.Namespace(machine=name, temperature=options.temperature))
+    folder = Path(options.output)
+    todo = jobs(options.programs, list(dict.fromkeys(options.machine)), folder, options.pattern or PATTERNS)
+    told: list[dict[str, Any]] = []
+    with contextlib.closing(Ledger(folder)) as ledger, _progress(len(todo), options) as step:
+        try:
+            for one in _results(todo, options, ledger):
+                told.append(one)
+                step(one)
+        finally:
+            told.sort(key=lambda one: one["number"])
+            _table(folder / TABLE, told)
+    return _report(told, folder, options)
+
+
+def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[str, Any]]:
+    """What comes of every job: of those that are done already what was told then."""
+    from postproc.batch import pool
+    from postproc.batch.jobs import key_of, repeats
+
+    keys: dict[int, str] = {}
+    standing: list[dict[str, Any]] = []
+    again = options.force or repeats(options)
+
+    def open_jobs() -> Iterator:
+        for job in todo:
+            try:
+                key = keys[job.number] = key_of(job, options)
+            except UsageError as error:
+                standing.append(_refused(job, str(error)))
+                continue
+            known = None if again else ledger.done(job.output, key)
+            if known:
+                standing.append({**known, "program": job.program, "machine": job.machine, "output": job.output, "before": True, "number": job.number})  # fmt: skip
+            elif not options.force and Path(job.output).exists() and not ledger.wrote(job.output):
+                standing.append(_refused(job, f"{job.output} exists, and gcomp batch did not write it; --force does"))
+            else:
+                ledger.begin(job.output)
+                yield job
+
+    for job, told in _pool(pool, open_jobs(), options):
+        yield from _drained(standing)
+        own = todo[job.number]  # as it was named here
+        told |= {"program": own.program, "machine": own.machine, "output": own.output, "number": job.number}
+        ledger.write(keys[job.number], {k: v for k, v in told.items() if k != "number"})
+        yield told
+    yield from _drained(standing)
+
+
+def _pool(pool, open_jobs: Iterator, options: argparse.Namespace):
+    plain = argparse.Namespace(**{k: v for k, v in vars(options).items() if k not in ("programs", "json")})
+    if options.scheduler:
+        for name in ("library", "offsets"):
+            setattr(plain, name, [str(Path(path).resolve()) for path in getattr(plain, name)])
+        return pool.cluster(map(_absolute, open_jobs), plain, options.scheduler, options.retries)
+    if options.jobs == 1:
+        return pool.alone(open_jobs, plain)
+    return pool.local(open_jobs, plain, options.jobs, options.retries)
+
+
+def _absolute(job):
+    """The same job for a process that was begun in another folder."""
+    from dataclasses import replace
+
+    from postproc.machine import places
+
+    machine = str(places.folder_of(job.machine).resolve())
+    return replace(
+        job, program=str(Path(job.program).resolve()), output=str(Path(job.output).resolve()), machine=machine
+    )
+
+
+def _refused(job, text: str) -> dict[str, Any]:
+    return {
+        "program": job.program, "machine": job.machine, "output": job.output, "status": "refused", "message": text,
+        "text": text, "seconds": 0.0, "number": job.number,
+    }  # fmt: skip
+
+
+def _drained(told: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    while told:
+        yield told.pop(0)
+
+
+def _count(word: str) -> int:
+    if not word.isdigit() or not 1 <= int(word) <= 512:
+        raise argparse.ArgumentTypeError(f"{word!r} is not a number of processes like 4")
+    return int(word)
+
+
+# -- what is said ------------------------------------------------------------------------------------------------------
+
+
+def row(told: dict[str, Any]) -> tuple[str, ...]:
+    """One job as a row of the table; what is not known is empty."""
+    result = told.get("result") or {}
+    verified = result.get("verified") or {}
+
+    def number(value: float | None, digits: int) -> str:
+        return "" if value is None else f"{value:.{digits}f}"
+
+    return (
+        told["program"], Path(told["machine"]).name, told["status"], str(result.get("changed", "")), str(result.get("added", "")),
+        number(result.get("largest_correction_um"), 1), number(verified.get("uncorrected_um"), 2),
+        number(verified.get("deviation_um"), 2), number(told.get("seconds"), 2), told.get("message", ""),
+    )  # fmt: skip
+
+
+def _table(path: Path, told: list[dict[str, Any]]) -> None:
+    import csv
+
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([COLUMNS, *map(row, told)])
+    ports.replace_file(path, io.BytesIO(text.getvalue().encode("utf-8")), backup=False)
+
+
+def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:
+    """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for another reason."""
+    counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
+    before = sum(bool(one.get("before")) for one in told)
+    out = sys.stderr if options.json == "-" else sys.stdout
+    if not options.quiet:
+        shown = told if len(told) <= SHOWN else [one for one in told if one["status"] != "done"]
+        rows = [("", *COLUMNS[1:-1]), *((row(one)[0], *row(one)[1:-1]) for one in shown)]
+        widths = [max(len(r[k]) for r in rows) for k in range(len(rows[0]))]
+        for r in rows if len(shown) else ():
+            print("  ".join(c.ljust(w) if k < 3 else c.rjust(w) for k, (c, w) in enumerate(zip(r, widths, strict=True))).rstrip(), file=out)  # fmt: skip
+    for one in told:
+        if one["status"] != "done":
+            print(f"gcomp: {one['text']}", file=sys.stderr)
+    if not options.quiet:
+        said = f"{counts['done']} of {len(told)} corrected" + (
+            f" ({before} of them in an earlier run)" if before else ""
+        )
+        said += "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
+        print(f"{said}; all in {folder / TABLE}", file=out)
+    if options.json:
+        data = {"format": FORMAT, "counts": counts, "programs": [{k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told]}  # fmt: skip
+        text = (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+        if options.json == "-":
+            ports.write_standard(text)
+        else:
+            ports.replace_file(Path(options.json), io.BytesIO(text), backup=False)
+    return 1 if counts["failed"] else 2 if counts["refused"] else 0
+
+
+@contextlib.contextmanager
+def _progress(count: int, options: argparse.Namespace):
+    """A callable that takes what came of a job: a bar with the time left on a terminal, a line for each tenth elsewhere."""
+    if options.quiet:
+        yield lambda told: None
+        return
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("correcting", total=count)
+
+            def advance(told: dict[str, Any]) -> None:
+                bar.update(task, advance=1, description=Path(told["program"]).name[:30])
+
+            yield advance
+        return
+    begun, done, said = time.monotonic(), 0, 0
+
+    def tell(told: dict[str, Any]) -> None:
+        nonlocal done, said
+        done += 1
+        tenth = done * 10 // count
+        if tenth > said and count >= 20:
+            said = tenth
+            left = (time.monotonic() - begun) / done * (count - done)
+            print(f"gcomp: {done} of {count}, about {left:.0f} s left", file=sys.stderr, flush=True)
+
+    yield tell
