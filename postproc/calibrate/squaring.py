@@ -75,7 +75,9 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
     told = (
         f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make {opened / URAD:+.1f} of it"
     )
-    return Squareness(name, value - opened, None if u is None else float(np.hypot(u, np.linalg.norm(known))), "stated", told)
+    return Squareness(
+        name, value - opened, None if u is None else float(np.hypot(u, np.linalg.norm(known))), "stated", told
+    )
 
 
 def _nowhere(calibration: Calibration, one: Squareness) -> list[Finding]:
