@@ -41,6 +41,7 @@ def reading_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--first", choices=("+", "-"), help="direction of the first run")
     group.add_argument("--layout", choices=("interleaved", "blocks", "long"), default="", help="of a sheet's columns")
+    group.add_argument("--sheet", default="", metavar="NAME", help="of an .xlsx workbook, where several hold numbers")
     group.add_argument(
         "--column", metavar="NAME=HEADING", action="append", default=[],
         help="where a table has a column of a recording: Z_mm=Position, reading_um=3",
@@ -67,7 +68,7 @@ def reading_options(options: argparse.Namespace) -> ReadingOptions:
     return ReadingOptions(
         options.axis, options.component, options.unit,
         None if options.bidirectional is None else options.bidirectional == "yes",
-        {"+": 1, "-": -1, None: 0}[options.first], options.layout, _pairs("--column", options.column),
+        {"+": 1, "-": -1, None: 0}[options.first], options.layout, options.sheet, _pairs("--column", options.column),
         dict(options.others), options.machine_name, not options.lenient, _pairs("--set", options.set),
         {k: _toml(k, v) for k, v in _pairs("--head", options.head).items()},
     )  # fmt: skip

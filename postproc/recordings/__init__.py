@@ -141,7 +141,7 @@ class ReadingOptions:
 
     axis: the axis that moves (Z); component: what was measured (EXZ, EBZ); unit: of the readings (um, mm, urad, mrad,
     mm/m, arcsec, deg); bidirectional: whether runs alternate their direction; first: +1 or -1, direction of the first
-    run; layout: interleaved, blocks or long; columns: name in the recording to name or number in the file; others: mm
+    run; layout: interleaved, blocks or long; sheet: of a workbook; columns: name in the recording to name or number in the file; others: mm
     (degrees of rotary axes), where the other axes stood; machine: its name; strict: whether a row that can not be used
     is an error, or left out and listed; extra: a format's own options, see its EXTRA; head: keys for the recording's
     head, as the contract names them.
@@ -153,6 +153,7 @@ class ReadingOptions:
     bidirectional: bool | None = None
     first: int = 0
     layout: str = ""
+    sheet: str = ""
     columns: dict[str, str] = field(default_factory=dict)
     others: dict[str, float] = field(default_factory=dict)
     machine: str = ""
@@ -182,17 +183,33 @@ def load(name: str) -> ModuleType:
     return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
 
 
+def opened(source: Source, options: ReadingOptions) -> Source:
+    """The file, of a workbook its sheet as text. Raises RecordingError, and UsageError for a sheet that is not there."""
+    from postproc.recordings import _xlsx
+
+    if _xlsx.is_workbook(source):
+        return _xlsx.as_text(source, options.sheet)
+    if options.sheet:
+        raise UsageError(f"{source.name} is no workbook, and --sheet {options.sheet} names a sheet of one", "leave --sheet out")  # fmt: skip
+    return source
+
+
 def format_of(source: Source, options: ReadingOptions | None = None) -> str:
     """The format that the bytes look like; a table whose columns or layout the options name is read by these.
 
     Raises RecordingError where they look like none.
     """
+    return _format_of(opened(source, options or ReadingOptions()), options)
+
+
+def _format_of(source: Source, options: ReadingOptions | None) -> str:
     if not source.data.strip():
         raise RecordingError("the file is empty", "", Place(source.name, 1))
     if load("contract").recognises(source):
         return "contract"
     if options is not None and options.columns:
-        return "mapped-csv"
+        own = [n for n in names() if "columns" in getattr(load(n), "TAKES", ()) and load(n).recognises(source)]
+        return own[0] if own else "mapped-csv"
     if options is not None and options.layout:
         return "iso-spreadsheet"
     for name in names():
@@ -211,6 +228,7 @@ def read(source: Source, format: str = "", options: ReadingOptions | None = None
     Of a file that holds several, the one that options.component names.
     """
     options = options or ReadingOptions()
+    source = opened(source, options)
     module = _module(source, format, options)
     recording: Recording = module.read(source, options)
     return _told(recording, module, options)
@@ -219,6 +237,7 @@ def read(source: Source, format: str = "", options: ReadingOptions | None = None
 def read_all(source: Source, format: str = "", options: ReadingOptions | None = None) -> list[Recording]:
     """All recordings of a file, one at least. Raises RecordingError or UsageError."""
     options = options or ReadingOptions()
+    source = opened(source, options)
     module = _module(source, format, options)
     every: list[Recording] = (
         module.read_all(source, options) if hasattr(module, "read_all") else [module.read(source, options)]
@@ -231,7 +250,7 @@ def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
         load(format)
     if not source.data.strip():
         raise RecordingError("the file is empty", "", Place(source.name, 1))
-    name = format or format_of(source, options)
+    name = format or _format_of(source, options)
     module = load(name)
     known = getattr(module, "EXTRA", {})
     for key in options.extra:

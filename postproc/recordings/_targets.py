@@ -232,7 +232,7 @@ def recording(
     _finite(source, target, value, unit, line)
     _once(source, run, target, sign, line)
     if readings.t is None:
-        order = np.lexsort((target * sign, run))
+        order = _order(run, target, sign, line)
         t = np.arange(len(run), dtype=np.float64)
         told.append("the file has no times: t_s is made up, 1 s from reading to reading, run by run")
     else:
@@ -249,6 +249,19 @@ def recording(
     keys |= {"quantity": component.quantity, "sensitive": component.sensitive, "component": component.name}
     keys |= {"unit_in_file": unit.name, **options.head}
     return Recording("targets", keys, columns, source.name, line[order], tuple(faults), tuple(told))
+
+
+def _order(run: np.ndarray, target: np.ndarray, sign: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """(N,) rows in the order of time where no times are known: that of the file, where each row is one reading and the
+    rows go as the axis went; else run by run, its first direction first, and in each as the axis went."""
+    passes = np.lexsort((np.arange(len(run)), sign, run))
+    same = (np.diff(run[passes]) == 0) & (np.diff(sign[passes]) == 0)
+    onward = (np.diff(target[passes]) * sign[passes][1:])[same] > 0
+    if (np.diff(line) > 0).all() and (np.diff(run) >= 0).all() and onward.all():
+        return np.arange(len(run))
+    first = {int(r): sign[run == r][0] for r in np.unique(run)}
+    second = sign != np.array([first[int(r)] for r in run])
+    return np.lexsort((target * sign, second, run))
 
 
 def _positions(component, options, target, readings, order, told) -> dict[str, np.ndarray]:

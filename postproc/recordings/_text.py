@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import datetime
 import math
 import re
 from collections import Counter
@@ -106,6 +107,35 @@ def direction(text: str) -> tuple[int, bool] | None:
         if plain in words:
             return sign, relative
     return None
+
+
+def times(source: Source, cells: Sequence[tuple[int, str]], decimal: str = ".") -> list[float] | None:
+    """s, from (line, cell) of every row: seconds as they are, a date and time of ISO 8601 from the first on; None where
+    no row has one. Raises RecordingError for a time that is none, and where both kinds stand in one file."""
+    if not any(cell for _, cell in cells):
+        return None
+    result: list[float] = []
+    start: datetime.datetime | None = None
+    for line, cell in cells:
+        place = Place(source.name, line)
+        value = number(cell, decimal)
+        if value is None:
+            try:
+                moment = datetime.datetime.fromisoformat(cell)
+                begins = start is None
+                start = start or moment
+                value = (moment - start).total_seconds()
+            except (ValueError, TypeError):
+                what = f"the time {cell!r} is neither seconds nor a date and time" if cell else "the time is empty"
+                raise RecordingError(
+                    what, "like 12.5, or 2024-05-17T10:31:00, in every row or in none", place
+                ) from None
+            if result and begins:
+                raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
+        elif start is not None:
+            raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
+        result.append(value)
+    return result
 
 
 def told_decimal(extra: Mapping[str, str]) -> str:

@@ -49,6 +49,7 @@ SPELLINGS = {
     "µm": "um", "μm": "um", "祄": "um", "micron": "um", "microns": "um", "micrometer": "um", "micrometre": "um",
     "millimeter": "mm", "millimetre": "mm", "in": "inch", "inches": "inch", "µrad": "urad", "μrad": "urad",
     "µm/m": "um/m", "μm/m": "um/m", "arc-sec": "arcsec", "arc sec": "arcsec", "arcseconds": "arcsec", "arcsecond": "arcsec",
+    '"': "arcsec", "''": "arcsec", "″": "arcsec", "sec": "arcsec", "arcsecs": "arcsec", "arc-sec.": "arcsec",
     "arc-min": "arcmin", "arcminutes": "arcmin", "degree": "deg", "degrees": "deg", "°": "deg", "nanometre": "nm",
 }  # fmt: skip
 BAND = {LENGTH: (0.1, 5000.0), ANGLE: (0.1, 20_000.0)}  # um, urad: range of the readings of any machine's axis

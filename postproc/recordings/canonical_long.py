@@ -7,7 +7,6 @@ may hold several components: each becomes a recording.
 
 from __future__ import annotations
 
-import datetime
 import re
 
 from postproc.errors import Place, UsageError
@@ -152,7 +151,7 @@ def _one(source: Source, options: ReadingOptions, name: str, every: list[dict], 
     columns.pop(component.position, None)
     readings = targets.Readings(
         [int(row["run"]) for row in rows], [row["target"] for row in rows], [row["value"] for row in rows],
-        [row["line"] for row in rows], [row["sign"] for row in rows], columns, _times(source, rows),
+        [row["line"] for row in rows], [row["sign"] for row in rows], columns, text.times(source, [(row["line"], row["time"]) for row in rows]),
     )  # fmt: skip
     heed = ReadingOptions(component=name, others=options.others, machine=options.machine, head=options.head)
     return targets.recording(source, heed, component, unit, readings, head={}, notices=notices, faults=faults)
@@ -167,30 +166,3 @@ def _same(source: Source, component: targets.Component, rows: list[dict], key: s
                 f"{key} is where {component.axis} stood: leave it empty, or mend it", Place(source.name, row["line"]),
             )  # fmt: skip
     return True
-
-
-def _times(source: Source, rows: list[dict]) -> list[float] | None:
-    """s from the first; None where no row has a time. Raises RecordingError for a time that is none."""
-    if not any(row["time"] for row in rows):
-        return None
-    result: list[float] = []
-    start: datetime.datetime | None = None
-    for row in rows:
-        cell, place = row["time"], Place(source.name, row["line"])
-        value = text.number(cell)
-        if value is None:
-            try:
-                moment = datetime.datetime.fromisoformat(cell)
-                start = start or moment
-                value = (moment - start).total_seconds()
-            except (ValueError, TypeError):
-                what = f"the time {cell!r} is neither seconds nor a date and time" if cell else "the time is empty"
-                raise RecordingError(
-                    what, "like 12.5, or 2024-05-17T10:31:00, in every row or in none", place
-                ) from None
-            if result and start is moment:
-                raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
-        elif start is not None:
-            raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
-        result.append(value)
-    return result

@@ -1,6 +1,7 @@
 """Sheets of a test by ISO 230-2 saved as CSV: targets down, runs across (interleaved or in blocks), or one reading a row.
 
-Interleaved: up 1, down 1, up 2, ...; blocks: all up, then all down; long: columns target, run, direction, deviation.
+Interleaved: up 1, down 1, up 2, ...; blocks: all up, then all down; long: columns target, run, direction, deviation, and
+time where it is known (seconds, or ISO 8601).
 Headings that name the direction of every column settle it; otherwise the layout must be said. Tabs, semicolons, commas;
 decimal commas. Above the table may stand lines of key and value.
 """
@@ -27,7 +28,8 @@ LONG = {
     "target": re.compile(r"target|position|nominal|soll", re.I),
     "run": re.compile(r"\brun\b|\blauf\b|\bcycle\b", re.I),
     "direction": re.compile(r"^dir|approach|richtung", re.I),
-    "value": re.compile(r"deviation|reading|value|error|abweichung", re.I),
+    "value": re.compile(r"deviation|reading|value|error|abweichung|pitch|yaw|roll|angle|winkel", re.I),
+    "time": re.compile(r"^(time|date|timestamp|zeit|t_s)\b", re.I),
 }
 WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir", re.I)
 
@@ -96,7 +98,7 @@ def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
             continue
         names = {what: [j for j, c in enumerate(cells) if c and pattern.search(c)] for what, pattern in LONG.items()}
         # a wide table has a run in many of its headings
-        if all(len(names[what]) == 1 for what in ("target", "run", "value")) and len(names["direction"]) <= 1:
+        if all(len(names[w]) == 1 for w in ("target", "run", "value")) and len(names["direction"] + names["time"]) <= 2:
             columns = {what: at[0] for what, at in names.items() if at}
             return (k, columns) if len(set(columns.values())) == len(columns) else None
     return None
@@ -120,11 +122,14 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     unit = targets.unit_for(options, source, component, said, line)
     scale = _sheet.position_factor(source, headings[at["target"]], line, options, component.axis in "ABC", notices)
     rows: list[tuple[int, float, float, int, int]] = []
+    times: list[tuple[int, str]] = []
     faults: list[Fault] = []
     relative = False
     for number, cells in table.rows[top + 1 :]:
         place = Place(source.name, number, table.delimiter.join(cells))
-        values = {w: text.number(cells[j], table.decimal) if j < len(cells) else None for w, j in at.items()}
+        values = {
+            w: text.number(cells[j], table.decimal) if j < len(cells) else None for w, j in at.items() if w != "time"
+        }
         word = cells[at["direction"]] if "direction" in at and at["direction"] < len(cells) else ""
         way = text.direction(word) if "direction" in at else (0, False)
         run = values["run"]
@@ -139,6 +144,7 @@ def _read_long(source, options, table, columns, notices) -> Recording:
                 raise RecordingError(told, "mend the row; --lenient leaves such rows out", place)
             faults.append(Fault(number, wrong, told))
             continue
+        times.append((number, cells[at["time"]] if at.get("time", len(cells)) < len(cells) else ""))
         sign, its = way or (0, False)
         relative = relative or its
         start = options.first or 1
@@ -159,6 +165,7 @@ def _read_long(source, options, table, columns, notices) -> Recording:
         [r[2] for r in rows],
         [r[3] for r in rows],
         [r[4] for r in rows],
+        t=text.times(source, times, table.decimal),
     )
     told_ = replace(options, first=0, bidirectional=None) if relative else options
     return targets.recording(

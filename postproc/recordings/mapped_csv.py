@@ -165,7 +165,8 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     )
     lists: tuple[list, ...] = (result.run, result.target, result.value, result.line, result.sign)  # type: ignore[assignment]
     rename = {n: f"{letter}_{'mm' if letter in 'XYZ' else 'deg'}" for n, (letter, _) in positions.items()}
-    times: list[float] = []
+    times: list[tuple[int, str]] = []
+    every = dict(table.rows)
     both = len({w for w, *_ in ways.values()}) == 2
     for line, row, sign in rows:
         target = row[own] * factors[own]
@@ -181,15 +182,20 @@ def _targets(source, options, table, top, at, notices) -> Recording:
                 values_.append(v)
             for extra, cells in result.columns.items():
                 cells.append(row[extra] * factors.get(extra, 1.0))  # type: ignore[attr-defined]
-            times.append(row.get("t_s", 0.0))
+            times.append((line, _cell(every[line], at.get("t_s", -1))))
     if (ways or relative) and not options.first:
         notices.append("forward is taken as +, reverse as - (--first - if forward went towards minus)")
     result = replace(
-        result, columns={rename.get(n, n): c for n, c in result.columns.items()}, t=times if "t_s" in at and not ways else None,
+        result, columns={rename.get(n, n): c for n, c in result.columns.items()}, t=text.times(source, times, table.decimal) if "t_s" in at and not ways else None,
         sign=result.sign if ways or "direction" in at else (),
     )  # fmt: skip
     heed = replace(options, first=0, bidirectional=None) if ways or relative else options
     return targets.recording(source, heed, component, unit, result, head={}, notices=notices, faults=faults)
+
+
+def _cell(cells: list[str], at: int) -> str:
+    """The cell of a column; empty where there is none."""
+    return cells[at] if 0 <= at < len(cells) else ""
 
 
 def _unit(said: set[str]) -> units.Unit | None:
@@ -229,6 +235,9 @@ def _rows(source, options, table, top, at, readings, notices) -> tuple[list, lis
                 else:
                     relative = relative or way[1]
                     sign = way[0] * start if way[1] else way[0]
+                continue
+            if name == "t_s":
+                row[name] = line  # all times are read together
                 continue
             value = text.number(cell, table.decimal)
             if value is None and not cell and name in readings:

@@ -1,0 +1,166 @@
+"""A sheet of an .xlsx workbook as tab-separated text, so that every reader of tables reads it.
+
+Row n of the sheet is line n of the text: messages name the row that a person sees. Numbers stay as
+the file holds them, dates and times become ISO 8601 (ECMA-376: shared strings, cell types s,
+inlineStr, str, n; number formats 14 to 22 and 45 to 47, and own ones with d, y, h or s, are times).
+Formulas are read by the values that the spreadsheet has saved beside them.
+"""
+
+from __future__ import annotations
+
+import datetime
+import io
+import re
+import zipfile
+import zlib
+from collections.abc import Iterator
+from xml.etree import ElementTree
+
+from postproc.errors import Place, UsageError
+from postproc.recordings import RecordingError, Source
+
+MAGIC = b"PK\x03\x04"
+LARGEST = 1 << 27  # bytes of one part: a sheet of a million readings has less
+MOST_ROWS = 1 << 20  # rows of a sheet, by the format
+WIDEST = 1 << 14  # columns
+MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
+RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
+BROKEN = (  # what zipfile, zlib and the XML parser say of damage, and what a part says that is none
+    zipfile.BadZipFile, zlib.error, EOFError, ElementTree.ParseError, KeyError, ValueError, IndexError,
+    OverflowError, NotImplementedError, RuntimeError,
+)  # fmt: skip
+TIMES = {*range(14, 23), 45, 46, 47}
+CELL = re.compile(r"([A-Z]{1,3})([0-9]{1,7})")
+
+
+def is_workbook(source: Source) -> bool:
+    """Whether the bytes are a zip archive that names parts of a workbook."""
+    return source.data.startswith(MAGIC) and b"xl/" in source.data
+
+
+def as_text(source: Source, sheet: str = "") -> Source:
+    """The sheet of a name, or the only one that holds numbers. Raises RecordingError, UsageError."""
+    place = Place(source.name, 1)
+    try:
+        with zipfile.ZipFile(io.BytesIO(source.data)) as book:
+            every = _sheets(book)
+            if sheet and sheet not in every:
+                raise UsageError(f"{source.name} has no sheet {sheet!r}", f"its sheets: {', '.join(every)}")
+            parts = {sheet: every[sheet]} if sheet else every
+            strings, times, first = _strings(book), _times(book), _first_day(book)
+            texts = {name: _text(book, part, strings, times, first) for name, part in parts.items()}
+    except BROKEN as error:
+        raise RecordingError(f"this is no workbook that can be read ({error})", "save it as .xlsx again, or as CSV", place) from None  # fmt: skip
+    filled = {name: t for name, t in texts.items() if re.search(r"(?m)(^|\t)-?[0-9.]+(\t|$)", t)}
+    if len(filled) != 1 and not sheet:
+        what = "no sheet holds numbers" if not filled else f"{len(filled)} sheets hold numbers"
+        raise RecordingError(what, f"say which: --sheet {next(iter(filled or texts))!r}" if texts else "", place)
+    text = texts[sheet] if sheet else next(iter(filled.values()))
+    return Source(source.name, text.encode())
+
+
+def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
+    if book.getinfo(name).file_size > LARGEST:
+        raise ValueError(f"{name} has more than {LARGEST:,} bytes")
+    data = book.read(name)
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise ValueError(f"{name} declares entities, which no spreadsheet does")
+    return ElementTree.fromstring(data)
+
+
+def _sheets(book: zipfile.ZipFile) -> dict[str, str]:
+    """Name of each worksheet to its part."""
+    relations = {r.get("Id"): str(r.get("Target")) for r in _part(book, "xl/_rels/workbook.xml.rels")}
+    found = {}
+    for sheet in _part(book, "xl/workbook.xml").iter(f"{MAIN}sheet"):
+        target = relations[sheet.get(RELATION)]
+        part = target.lstrip("/") if target.startswith("/") else f"xl/{target}"
+        if "chartsheet" not in part:
+            found[str(sheet.get("name"))] = part
+    return found
+
+
+def _strings(book: zipfile.ZipFile) -> list[str]:
+    if "xl/sharedStrings.xml" not in book.namelist():
+        return []
+    root = _part(book, "xl/sharedStrings.xml")
+    return [_joined(item) for item in root.iter(f"{MAIN}si")]
+
+
+def _joined(item: ElementTree.Element) -> str:
+    """The text of a string, without its phonetic runs."""
+    texts = item.findall(f"{MAIN}t") + item.findall(f"{MAIN}r/{MAIN}t")
+    return "".join(t.text or "" for t in texts)
+
+
+def _times(book: zipfile.ZipFile) -> list[bool]:
+    """Whether each cell style shows a number as a date or time."""
+    if "xl/styles.xml" not in book.namelist():
+        return []
+    root = _part(book, "xl/styles.xml")
+    own = {
+        int(f.get("numFmtId", "0")): re.sub(r'"[^"]*"|\\.|\[(?!h|m|s)[^\]]*\]', "", str(f.get("formatCode", "")))
+        for f in root.iter(f"{MAIN}numFmt")
+    }
+    cells = root.find(f"{MAIN}cellXfs")
+    kinds = [int(xf.get("numFmtId", "0")) for xf in cells] if cells is not None else []
+    return [k in TIMES or bool(re.search(r"[dyhs]", own.get(k, ""), re.I)) for k in kinds]
+
+
+def _first_day(book: zipfile.ZipFile) -> datetime.datetime:
+    """Day 0 of the workbook's dates: 30 December 1899 makes all days from March 1900 right."""
+    setting = _part(book, "xl/workbook.xml").find(f"{MAIN}workbookPr")
+    since_1904 = setting is not None and setting.get("date1904") in ("1", "true")
+    return datetime.datetime(1904, 1, 1) if since_1904 else datetime.datetime(1899, 12, 30)
+
+
+def _text(book, part: str, strings: list[str], times: list[bool], first: datetime.datetime) -> str:
+    lines: list[str] = []
+    for number, cells in _rows(_part(book, part)):
+        if number > MOST_ROWS or number <= len(lines):
+            raise ValueError(f"row {number} stands out of its order")
+        lines += [""] * (number - len(lines) - 1)
+        row: list[str] = []
+        for k, (reference, cell) in enumerate(cells):
+            at = _column(reference) if reference else k
+            if not len(row) <= at < WIDEST:
+                raise ValueError(f"the cell {reference} stands out of its order")
+            row += [""] * (at - len(row))
+            row.append(" ".join(_value(cell, strings, times, first).split()))
+        lines.append("\t".join(row))
+    return "\n".join(lines) + "\n"
+
+
+def _rows(root: ElementTree.Element) -> Iterator[tuple[int, list[tuple[str, ElementTree.Element]]]]:
+    number = 0
+    for row in root.iter(f"{MAIN}row"):
+        number = int(row.get("r", str(number + 1)))
+        yield number, [(str(c.get("r", "")), c) for c in row.iter(f"{MAIN}c")]
+
+
+def _column(reference: str) -> int:
+    found = CELL.fullmatch(reference)
+    if not found:
+        raise ValueError(f"{reference!r} is no cell")
+    at = 0
+    for letter in found[1]:
+        at = at * 26 + ord(letter) - 64
+    return at - 1
+
+
+def _value(cell: ElementTree.Element, strings: list[str], times: list[bool], first: datetime.datetime) -> str:
+    kind = cell.get("t", "n")
+    if kind == "inlineStr":
+        inline = cell.find(f"{MAIN}is")
+        return _joined(inline) if inline is not None else ""
+    held = cell.find(f"{MAIN}v")
+    value = (held.text or "") if held is not None else ""
+    if kind == "s" and value:
+        return strings[int(value)]
+    style = int(cell.get("s", "0"))
+    if kind == "n" and value and style < len(times) and times[style]:
+        moment = first + datetime.timedelta(milliseconds=round(float(value) * 86_400_000))
+        return moment.isoformat(timespec="milliseconds") if moment.microsecond else moment.isoformat()
+    if kind == "n" and re.fullmatch(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}", value):
+        return f"{float(value):.12g}"  # binary fractions are saved with all their digits
+    return value
