@@ -18,8 +18,8 @@ from typing import Any
 from postproc import ports
 from postproc.calibrate import LINES, STEEL, CalibrationError, Options, figure, folder, report, square
 from postproc.calibrate.calibration import Calibration, calibrate
-from postproc.commands import values
-from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.commands import session, values
+from postproc.commands.recordings import files_of, read_files, reading_arguments, reading_options
 from postproc.errors import MachineError, UsageError
 from postproc.machine import chain as chains
 from postproc.machine import places
@@ -42,7 +42,12 @@ SOURCES = ("straightness", "diagonals")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("recordings", nargs="+", metavar="REC", help="recordings of one axis moving, or of diagonals")
+    parser.add_argument(
+        "recordings",
+        nargs="+",
+        metavar="REC",
+        help="recordings of one axis moving, or of diagonals; or a session, measurement.toml",
+    )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
     parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
     parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
@@ -122,6 +127,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    options = session.merged(options, arguments)
     like = like_of(options.like)
     head, axes, decided = machine_of(options, like)
     read, digests = _recordings(options.recordings, options)
@@ -304,7 +310,7 @@ def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[
 def _recordings(names: list[str], options: argparse.Namespace) -> tuple[list[Recording], dict[str, str]]:
     """All recordings, and the SHA-256 of each file by its name. Raises UsageError for a file that is named twice."""
     digests: dict[str, str] = {}
-    for name in names:
+    for name in files_of(names):
         digest = hashlib.sha256(ports.read_whole(Path(name), LARGEST)).hexdigest()
         if digest in digests.values():
             first = next(n for n, d in digests.items() if d == digest)

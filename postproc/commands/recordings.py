@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 import tomllib
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from postproc import ports
-from postproc.commands import values
+from postproc.commands import session, values
 from postproc.errors import GcompError, UsageError
 from postproc.recordings import AXES, ReadingOptions, Recording, Source, contract, format_of, load, names, read_all
 from postproc.recordings import _units as units
@@ -25,6 +26,9 @@ SHOWN = 5  # rows left out that are listed one by one
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="*", metavar="FILE", help="recordings of any format")
     parser.add_argument("--list", action="store_true", help="list the formats and their own settings")
+    parser.add_argument(
+        "--session", metavar="FILE.toml", help="write a first session (measurement.toml) of these files"
+    )
     parser.add_argument("--as", dest="as_", metavar="FILE.csv", help="write it as a gcomp recording")
     reading_arguments(parser)
 
@@ -75,8 +79,24 @@ def reading_options(options: argparse.Namespace) -> ReadingOptions:
 
 
 def read_files(paths: list[str], format: str, options: ReadingOptions) -> list[Recording]:
-    """All recordings of all files. Raises GcompError for the first that can not be read."""
-    return [r for path in paths for r in read_all(Source(path, ports.read_whole(Path(path), LARGEST)), format, options)]
+    """All recordings of all files, of a session those that it names. Raises GcompError for the first that can not be read."""
+    found: list[Recording] = []
+    for path in paths:
+        if session.is_session(path):
+            for one in session.entries(path, options, format):
+                source = Source(str(one.path), ports.read_whole(one.path, LARGEST))
+                found += [one.completed(r) for r in read_all(source, one.format, one.options)]
+        else:
+            found += read_all(Source(path, ports.read_whole(Path(path), LARGEST)), format, options)
+    return found
+
+
+def files_of(paths: list[str]) -> list[str]:
+    """The files of recordings, those that sessions name in the place of the sessions."""
+    return [
+        str(f) for p in paths
+        for f in ([e.path for e in session.entries(p, ReadingOptions(), "")] if session.is_session(p) else [p])
+    ]  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -86,9 +106,16 @@ def run(options: argparse.Namespace) -> int:
     if not options.files:
         raise UsageError("which file?", "gcomp recordings FILE..., or --list for the formats")
     how = reading_options(options)
+    if options.session:
+        return _session(options, how)
     found: list[Recording] = []
     status = 0
     for path in options.files:
+        if session.is_session(path):
+            for one in read_files([path], options.format, how):
+                print(("\n" if found else "") + show(one, f"as {path} says"))
+                found.append(one)
+            continue
         source = Source(path, ports.read_whole(Path(path), LARGEST))
         try:
             recordings = read_all(source, options.format, how)
@@ -105,6 +132,26 @@ def run(options: argparse.Namespace) -> int:
     if options.as_ and not status:
         print("\n" + _write(found, options.as_, options.files))
     return status
+
+
+def _session(options: argparse.Namespace, how: ReadingOptions) -> int:
+    """A first measurement.toml; what can not be read yet stands in it with the reason."""
+    path = Path(options.session)
+    if not session.is_session(options.session) or path.exists():
+        raise UsageError(f"--session {path}: {'it is there already' if path.exists() else 'its name ends in .toml'}", "another name")  # fmt: skip
+    found: list[tuple[str, list[Recording], str]] = []
+    for name in options.files:
+        try:
+            source = Source(name, ports.read_whole(Path(name), LARGEST))
+            found.append((name, read_all(source, options.format, how), ""))
+        except GcompError as error:
+            found.append((name, [], f"{error.message}; {error.advice}"))
+    text = session.first_one(found, path.parent)
+    ports.replace_file(path, io.BytesIO(text.encode()), backup=False)
+    open_ = sum(bool(fault) for *_, fault in found)
+    print(f"written: {path}, {len(found)} files{f', {open_} of them can not be read yet: see there' if open_ else ''}")
+    print(f"complete it, then: gcomp calibrate {path}")
+    return 0
 
 
 def formats() -> str:

@@ -1,0 +1,243 @@
+"""measurement.toml: which file is which component, where the other axes stood, units, signs, temperatures.
+
+    format = "gcomp-measurement/1"
+
+    [options]                      # of gcomp calibrate, as on its command line without --
+    like = "example-mill"
+    squareness = ["C0Y=12.5,2"]
+
+    [all]                          # what holds for every file that says nothing else
+    others = { X = 250.0, Y = 200.0, Z = -150.0 }
+
+    [[file]]
+    name = "x.rtl"                 # beside measurement.toml
+    component = "EXX"
+
+Every command that reads recordings takes such a file in the place of the files that it names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from postproc.errors import UsageError
+from postproc.machine.toml_file import TomlFile
+from postproc.recordings import AXES, ReadingOptions, Recording
+
+FORMAT = "gcomp-measurement/1"
+TOP = {"format", "title", "date", "operator", "options", "all", "file"}
+WORDS = {"format", "axis", "component", "unit", "layout", "sheet", "machine"}  # texts, as the options of that name
+TABLES = {"column", "set", "head", "others", "temperature"}
+KEYS = {*WORDS, *TABLES, "bidirectional", "first", "lenient", "sign"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One file. others: axis to mm (degrees), where it stood; sign: -1 where its readings have the
+    other sign; temperature: place to degrees Celsius; line: of its name in the session."""
+
+    path: Path
+    format: str
+    options: ReadingOptions
+    others: dict[str, float]
+    own: frozenset[str]
+    sign: int
+    temperature: dict[str, float]
+    session: str
+
+    def completed(self, recording: Recording) -> Recording:
+        """The recording with what the session says of it. Raises UsageError where the file says otherwise."""
+        columns, notices = dict(recording.columns), list(recording.notices)
+        n = len(recording)
+        moved = [x for x in recording.axes if np.ptp(recording.position(x)) > 0]
+        if recording.kind == "targets":
+            for x, at in self.others.items():
+                if x in recording.axes and x in self.own and (x in moved or abs(recording.position(x)[0] - at) > 1e-6):
+                    raise UsageError(
+                        f"{self.session} says that {x} stood at {at:g} while {recording.file} was recorded, "
+                        f"and the file says that it {'moved' if x in moved else f'stood at {recording.position(x)[0]:g}'}",
+                        f"leave {x} out of others there",
+                    )
+                if x not in recording.axes:
+                    columns[f"{x}_{'mm' if x in 'XYZ' else 'deg'}"] = np.full(n, at)
+                    notices = [t for t in notices if not t.startswith("where the other axes stood")]
+        for place, at in self.temperature.items():
+            columns.setdefault(f"T_{place}_C", np.full(n, at))
+        if self.sign < 0:
+            name = next((c for c in columns if c.startswith(("reading_", "radial_"))), "")
+            if not name:
+                raise UsageError(f"{self.session}: sign = -1 of {recording.file}, which has no readings", "take it out")
+            columns[name] = -columns[name]
+            notices.append("the readings' sign is turned, as the session says")
+        return replace(recording, columns=columns, notices=tuple(notices))
+
+
+def is_session(path: str) -> bool:
+    return path.lower().endswith(".toml")
+
+
+def entries(path: str, base: ReadingOptions, format: str) -> list[Entry]:
+    """The files of a session; base and format: what the command line says for all of them.
+
+    Raises MachineError or UsageError with the line.
+    """
+    toml = _opened(path)
+    everywhere = toml.table("all")
+    toml.check_keys("all", everywhere, KEYS - {"component", "axis", "sheet", "sign"})
+    files = toml.data.get("file", [])
+    if not isinstance(files, list) or not files or not all(isinstance(f, dict) for f in files):
+        raise toml.fault("", "file", "no files are named", 'sections [[file]], each with name = "x.rtl"')
+    return [_entry(toml, everywhere, one, i, base, format) for i, one in enumerate(files)]
+
+
+def _opened(path: str) -> TomlFile:
+    if not Path(path).is_file():
+        raise UsageError(f"there is no file {path}", "gcomp recordings FILES --session FILE.toml writes a first one")
+    toml = TomlFile(Path(path))
+    if toml.data.get("format") != FORMAT:
+        raise toml.fault("", "format", f"format = {toml.data.get('format')!r}: no session of a measurement", f'format = "{FORMAT}"')  # fmt: skip
+    toml.check_keys("", toml.data, TOP)
+    return toml
+
+
+def _entry(toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str) -> Entry:
+    toml.check_keys("file", one, KEYS | {"name"}, i)
+    name = toml.string("file", one, "name", index=i)
+    path = toml.path.parent / name
+    if not path.is_file():
+        raise toml.fault("file", "name", f"there is no file {path}", "names are beside the session", i)
+
+    def said(key: str, default: Any) -> Any:
+        where, data, index = ("file", one, i) if key in one else ("all", everywhere, 0)
+        value = data.get(key, default)
+        kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(key, dict if key in TABLES else str)
+        if key in data and (not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)):
+            words = {bool: "true or false", dict: "a table like { X = 1.0 }", str: "a text", int: "1 or -1"}
+            raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
+        return value
+
+    def numbers(key: str) -> dict[str, float]:
+        both = {**everywhere.get(key, {}), **one.get(key, {})} if said(key, {}) is not None else {}
+        return {x: toml.number("file", both, x, at=key, index=i) for x in both}
+
+    others, moved = numbers("others"), said("component", base.component)[-1:] or said("axis", base.axis)
+    for x in others:
+        if x not in AXES:
+            raise toml.fault("file" if x in one.get("others", {}) else "all", "others", f"others names {x!r}, which is no axis", index=i)  # fmt: skip
+    sign, first = said("sign", 1), said("first", "")
+    if sign not in (1, -1) or first not in ("", "+", "-"):
+        key = "sign" if sign not in (1, -1) else "first"
+        raise toml.fault("file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i)
+    options = replace(
+        base, axis=said("axis", base.axis), component=said("component", base.component), unit=said("unit", base.unit),
+        bidirectional=said("bidirectional", base.bidirectional), first={"+": 1, "-": -1, "": base.first}[first],
+        layout=said("layout", base.layout), sheet=said("sheet", base.sheet), machine=said("machine", base.machine),
+        columns=base.columns | {k: str(v) for k, v in said("column", {}).items()}, strict=base.strict and not said("lenient", False),
+        extra=base.extra | {k: str(v) for k, v in said("set", {}).items()},
+        head=base.head | everywhere.get("head", {}) | one.get("head", {}), others={},
+    )  # fmt: skip
+    stood = {x: v for x, v in (base.others | others).items() if x != moved.upper()}
+    return Entry(
+        path, said("format", format), options, stood, frozenset(one.get("others", {})), sign, numbers("temperature"), str(toml.path)
+    )  # fmt: skip
+
+
+class _Words(argparse.ArgumentParser):
+    """Takes the words of [options]; what is wrong with them is told with the session's name."""
+
+    session = ""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{self.session}: [options]: {message}", "keys are the options of gcomp calibrate without --")
+
+
+def merged(options: argparse.Namespace, arguments: Callable[[argparse.ArgumentParser], None]) -> argparse.Namespace:
+    """The options of a command with those of the session that it names; what the command line says goes first.
+
+    Raises UsageError where two sessions are named, or an option is none of the command's.
+    """
+    named = [p for p in options.recordings if is_session(p)]
+    if not named:
+        return options
+    if len(named) > 1:
+        raise UsageError(f"{len(named)} sessions: {', '.join(named)}", "one at a time")
+    toml = _opened(named[0])
+    words: list[str] = []
+    for key, value in toml.table("options").items():
+        option = f"--{key.replace('_', '-')}"
+        for one in value if isinstance(value, list) else [value]:
+            if one is False or isinstance(one, dict):
+                raise toml.fault("options", key, f"{key} = {one!r}", "true for an option without a value, else its text as on the command line")  # fmt: skip
+            words.append(option if one is True else f"{option}={one}")
+    parser = _Words(add_help=False, allow_abbrev=False)
+    parser.session = named[0]
+    arguments(parser)
+    told = parser.parse_args([*words, named[0]])
+    result = argparse.Namespace(**vars(options))
+    for key, value in vars(told).items():
+        mine, usual = getattr(options, key), parser.get_default(key)
+        if key == "recordings":
+            continue
+        if isinstance(value, list):
+            setattr(result, key, [*value, *(mine or [])])
+        elif mine == usual:
+            setattr(result, key, value)
+    return result
+
+
+def first_one(found: list[tuple[str, list[Recording], str]], folder: Path) -> str:
+    """A session for files: (name, its recordings, else why it can not be read yet), to be completed by a person."""
+    lines = [
+        f'format = "{FORMAT}"', "",
+        "[options]                          # of gcomp calibrate, as on its command line without --",
+        '# like = "example-mill"            # or: control, chain, least-increment, travel = ["X=0,500", ...]',
+        '# output = "machines/mine"',
+        '# squareness = ["C0Y=12.5,2"]      # urad and its u; square-at = "X200,Y150": where the square stood', "",
+        "[all]                              # what holds for every file that says nothing else",
+        "# others = { X = 0.0, Y = 0.0 }    # mm, where the other axes stood: lever arms are counted from there",
+        "# temperature = { machine = 20.0 } # degrees Celsius",
+    ]  # fmt: skip
+    for name, recordings, fault in found:
+        lines += ["", "[[file]]", f"name = {json.dumps(_beside(name, folder), ensure_ascii=False)}"]
+        if fault:
+            lines += [f"# can not be read yet: {line.strip()}" for line in fault.splitlines() if line.strip()]
+            lines += ['# component = "EXX"', '# unit = "um"']
+        elif len(recordings) > 1:
+            lines.append(f"# holds {', '.join(str(r.head.get('component', r.kind)) for r in recordings)}")
+        else:
+            lines += _of(recordings[0])
+    return "\n".join(lines) + "\n"
+
+
+def _of(recording: Recording) -> list[str]:
+    if recording.kind != "targets":
+        return [f"# {recording.kind}"]
+    component = str(recording.head.get("component", ""))
+    lines = [f'component = "{component}"'] if component else []
+    moved = " ".join(x for x in recording.axes if np.ptp(recording.position(x)) > 0)
+    vector = " ".join(x for x, v in recording.sensitive.items() if v)
+    values, unit = recording.reading / recording.unit, "urad" if recording.quantity == "angle" else "um"
+    along = "about" if recording.quantity == "angle" else "along"
+    lines.append(
+        f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)} readings, "
+        f"{values.min():.6g} to {values.max():.6g} {unit}"
+    )
+    if recording.head.get("unit_in_file"):
+        lines.append(f'unit = "{recording.head["unit_in_file"]}"')
+    still = {x: recording.position(x)[0] for x in recording.axes if np.ptp(recording.position(x)) == 0}
+    if not still:
+        lines.append("# others = { ... }                 # mm, where the other axes stood, if not as in [all]")
+    return lines + [f"# {text}" for text in recording.notices if "other axes" not in text]
+
+
+def _beside(name: str, folder: Path) -> str:
+    """The file as the session names it: relative to its folder where it lies below that."""
+    path, home = Path(name).resolve(), folder.resolve()
+    return path.relative_to(home).as_posix() if path.is_relative_to(home) else path.as_posix()
