@@ -127,10 +127,16 @@ def _run(argv: list[str]) -> int:
         epilog=f"example: {example}" if example else None,
     )  # fmt: skip
     module.arguments(parser)
+    handed_on = None
+    if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
+        at = argv.index("--")
+        argv, handed_on = argv[:at], argv[at + 1 :]
     try:
         options = parser.parse_args(argv)
     except SystemExit as end:
         return int(end.code or 0)
+    if hasattr(module, "HANDS_ON"):
+        options.handed_on = handed_on or []
     return module.run(options)
 
 

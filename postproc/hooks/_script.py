@@ -1,0 +1,57 @@
+"""The script that a program with windows runs: this gcomp, this machine, and nothing of that program's own Python."""
+
+from __future__ import annotations
+
+import shlex
+
+from postproc.errors import UsageError
+from postproc.hooks import Call
+
+# AppImages set both for themselves, and another Python does not start with them.
+UNSET = ("PYTHONHOME", "LD_LIBRARY_PATH")
+
+
+def command(call: Call, *more: str) -> list[str]:
+    """gcomp with its machine and options."""
+    return [call.python, "-m", "postproc", "--machine", call.machine, *call.options, *more]
+
+
+def in_place(call: Call) -> str:
+    """A script that corrects the file which is named last, or leaves it as it is and ends with a message."""
+    if call.windows:
+        goes = "--in-place" if call.keep else '-o "%~1"'
+        words = " ".join(f'"{word}"' for word in command(call, "--quiet"))
+        return (
+            f"@echo off\r\nrem gcomp for {call.name}: corrects the file that is named.\r\nset PYTHONHOME=\r\n"
+            f'set "PYTHONPATH={call.root}"\r\n{words} {goes} -- "%~1"\r\n'
+        )
+    goes = "--in-place" if call.keep else '-o "$file"'
+    return _shell(
+        call,
+        "corrects the file that is named last; a file that is refused stays as it is",
+        '[ $# -gt 0 ] || { echo "which file?" >&2; exit 2; }\nfor file; do :; done\n',
+        f'{shlex.join(command(call, "--quiet"))} {goes} -- "$file"',
+    )
+
+
+def to_output(call: Call, *more: str) -> str:
+    """A script that writes the corrected program to standard output."""
+    return _shell(
+        call, "writes the corrected program to standard output", "", f'{shlex.join(command(call, *more))} -- "$@"'
+    )
+
+
+def _shell(call: Call, what: str, before: str, line: str) -> str:
+    return (
+        f"#!/bin/sh\n# gcomp for {call.name}: {what}. Written by gcomp hook install.\n{before}"
+        f"unset {' '.join(UNSET)}\nPYTHONPATH={shlex.quote(call.root)}\nexport PYTHONPATH\nexec {line}\n"
+    )
+
+
+def one_word(path: object) -> str:
+    """A path that a program takes apart at spaces. Raises UsageError for one with spaces in it."""
+    if any(c.isspace() for c in str(path)):
+        raise UsageError(
+            f"{path} has a space in it, and the slicer takes a command apart there", "-o names a folder without one"
+        )
+    return str(path)
