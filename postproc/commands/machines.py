@@ -1,4 +1,4 @@
-"""`gcomp machines` lists the machines, `gcomp machines show NAME` says what one is."""
+"""`gcomp machines` lists the machines; `show NAME` says what one is, `new NAME` makes one, `check NAME` doubts it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from postproc import ports
+from postproc.commands import machine_new
 from postproc.errors import GcompError, UsageError
-from postproc.machine import overshoot, places
+from postproc.machine import places
 from postproc.machine.chain import ROTARY, XYZ
+from postproc.machine.doubts import doubts
 from postproc.machine.file import read_machine
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Axis, Machine
@@ -19,18 +21,23 @@ from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
 from postproc.units import UM, URAD
 
-HELP = "list the machines, or show one: gcomp machines show NAME"
+HELP = "list the machines, show one, make a new one, or check one: gcomp machines show NAME"
+EXAMPLE = "gcomp machines new my-router --kind router --control grbl --travel X=0,600 --travel Y=0,400 --travel Z=-80,0 --diagonals XY=500.3,499.8,400,300"
+DOUBTFUL = 1  # exit status of check where something is in doubt
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", nargs="?", choices=("list", "show"), default="list")
+    parser.add_argument("what", nargs="?", choices=("list", "show", "new", "check"), default="list")
     parser.add_argument("name", nargs="?", metavar="NAME")
     parser.add_argument(
         "--report", metavar="FILE.html", help="with show: a page with every table, the squareness and the volume"
     )
+    machine_new.arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
+    if options.what == "new":
+        return _new(options)
     if options.what == "show":
         if not options.name:
             raise UsageError("which machine?", "gcomp machines show NAME")
@@ -41,6 +48,10 @@ def run(options: argparse.Namespace) -> int:
             ports.replace_file(Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False)
         print(show(machine))
         return 0
+    if options.what == "check":
+        if not options.name:
+            raise UsageError("which machine?", "gcomp machines check NAME")
+        return _check(places.load(options.name))
     if options.report:
         raise UsageError("--report draws one machine", "gcomp machines show NAME --report FILE.html")
     found = places.every()
@@ -52,6 +63,32 @@ def run(options: argparse.Namespace) -> int:
             title = f"can not be used: {error.message}"
         print(f"{name:<{width}}  {title}  [{path}]")
     return 0
+
+
+def _new(options: argparse.Namespace) -> int:
+    from postproc.commands.calibrate import write_folder
+
+    path, texts = machine_new.made(options)
+    backup = write_folder(path, texts, options.force)
+    machine = read_machine(path)
+    print(show(machine))
+    kept = f" (the old one is {backup})" if backup else ""
+    print(f"\nwritten: {path}{kept}; next: gcomp job.nc --machine {path if options.output else options.name} --verify")
+    return 0
+
+
+def _check(machine: Machine) -> int:
+    """What is doubtful, then what nobody measured. Returns DOUBTFUL where something is in doubt."""
+    doubtful = doubts(machine)
+    for text in doubtful:
+        print(f"in doubt: {text}")
+    for text in lacks(machine):
+        print(f"not in this map: {text}")
+    if not machine.offsets:
+        print("to know: no work offsets are stated: --offset G54=X..,Y..,Z.. says them, or [offsets] in machine.toml")
+    if not doubtful:
+        print(f"{machine.name}: nothing in it is doubtful")
+    return DOUBTFUL if doubtful else 0
 
 
 def show(machine: Machine) -> str:
@@ -129,7 +166,7 @@ def show(machine: Machine) -> str:
         lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
     lines.append(_known(machine))
-    lines += [f"in doubt: {text}" for text in overshoot.found(machine)]
+    lines += [f"in doubt: {text}" for text in doubts(machine)]
     lines += [f"not in this map: {text}" for text in lacks(machine)]
     return "\n".join(lines)
 

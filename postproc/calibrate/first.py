@@ -1,0 +1,168 @@
+"""A machine folder from what a dial gauge, a square, a caliper and a tape tell: squareness, lost motion, scale.
+
+No tables of recordings: what is not stated is no error here, and `gcomp machines show` lists it.
+Conventions: chain.py and square.py; lengths mm, squareness rad, lost motion mm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from postproc.calibrate import CalibrationError, square
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Limits
+from postproc.machine.write import axis_table, machine_toml
+from postproc.units import UM, URAD
+
+ALIKE = 0.01  # share by which diagonals may miss Pythagoras: a tape reads 1 mm of a metre, a wrong side far more
+STEEPEST = 0.005  # a screw or belt off by more has wrong steps per mm, which the control is told
+USUAL_LIMIT = Limits.max_correction
+LARGEST_LIMIT = 3.0  # mm: 10 mrad on 300 mm, which the eye sees; beyond, a slip is likelier than a machine
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What machines of a kind share. title: in words; chain: who carries whom; control: the usual one."""
+
+    title: str
+    chain: str
+    control: str
+    diameter: tuple[str, ...] = ()
+
+
+KINDS = {
+    "router": Kind("gantry along Y, carriage along X, spindle along Z", "w-b-Y-X-Z-t", "grbl"),
+    "mill": Kind("table along X on a saddle along Y, head along Z", "w-X-Y-b-Z-t", "linuxcnc"),
+    "lathe": Kind("carriage along Z, cross slide along X", "w-b-Z-X-t", "fanuc-lathe", ("X",)),
+    "printer": Kind("bed along Y, gantry along Z, head along X", "w-Y-b-Z-X-t", "marlin"),
+    "corexy": Kind("bed along Z, gantry along Y, head along X", "w-Z-b-Y-X-t", "klipper"),
+}
+
+
+@dataclass(frozen=True)
+class First:
+    """What is known. travel, home: axis to mm; square: name (C0Y) to (rad, how it was found); backlash:
+    axis to mm; scale: axis to (commanded mm, measured mm)."""
+
+    name: str
+    title: str
+    control: str
+    chain: str
+    travel: Mapping[str, tuple[float, float]]
+    least: float = 0.001
+    diameter: tuple[str, ...] = ()
+    square: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    backlash: Mapping[str, float] = field(default_factory=dict)
+    scale: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    home: Mapping[str, float] = field(default_factory=dict)
+
+
+def name_of(moving: str, drifts: str) -> str:
+    """The squareness of an axis that leans towards another: C0Y of Y and X."""
+    turn = next(x for x in XYZ if x not in (moving, drifts))
+    return f"{'ABC'[XYZ.index(turn)]}0{moving}"
+
+
+def from_drift(name: str, drift: float, way: float) -> float:
+    """rad: the tool drifts along the other axis by `drift` beside a true square while the one that leans goes `way`, mm."""
+    return square.sign(name) * drift / way
+
+
+def from_diagonals(name: str, rising: float, falling: float, sides: tuple[float, float]) -> float:
+    """rad: from the diagonals of a rectangle that the machine made, mm: rising, from low to high in both axes, and falling.
+
+    With deviation s along the other axis per mm of the one that leans, rising^2 = (a + s b)^2 + b^2 and falling^2 =
+    (a - s b)^2 + b^2, so s = (rising^2 - falling^2) / (4 a b). Raises CalibrationError for what is no rectangle.
+    """
+    a, b = sides
+    both = rising**2 + falling**2
+    if abs(both - 2 * (a * a + b * b)) > ALIKE * both:
+        raise CalibrationError(
+            f"a rectangle of {a:g} by {b:g} mm has diagonals of {math.hypot(a, b):.2f} mm, and not {rising:g} and {falling:g}",
+            "in the order: rising diagonal, falling one, side along the first axis, side along the second",
+        )
+    return square.sign(name) * (rising**2 - falling**2) / (4 * a * b)
+
+
+def folder(first: First) -> dict[str, str]:
+    """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should mend."""
+    files: dict[str, str] = {}
+    axes: dict[str, dict[str, Any]] = {}
+    comments = {"": HEAD, "chain": "who carries whom, from the workpiece through the bed to the tool"}
+    for x in sorted(first.travel):
+        axes[x] = {"travel": list(map(float, first.travel[x])), "least_increment": first.least}
+        comments[f"axes.{x}.travel"] = "mm, places of the slide in machine coordinates"
+        comments[f"axes.{x}.least_increment"] = "mm, the smallest step of a word that the control obeys"
+        if x in first.scale:
+            axes[x]["table"] = f"{x}.csv"
+            comments[f"axes.{x}.table"] = "mm it goes too far (+) or too short (-): its scale"
+            files[f"{x}.csv"] = _table(x, first)
+    data: dict[str, Any] = {
+        "format": "gcomp-machine/1", "name": first.name, "title": first.title, "control": first.control,
+        "chain": first.chain, "source": "stated by hand: gcomp machines new", "signs": "unverified",
+    }  # fmt: skip
+    comments["signs"] = '"verified" once gcomp accept, or a part that was measured, has shown them'
+    if first.diameter:
+        data["diameter"] = list(first.diameter)
+    if first.home:
+        data["home"] = dict(first.home)
+        comments["home"] = "mm, where the slides stand after homing"
+    data["axes"] = axes
+    if first.square:
+        data["squareness"] = {name: round(value / URAD, 3) for name, (value, _) in first.square.items()}
+        comments |= {f"squareness.{name}": f"urad; {how}; {_leans(name)}" for name, (_, how) in first.square.items()}
+    most = _largest(first)
+    if USUAL_LIMIT < most <= LARGEST_LIMIT:
+        data["limits"] = {"max_correction": math.ceil(most * 1.2 * 10) / 10}
+        comments["limits.max_correction"] = f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
+    if first.backlash:
+        data["effect"] = [
+            {"name": "backlash", "axis": x, "size_um": round(size / UM, 3), "source": "dial gauge"}
+            for x, size in first.backlash.items()
+        ]
+    return {"machine.toml": machine_toml(data, comments)} | files
+
+
+HEAD = """written by gcomp machines new; edit it freely, gcomp machines check NAME says what is doubtful
+deviation = actual - commanded, tool against workpiece; axes as in ISO 841; X of a lathe as a radius
+work offsets: state [offsets] G54 = { X = .., Y = .., Z = .. } here, or say --offset G54=X..,Y..,Z.."""
+
+
+def _largest(first: First) -> float:
+    """mm: the largest correction of an axis that what is stated asks for, all of one sign."""
+    total = dict.fromkeys(first.travel, 0.0)
+    for name, (value, _) in first.square.items():
+        total[square.other_of(name)] += abs(value) * max(map(abs, first.travel[name[2]]))
+    for x, (commanded, measured) in first.scale.items():
+        low, high = first.travel[x]
+        way = max(abs(low), abs(high)) if low <= 0 <= high else high - low
+        total[x] += abs(measured - commanded) / commanded * way
+    for x, size in first.backlash.items():
+        total[x] += abs(size) / 2
+    return max(total.values())
+
+
+def _leans(name: str) -> str:
+    other = square.other_of(name)
+    return f"above zero {name[2]} leans towards {'-' if square.sign(name) < 0 else '+'}{other}"
+
+
+def _table(letter: str, first: First) -> str:
+    """E of a scale, zero at position 0, or at the low end."""
+    commanded, measured = first.scale[letter]
+    share = (measured - commanded) / commanded
+    if abs(share) > STEEPEST:
+        raise CalibrationError(
+            f"{letter} goes {measured:g} mm for {commanded:g}: {100 * share:+.2f} %, more than {100 * STEEPEST:g} %",
+            f"set the control's steps per mm to {commanded / measured:.6f} of what they are, measure again, and state the rest",
+        )
+    low, high = first.travel[letter]
+    zero = 0.0 if low <= 0.0 <= high else low
+    nodes = np.array(sorted({low, zero, high}))
+    value = share * (nodes - zero) / UM
+    return axis_table(letter, nodes, {f"E{letter}{letter}_um": value}, (f"{measured:g} mm measured for {commanded:g} mm commanded",))  # fmt: skip

@@ -1,0 +1,249 @@
+"""`gcomp machines new`: asks what it must know of a machine, or takes it as options, and writes its folder."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from postproc.calibrate import CalibrationError, first, square
+from postproc.commands import values
+from postproc.errors import UsageError
+from postproc.machine import chain as chains
+from postproc.machine.chain import XYZ
+from postproc.nc import dialects
+from postproc.units import URAD
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    new = parser.add_argument_group(
+        "new",
+        "What is not said is asked for where somebody sits at the keyboard. Lengths in mm, X of a lathe as a radius.",
+    )
+    kinds = "; ".join(f"{name}: {kind.title}" for name, kind in first.KINDS.items())
+    new.add_argument("--kind", choices=[*first.KINDS], help=kinds)
+    new.add_argument("--chain", help="another order: who carries whom, w-b-Y-X-Z-t")
+    new.add_argument("--control", help="dialect of its control")
+    new.add_argument("--title", default="", help="what the machine is, in words")
+    new.add_argument(
+        "--travel", action="append", default=[], type=travel, metavar="X=0,400", help="where an axis can be"
+    )
+    new.add_argument(
+        "--least-increment", type=values.length, default=0.001, metavar="LENGTH", help="of a word (0.001mm)"
+    )
+    new.add_argument(
+        "--diagonals", action="append", default=[], type=diagonals, metavar="XY=565.9,565.4,400,400",
+        help="of a rectangle that the machine made: rising (low to high in both axes), falling, side along X, along Y",
+    )  # fmt: skip
+    new.add_argument(
+        "--drift", action="append", default=[], type=drift, metavar="X/Y=0.05,300",
+        help="along a square: X drifts by +0.05 while Y goes +300",
+    )  # fmt: skip
+    new.add_argument(
+        "--squareness", action="append", default=[], type=angle, metavar="C0Y=120", help="urad, where it is known"
+    )
+    new.add_argument(
+        "--backlash", action="append", default=[], type=length_of, metavar="X=0.05", help="lost motion by a dial gauge"
+    )
+    new.add_argument(
+        "--scale", action="append", default=[], type=scale, metavar="X=300,300.2", help="commanded way and measured way"
+    )
+    new.add_argument(
+        "--home", type=values.place, default={}, metavar="X0,Y0,Z0", help="where the slides stand after homing"
+    )
+    new.add_argument("-o", "--output", metavar="FOLDER", help="where to write it (machines/NAME)")
+    new.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
+
+
+def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
+    """The folder and its files. Raises UsageError naming what is missing."""
+    if sys.stdin is not None and sys.stdin.isatty():
+        _ask(options)
+    if not options.name:
+        raise UsageError("how is the machine called?", "gcomp machines new NAME --kind router ...")
+    kind = first.KINDS.get(options.kind or "")
+    said = options.chain or (kind.chain if kind else "")
+    if not said:
+        raise UsageError(
+            "the kind of machine is not said", f"--kind {' or '.join(first.KINDS)}, or --chain w-b-Y-X-Z-t"
+        )
+    try:
+        chain = chains.parse(said)
+    except ValueError as error:
+        raise UsageError(f"--chain: {error}") from None
+    if not options.control:
+        usual = f" ({kind.control} is usual on a {options.kind})" if kind else ""
+        raise UsageError("its control is not said", f"--control{usual}: {', '.join(dialects.names())}")
+    control = dialects.load(options.control).name
+    reach = dict(options.travel)
+    for x in chain.axes:
+        if x not in reach:
+            raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    stated = _squareness(options)
+    one = first.First(
+        Path(options.name).name, options.title or (f"{options.kind}: {kind.title}" if kind else options.name), control, said, reach,
+        options.least_increment, kind.diameter if kind else (), stated, dict(options.backlash), dict(options.scale), options.home,
+    )  # fmt: skip
+    for what, given in (
+        ("--travel", reach),
+        ("--backlash", one.backlash),
+        ("--scale", one.scale),
+        ("--home", one.home),
+    ):
+        for x in given:
+            if x not in chain.axes:
+                raise UsageError(f"{what} names {x}, and the chain {said} has none", f"axes: {' '.join(chain.axes)}")
+    for name in stated:
+        if not all(x in chain.axes for x in square.pair_of(name)):
+            raise UsageError(f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain {said} has not both")  # fmt: skip
+    return Path(options.output or f"machines/{one.name}"), first.folder(one)
+
+
+def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str]]:
+    """Name to rad and how it was found. Raises UsageError for a pair that is said twice."""
+    found: dict[str, tuple[float, str]] = {}
+    pairs: dict[str, str] = {}
+    for name, value, how in [*options.squareness, *options.drift, *options.diagonals]:
+        pair = square.pair_of(name)
+        if pair in pairs:
+            raise UsageError(f"the squareness of {pair} is said twice: {pairs[pair]} and {how}", "once")
+        pairs[pair], found[name] = how, (value, how)
+    return found
+
+
+# -- words ---------------------------------------------------------------------------------------------------------------
+
+
+def _parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
+    name, _, rest = text.strip().partition("=")
+    try:
+        numbers = [float(part) for part in rest.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != n or not all(abs(v) < 1e6 for v in numbers):
+        raise argparse.ArgumentTypeError(f"{text!r} is not like {like}")
+    return name.strip().upper(), numbers
+
+
+def _axis(name: str, text: str) -> str:
+    if name not in (*XYZ, "A", "B", "C"):
+        raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is no axis")
+    return name
+
+
+def travel(text: str) -> tuple[str, tuple[float, float]]:
+    name, (low, high) = _parts(text, "X=0,400", 2)
+    if low >= high:
+        raise argparse.ArgumentTypeError(f"{text!r}: the lower end comes first, X=0,400")
+    return _axis(name, text), (low, high)
+
+
+def length_of(text: str) -> tuple[str, float]:
+    name, (size,) = _parts(text, "X=0.05", 1)
+    if not -1 <= size <= 2:
+        raise argparse.ArgumentTypeError(f"{text!r} is {size:g} mm of lost motion: mm are wanted, X=0.05 is 50 um")
+    return _axis(name, text), size
+
+
+def scale(text: str) -> tuple[str, tuple[float, float]]:
+    name, (commanded, measured) = _parts(text, "X=300,300.2", 2)
+    if commanded <= 0 or measured <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r}: both ways are above zero, X=300,300.2")
+    return _axis(name, text), (commanded, measured)
+
+
+def angle(text: str) -> tuple[str, float, str]:
+    name, (value,) = _parts(text, "C0Y=120", 1)
+    if name not in square.NAMES:
+        raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}")
+    return name, value * URAD, "stated"
+
+
+def drift(text: str) -> tuple[str, float, str]:
+    names, (size, way) = _parts(text, "X/Y=0.05,300", 2)
+    drifts, _, moving = names.partition("/")
+    if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
+        raise argparse.ArgumentTypeError(f"{text!r} is not like X/Y=0.05,300: X drifts by +0.05 while Y goes +300")
+    name = first.name_of(moving, drifts)
+    return (
+        name,
+        first.from_drift(name, size, way),
+        f"along a square {drifts} drifts {size:+g} mm while {moving} goes {way:+g}",
+    )
+
+
+def diagonals(text: str) -> tuple[str, float, str]:
+    pair, (rising, falling, a, b) = _parts(text, "XY=565.9,565.4,400,400", 4)
+    if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)")
+    name = first.name_of(pair[1], pair[0])
+    try:
+        value = first.from_diagonals(name, rising, falling, (a, b))
+    except CalibrationError as error:
+        raise argparse.ArgumentTypeError(f"{text!r}: {error.message}; {error.advice}") from None
+    return name, value, f"diagonals {rising:g} and {falling:g} mm of a rectangle {a:g} by {b:g}"
+
+
+# -- questions -----------------------------------------------------------------------------------------------------------
+
+
+def _ask(options: argparse.Namespace) -> None:
+    """Fills in what the options leave open, one question each; an empty answer leaves it out."""
+    if not options.name:
+        options.name = _answer("name of the machine (a folder's name): ", str, needed=True)
+    if not options.kind and not options.chain:
+        for name, one in first.KINDS.items():
+            print(f"  {name:<8} {one.title}")
+        options.kind = _answer("kind: ", _kind, needed=True)
+    kind = first.KINDS.get(options.kind or "")
+    if not options.control:
+        usual = kind.control if kind else ""
+        options.control = _answer(f"control, one of {', '.join(dialects.names())} [{usual}]: ", _control) or usual
+    said = options.chain or (kind.chain if kind else "")
+    letters = sorted(x for x in said if x in XYZ)
+    reach = dict(options.travel)
+    for x in [x for x in letters if x not in reach]:
+        options.travel.append(_answer(f"travel of {x} from,to in mm, like 0,400: ", _of(x, travel), needed=True))
+    if not (options.squareness or options.drift or options.diagonals):
+        for a, b in [(a, b) for i, a in enumerate(letters) for b in letters[i + 1 :]]:
+            text = f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty: not measured): "
+            options.diagonals += filter(None, [_answer(text, _of(a + b, diagonals))])
+    if not options.backlash:
+        for x in letters:
+            text = f"lost motion of {x} by a dial gauge, mm (empty: not measured): "
+            options.backlash += filter(None, [_answer(text, _of(x, length_of))])
+
+
+def _kind(text: str) -> str:
+    if text not in first.KINDS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not one of {', '.join(first.KINDS)}")
+    return text
+
+
+def _control(text: str) -> str:
+    try:
+        return dialects.load(text).name
+    except UsageError as error:
+        raise argparse.ArgumentTypeError(error.message) from None
+
+
+def _of(name: str, read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """A reader of an answer, of the option's text NAME=ANSWER."""
+    return lambda text: read(f"{name}={text}")
+
+
+def _answer(question: str, read: Callable[[str], Any], needed: bool = False) -> Any:
+    while True:
+        try:
+            text = input(question).strip()
+        except EOFError:
+            raise UsageError("the questions were not answered to the end", "gcomp machines new --help lists the options") from None  # fmt: skip
+        if not text and not needed:
+            return None
+        try:
+            if text:
+                return read(text)
+        except argparse.ArgumentTypeError as error:
+            print(f"  {error}")
