@@ -19,6 +19,7 @@ from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
 MOST = 4000  # places of a series: more can not be told apart on a screen, and a page stays below 3 MB
+TURNS = 600  # take-ups
 WORST = 10  # lines
 KEPT = 5 * WORST  # of which so many are remembered
 SHOWN = 8  # lines that a line became
@@ -71,24 +72,41 @@ class Places:
 
 @dataclass
 class Series:
-    """Places of one run, thinned while they come. step: how many places each one that is left stands for."""
+    """Places of one run, thinned while they come, alike from beginning to end. step: how many places each one that is left
+    stands for."""
 
     axes: int
     most: int
     step: int = 1
     parts: list[Places] = field(default_factory=list)
 
-    def add(self, places: Places) -> None:
-        self.parts.append(places)
-        if sum(map(len, self.parts)) > 2 * self.most:
-            self.parts = [self.places(2 * self.most)]
+    def chosen(self, order: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """Which of new places stay: indices in the order of the path, and the size (K,) of all."""
+        step = 1
+        while step < self.step or len(order) > 2 * self.most:
+            order, step = order[larger_of_two(size[order])], step * 2
+        while self.step < step:
+            self._halve()
+        return order
 
-    def places(self, most: int = 0) -> Places:
-        """Those that are kept, at most so many."""
-        whole = Places.joined(self.parts) if self.parts else Places.none(self.axes)
-        while len(whole) > (most or self.most):
-            whole, self.step = whole.pick(larger_of_two(whole.distance)), self.step * 2
-        return whole
+    def add(self, places: Places) -> None:
+        """Places that `chosen` has left."""
+        self.parts.append(places)
+        while sum(map(len, self.parts)) > 2 * self.most:
+            self._halve()
+
+    def places(self) -> Places:
+        """Those that are kept, at most as many as were asked for."""
+        while sum(map(len, self.parts)) > self.most:
+            self._halve()
+        return self._joined()
+
+    def _joined(self) -> Places:
+        return Places.joined(self.parts) if self.parts else Places.none(self.axes)
+
+    def _halve(self) -> None:
+        whole = self._joined()
+        self.parts, self.step = [whole.pick(larger_of_two(whole.distance))], self.step * 2
 
 
 def larger_of_two(size: np.ndarray) -> np.ndarray:
@@ -123,7 +141,7 @@ class _Batch:
 
 class Trace:
     """before, after: Series of the program as it was and as corrected; length: mm of nominal path; turns: (s, line) where a
-    slide's lost motion is taken up; cuts, take_ups: blocks put in; histogram: name to mm of path in each class; text: plain
+    slide's lost motion is taken up, of many some; cuts, take_ups: blocks put in; histogram: name to mm of path in each class; text: plain
     line to itself and what became of it."""
 
     def __init__(self, machine: Machine, most: int = MOST):
@@ -131,6 +149,7 @@ class Trace:
         self.before, self.after = (Series(len(machine.letters), most) for _ in range(2))
         self.length = 0.0
         self.turns: list[tuple[float, int]] = []
+        self._turned, self._every = 0, 1
         self.cuts = self.take_ups = self.motions = 0
         self.histogram = {name: np.zeros(len(CLASSES) + 1) for name in ("before", "after")}
         self.text: dict[int, tuple[str, tuple[str, ...]]] = {}
@@ -158,16 +177,16 @@ class Trace:
         assert batch is not None
         nominal, command, actual, distance = places
         self._count(name, batch, motion, distance, feed)
-        which = np.lexsort((np.round(t, 9), motion))  # the last digits depend on how the program was cut
-        while len(which) > 2 * self.before.most:
-            which = which[larger_of_two(distance[which])]
+        series = self.before if name == "before" else self.after
+        # The last digits of t depend on how the program was cut.
+        which = series.chosen(np.lexsort((np.round(t, 9), motion)), distance)
         own = motion[which]
         part = Places(
             batch.begin[own] + batch.length[own] * t[which], nominal[:, which], (actual - nominal)[:, which],
             (command - nominal)[:, which], distance[which], u(which), batch.line[own], batch.plain[own], feed[which],
             np.stack([self.motions + own, np.round(t[which], 9)]),
         )  # fmt: skip
-        (self.before if name == "before" else self.after).add(part)
+        series.add(part)
 
     def _count(self, name: str, batch: _Batch, motion, distance, feed) -> None:
         """All places: how much path there is of each size, and the largest of each line."""
@@ -192,9 +211,14 @@ class Trace:
         done = np.cumsum(pieces.share) - pieces.share  # of the motion, before each piece
         first = np.flatnonzero(np.diff(pieces.motion, prepend=-1))
         done -= np.repeat(done[first], np.diff(first, append=len(pieces)))
-        for k in np.flatnonzero(pieces.take_up)[: max(0, MOST - len(self.turns))].tolist():
-            motion = int(pieces.motion[k])
-            self.turns.append((float(batch.begin[motion] + batch.length[motion] * done[k]), int(batch.line[motion])))
+        for k in np.flatnonzero(pieces.take_up).tolist():
+            if self._turned % self._every == 0:
+                motion = int(pieces.motion[k])
+                place = float(batch.begin[motion] + batch.length[motion] * done[k])
+                self.turns.append((place, int(batch.line[motion])))
+            self._turned += 1
+        while len(self.turns) > TURNS:
+            self.turns, self._every = self.turns[::2], self._every * 2
         plain = dict(zip(batch.line.tolist(), batch.plain.tolist(), strict=True))
         for line, after in batch.after.items():
             known = self._worst.get(line)

@@ -53,6 +53,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
     parser.add_argument("--figure", metavar="FILE", help="draw the components with their uncertainty (.png .svg .pdf)")
 
+    parser.add_argument(
+        "--report", metavar="FILE.html", help="a page with the machine that was found, and what looks wrong"
+    )
+
     machine = parser.add_argument_group("the machine")
     machine.add_argument(
         "--like", metavar="MACHINE", help="take from it what machines of a kind share: control, chain, travels, limits"
@@ -135,6 +139,8 @@ def run(options: argparse.Namespace) -> int:
     texts = folder.folder(calibration, head, axes)
     if options.figure:
         _figure(options.figure, calibration)
+    if options.report:
+        _page(options.report, calibration, str(head["name"]))
     told = sys.stderr if options.json == "-" else sys.stdout
     print(report.table(calibration), file=told)
     for fault in [f"{r.file}:{f.line}: left out: {f.message}" for r in read for f in r.faults]:
@@ -372,6 +378,13 @@ def _accept(written: Path) -> None:
         raise CalibrationError(
             f"the machine would be refused, so it is not written: {place}{error.message}", error.advice
         ) from None
+
+
+def _page(name: str, calibration: Calibration, machine: str) -> None:
+    from postproc.pages import machine as pages
+
+    html = pages.calibrated_html(calibration.machine, machine, calibration.findings)
+    ports.replace_file(Path(name), io.BytesIO(html.encode("utf-8")), backup=False)
 
 
 def _figure(name: str, calibration: Calibration) -> None:

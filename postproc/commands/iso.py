@@ -26,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows")
     parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
     parser.add_argument("--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib")
+    parser.add_argument("--report", metavar="FILE.html", help="a page with every result drawn")
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness and squareness (least-squares)")  # fmt: skip
     parser.add_argument("--lead", metavar="MM", action="append", default=[], type=_lead, help="lead of the screw, of all axes or Z=10; may be repeated")  # fmt: skip
     u = parser.add_argument_group(
@@ -52,14 +53,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    named = [name for name in (options.figure, options.json, options.report) if name and name != "-"]
+    if len(set(named)) < len(named):
+        raise UsageError(f"two things are to be written to {max(named, key=named.count)}", "name two files")
     if options.figure:
         figure.check(options.figure)
-        if options.figure == options.json:
-            raise UsageError(f"the figure and the JSON are both to be written to {options.json}", "name two files")
     read = read_files(options.files, options.format, reading_options(options))
     results, left = choose.results(read, Options(options.line, dict(options.lead), _stated(options)))
     picture = figure.draw(results, Path(options.figure).suffix[1:].lower()) if options.figure else b""
     print(report.text(results, left), file=sys.stderr if options.json == "-" else sys.stdout)
+    if options.report:
+        from postproc.pages import measured
+
+        ports.replace_file(Path(options.report), io.BytesIO(measured.html(results, left).encode("utf-8")), backup=False)
     if options.figure:
         ports.replace_file(Path(options.figure), io.BytesIO(picture), backup=False)
     if options.json:

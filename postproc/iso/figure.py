@@ -153,9 +153,9 @@ def _circle(axes: Any, result: Result) -> None:
     """Circles about their least-squares centre (arcs as they stand), deviations magnified to fill half the radius."""
     traces: list[Trace] = result.detail
     nominal = traces[0].nominal
-    about = [_about_centre(t) for t in traces]
+    about = [about_centre(t) for t in traces]
     largest = max(float(np.abs(radial).max()) for _, radial in about)
-    magnification = _round_down(0.5 * nominal / max(largest, 1e-6))
+    magnification = round_down(0.5 * nominal / max(largest, 1e-6))
     plane = result.subject.split(",")[0]
     seen: set[int] = set()
     for t, (angle, radial) in zip(traces, about, strict=True):
@@ -165,7 +165,7 @@ def _circle(axes: Any, result: Result) -> None:
         seen.add(t.way)
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(turn, np.full(361, nominal), color="black", lw=0.8, label=f"nominal, {nominal:g} mm")
-    division = _round_down(max(largest, 1e-4))
+    division = round_down(max(largest, 1e-4))
     edge = math.ceil(largest / division)
     rings = division * np.arange(-edge, edge + 1)
     names = [f"{v * 1000:+g}" if abs(v) > division / 2 else "0" for v in rings]
@@ -183,7 +183,7 @@ def _circle(axes: Any, result: Result) -> None:
     axes.grid(True, lw=0.3)
 
 
-def _about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:
+def about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:
     """Angle (N,) and radius - nominal (N,), mm, closed where it is a full circle."""
     if not trace.full:
         return trace.angle, trace.radial
@@ -191,7 +191,7 @@ def _about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:
     return np.append(trace.angle, trace.angle[0]), np.append(radial, radial[0])
 
 
-def _round_down(value: float) -> float:
+def round_down(value: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above value."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(f * power for f in (1, 2, 5) if f * power <= value * (1 + 1e-9))

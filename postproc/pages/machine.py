@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from postproc.calibrate import Finding
 from postproc.machine import overshoot
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.lacks import lacks
@@ -24,6 +27,26 @@ LEAN = 8.0  # degrees, as which the largest angle is drawn
 def html(machine: Machine) -> str:
     """The file's text of `page`."""
     return page(machine).html()
+
+
+def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) -> str:
+    """The page of a machine that was made of recordings; findings come first: what looks wrong in them."""
+    made = page(machine)
+    made.title = f"{name}: calibration"
+    made.subject = [row for row in made.subject if row[0] not in ("name", "map")]
+    told = made.blocks
+    made.blocks = told[:1]
+    doubts = [f.message for f in findings if f.level == "doubt"]
+    if doubts:
+        made.mood = "open"
+        made.section("In doubt")
+        made.listing(doubts)
+    made.blocks += told[1:]
+    notes = [f.message for f in findings if f.level != "doubt"]
+    if notes:
+        made.section("To know")
+        made.listing(notes)
+    return made.html()
 
 
 def page(machine: Machine) -> Page:

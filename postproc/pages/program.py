@@ -139,9 +139,7 @@ def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after:
         "magnify": magnified(extent or 1.0, float(np.abs(before.off).max(initial=0.0))),
         "text": {str(n): [own, list(became)] for n, (own, became) in trace.text.items() if n in wanted},
     }  # fmt: skip
-    note = f" Of {trace.after.step} places measured the one farthest off is drawn; the largest are all there." * (
-        trace.after.step > 1
-    )
+    note = f" Of each {trace.after.step:,} places measured the one farthest off is drawn." * (trace.after.step > 1)
     result.section("Path")
     result.blocks.append({
         "kind": "path", "views": shown, "colours": colours, "height": 520,

@@ -89,13 +89,29 @@ def test_lengths_of_path_add_up_to_what_is_cut():
 def test_blocks_added_are_cuts_and_take_ups():
     filter_, _, trace = traced(sample("pocket_mill.ngc"), "example-mill")
     assert trace.cuts + trace.take_ups == filter_.summary.added
-    assert len(trace.turns) == trace.take_ups > 0
+    assert len(trace.turns) == trace.take_ups > 0  # as few as here are all kept
 
 
 def test_what_became_of_a_line_stands_with_it():
     _, _, trace = traced(sample("shaft.nc"), "studer-s36")
     own, became = trace.text[17]
     assert own == "N120 Z190. F80." and became[0].startswith("N120 Z") and "F80." in became[0] and len(became) == 5
+
+
+def test_of_a_long_program_all_parts_are_drawn_alike():
+    """Back and forth 2,000 times: each tenth of the path has its tenth of the places, however the program was cut."""
+    text = b"G90 G21 G18\nG0 X20. Z10.\nG1 F500\n" + b"".join(
+        b"X%d. Z%d.\n" % (20 + i % 2 * 40, 20 + i % 2) for i in range(2000)
+    )
+    for size in (1 << 20, 3000):
+        _, verifier, trace = traced(text, "studer-s36", 200, size)
+        for series in (trace.before, trace.after):
+            places = series.places()
+            counts = np.histogram(places.s, 10, (0, trace.length))[0]
+            assert 100 <= len(places) <= 200 and counts.min() > 0.5 * counts.mean(), counts
+        assert trace.after.places().distance.max() == verifier.corrected.deviation
+        at = np.array([s for s, _ in trace.turns])
+        assert len(at) <= 600 and np.histogram(at, 10, (0, trace.length))[0].min() > 0
 
 
 def test_of_two_neighbours_the_larger_stays():

@@ -1,0 +1,222 @@
+"""The page of tests by the ISO 230 series: each drawn as its standard draws it, with its parameters and their uncertainty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from postproc.iso import Result
+from postproc.iso.circles import Trace
+from postproc.iso.figure import about_centre, round_down
+from postproc.iso.positioning import Positioning
+from postproc.iso.report import decimals, number, scale
+from postproc.iso.straightness import NAMES, Straightness
+from postproc.pages import charts
+from postproc.pages.frame import Page
+
+SIDE = 0.86  # of the width; beside it stand the widths E, M and A
+ROLES = {1: "plus", -1: "minus"}
+FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
+MOST_READINGS, MOST_POINTS = 4000, 2500  # of a figure
+
+
+def html(results: Sequence[Result], left: Sequence[str] = ()) -> str:
+    """The file's text of `page`."""
+    return page(results, left).html()
+
+
+def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
+    """The page of some results. left: what was not evaluated."""
+    files = sorted({name for r in results for name in r.files})
+    title = f"{', '.join(dict.fromkeys(r.subject for r in results))} by ISO 230"
+    made = Page(title if len(title) < 90 else f"{len(results)} tests by ISO 230", _headline(results))
+    made.subject = [("recordings", ", ".join(files))]
+    for k, result in enumerate(results):
+        made.section(f"{result.subject}: {result.test}, {result.standard}", f"{result.chosen}.")
+        if isinstance(result.detail, Positioning | Straightness):
+            made.figure(_along(result, f"test-{k}"))
+        elif isinstance(result.detail, list) and result.detail:
+            made.figure(_circle(result, f"test-{k}"))
+        _parameters(made, result)
+        made.listing([f"{text}." for text in result.notices])
+    if left:
+        made.section("Left out")
+        made.listing(list(left))
+    return made
+
+
+def _headline(results: Sequence[Result]) -> str:
+    """The first parameter of each of the first tests."""
+    said = []
+    for result in results[:4]:
+        main = next((p for p in result.parameters if p.value is not None), None)
+        if main is not None:
+            u = "" if main.U is None else f" +- {_shown(result, main.U)}"
+            said.append(f"{result.subject}: {main.name} {_shown(result, main.value)}{u} {result.unit}")
+    return "; ".join(said) + (f"; and {len(results) - 4} more." if len(results) > 4 else ".")
+
+
+def _shown(result: Result, value: float | None) -> str:
+    return number(None if value is None else value / scale(result), decimals(result))
+
+
+def _parameters(made: Page, result: Result) -> None:
+    rows = [
+        (p.name, _shown(result, p.value), _shown(result, p.U), _shown(result, p.runs), p.means + (f", {p.at}" if p.at else ""))
+        for p in result.parameters
+    ]  # fmt: skip
+    made.table(("", f">{result.unit}", ">U (k = 2)", ">of it runs", "what it is"), rows)
+    if result.terms:
+        made.text("In U, k = 1:")
+        made.listing([f"{t.name}: {_shown(result, t.u)} {result.unit}; {t.said}" for t in result.terms])
+
+
+# -- along an axis -----------------------------------------------------------------------------------------------------
+
+
+def _along(result: Result, name: str) -> charts.Figure:
+    """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand for."""
+    test: Positioning = result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    unit = scale(result)
+    x = charts.column(test.target, 4)
+    data: list[charts.Trace] = []
+    for row, way in enumerate((1, -1)):
+        mean, s = test.mean[row] / unit, test.s[row] / unit
+        there = np.isfinite(mean) & np.isfinite(s)
+        if there.any():
+            low, high = (charts.column((mean + k * s)[there], 3) for k in (-2, 2))
+            role = f"{ROLES[way]}-fill"
+            data.append(
+                charts.band(charts.column(test.target[there], 4), low, high, "mean +- 2 s", role, showlegend=False)
+            )
+    for row, way in enumerate((1, -1)):
+        rows = np.flatnonzero(test.way == way)
+        rows = rows[:: max(1, len(rows) // MOST_READINGS)]
+        if not len(rows):
+            continue
+        sign = "+" if way > 0 else "-"
+        hover = f"%{{x}}: %{{y:.2f}} {result.unit}, run %{{customdata}}<extra></extra>"
+        data.append(
+            charts.dots(
+                charts.column(test.position[rows], 4), charts.column(test.reading[rows] / unit, 3), f"readings, {sign}",
+                ROLES[way], size=4, opacity=0.4, showlegend=False, customdata=charts.column(test.run[rows], 0), hovertemplate=hover,
+            )
+        )  # fmt: skip
+        data.append(charts.line(x, charts.column(test.mean[row] / unit, 3), f"mean, approached in {sign}", ROLES[way],
+                                mode="lines+markers", marker={"size": 5, "color": f"@{ROLES[way]}"}))  # fmt: skip
+    if test.two_way:
+        data.append(charts.line(x, charts.column(test.middle / unit, 3), "mean, two-way", "still", dash="dash"))
+    notes: list[dict[str, Any]] = []
+    if isinstance(result.detail, Straightness):
+        data += _lines(result, result.detail, unit)
+        domain = 1.0
+    else:
+        widths, notes = _widths(result, test, unit)
+        data += widths
+        domain = SIDE if widths else 1.0
+    along = "degrees" if result.test == "rotary" else "mm"
+    letter = result.subject.split(",")[0] if result.test == "diagonal" else result.subject[2:3]
+    return charts.figure(
+        name, "Readings (dots), their means with 2 s, in each direction of approach. Actual - commanded.", data,
+        f"{letter}, {along}", f"deviation, {result.unit}", 400, annotations=notes,
+        xaxis={"domain": [0, domain], "range": _range(test.target)},
+        xaxis2={"domain": [min(domain + 0.02, 0.99), 1], "visible": False, "fixedrange": True, "range": [-0.6, 2.6]},
+    )  # fmt: skip
+
+
+def _range(target: np.ndarray) -> list[float]:
+    """The travel that was measured, with room for a dot at its ends."""
+    edge = 0.015 * max(float(np.ptp(target)), 1e-9)
+    return [round(float(target.min()) - edge, 4), round(float(target.max()) + edge, 4)]
+
+
+def _widths(result: Result, test: Positioning, unit: float) -> tuple[list[charts.Trace], list[dict[str, Any]]]:
+    """E, M and A as bars beside the curves, each with its name and size."""
+    spread = np.isfinite(test.s).any()
+    both = test.both.any()
+    ends = {
+        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if both else None,
+        "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
+        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s)) if spread else None,
+    }
+    known = {p.name: p.value for p in result.parameters}
+    sign = "" if known.get("E") is not None else "+" if known.get("E+") is not None else "-"
+    data, notes = [], []
+    for k, (letter, low_high) in enumerate(ends.items()):
+        value = known.get(f"{letter}{sign}")
+        if low_high is None or value is None:
+            continue
+        low, high = (round(float(v) / unit, 3) for v in low_high)
+        label = f"{letter}{sign}"
+        data.append(charts.line([k, k], [low, high], label, "ink", xaxis="x2", showlegend=False, mode="lines+markers",
+                                marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
+                                hovertemplate=f"{label} {_shown(result, value)} {result.unit}<extra></extra>"))  # fmt: skip
+        notes.append({
+            "x": k, "y": high, "xref": "x2", "yref": "y", "yanchor": "bottom", "yshift": 6, "showarrow": False,
+            "text": f"{label}<br>{_shown(result, value)}", "font": {"color": "@ink", "size": 11},
+        })  # fmt: skip
+    return data, notes
+
+
+def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trace]:
+    """The reference line and the zone of the straightness error about it."""
+    line, name = lines.lines[lines.best], lines.best
+    if line is None:
+        return []
+    test, x = lines.test, charts.column(lines.test.target, 4)
+    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
+    level = line.value(test.target)
+    off = (y - level)[np.isfinite(y)]
+    size = _shown(result, lines.errors[name])
+    data = [charts.line(x, charts.column(level / unit, 3), f"{lines.kind} line", "ink", width=1.2)]
+    for k, edge in enumerate((off.max(), off.min())):
+        data.append(charts.line(x, charts.column((level + edge) / unit, 3), f"zone: {name} {size} {result.unit}", "ink",
+                                dash="dashdot", width=1, showlegend=not k))  # fmt: skip
+    return data
+
+
+# -- circles -----------------------------------------------------------------------------------------------------------
+
+
+def _circle(result: Result, name: str) -> charts.Figure:
+    """Circles about their least-squares centre (arcs as they stand), deviations magnified."""
+    traces: list[Trace] = result.detail
+    nominal = traces[0].nominal
+    about = [about_centre(t) for t in traces]
+    largest = max(float(np.abs(radial).max()) for _, radial in about)
+    times = round_down(FILL * nominal / max(largest, 1e-6))
+    plane = result.subject.split(",")[0]
+    data: list[charts.Trace] = []
+    seen: set[int] = set()
+    for t, (angle, radial) in zip(traces, about, strict=True):
+        step = max(1, len(angle) // (MOST_POINTS // min(len(traces), 5)))
+        sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
+        data.append({
+            "type": "scatterpolar", "mode": "lines", "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
+            "theta": charts.column(np.degrees(angle[::step]), 2), "r": charts.column((nominal + times * radial)[::step], 4),
+            "customdata": charts.um(radial[::step], 2), "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
+            "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2}, "showlegend": t.way not in seen,
+        })  # fmt: skip
+        seen.add(t.way)
+    turn = np.linspace(0, 360, 181)
+    data.append({
+        "type": "scatterpolar", "mode": "lines", "name": f"nominal, {nominal:g} mm", "theta": charts.column(turn, 1),
+        "r": [nominal] * len(turn), "line": {"color": "@ink", "width": 1, "dash": "dot"}, "hoverinfo": "skip",
+    })  # fmt: skip
+    division = round_down(max(largest, 1e-4))
+    edge = math.ceil(largest / division)
+    rings = division * np.arange(-edge, edge + 1)
+    return charts.figure(
+        name, f"About the least-squares centre, deviations {times:g} times larger; one ring is {division * 1000:g} um.", data,
+        "", "", 560, polar={
+            "bgcolor": "rgba(0,0,0,0)",
+            "radialaxis": {"tickvals": charts.column(nominal + times * rings, 4), "ticktext": [f"{v * 1000:+g}" if v else "0" for v in rings],
+                           "range": [0, round(nominal + times * division * edge * 1.02, 4)], "gridcolor": "@grid", "angle": 22.5,
+                           "tickfont": {"size": 10, "color": "@muted"}, "linecolor": "@rule"},
+            "angularaxis": {"tickvals": [0, 90, 180, 270], "ticktext": [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
+                            "gridcolor": "@grid", "linecolor": "@rule"},
+        },
+    )  # fmt: skip

@@ -1,0 +1,74 @@
+"""Pages of ISO 230 tests and of calibrations hold the numbers of their commands, drawn where they belong."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gcomp
+from postproc.cli import main
+from tests.pages import drawn
+
+ROOT = Path(__file__).resolve().parents[2]
+RECORDINGS = ROOT / "sample_recordings"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory) -> str:
+    out = tmp_path_factory.mktemp("iso") / "iso.html"
+    files = [str(RECORDINGS / f"{n}.csv") for n in ("z_positioning", "z_straightness", "ballbar_xz")]
+    assert main(["iso", *files, "--report", str(out), "--json", str(out.with_suffix(".json"))]) == 0
+    return out.read_text("utf-8")
+
+
+def test_every_parameter_of_the_table_stands_on_the_page(page):
+    evaluated = gcomp.evaluate([gcomp.read_recording(RECORDINGS / "z_positioning.csv")])
+    table = re.findall(r"^  (\S+) +(-?\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)  (.*)$", evaluated.text, re.MULTILINE)
+    assert len(table) > 8
+    for name, *numbers, means in table:
+        row = "".join(f"<td[^>]*>{re.escape(cell)}</td>" for cell in (name, *numbers, means))
+        assert re.search(row, page), name
+
+
+def test_means_and_widths_are_the_results_to_the_digit(page):
+    curves = drawn.curves(page, "test-0")
+    result = gcomp.evaluate([gcomp.read_recording(RECORDINGS / "z_positioning.csv")]).details[0]
+    np.testing.assert_allclose(curves["mean, approached in +"]["y"], result.detail.mean[0] * 1000.0, atol=6e-4)
+    for letter in "EA":
+        low, high = curves[letter]["y"]
+        assert high - low == pytest.approx(result[letter].value * 1000.0, abs=2e-3)
+
+
+def test_the_axis_ends_where_the_travel_ends_and_nothing_is_written_over_curves(page):
+    figure = next(f for f in drawn.data(page)["figures"] if f["id"] == "test-0")
+    low, high = figure["layout"]["xaxis"]["range"]
+    assert low == pytest.approx(-599.0, abs=10) and high == pytest.approx(-1.0, abs=10)
+    assert all(note["xref"] == "x2" for note in figure["layout"]["annotations"])
+
+
+def test_a_circle_is_drawn_about_its_centre_with_the_deviation_told(page):
+    curves = drawn.curves(page, "test-2")
+    ways = [c for name, c in curves.items() if name.startswith("from +")]
+    assert len(ways) == 2 and all(c["type"] == "scatterpolar" for c in ways)
+    # Gxz: the range of the radii about the least-squares centre, of the run with the largest.
+    largest = np.ptp(np.array(next(c for n, c in curves.items() if n == "from +X to +Z")["customdata"], float))
+    assert 30.0 < largest < 40.0
+    assert drawn.outside(page) == []
+
+
+def test_a_calibration_has_the_page_of_its_machine_with_doubts_first(tmp_path, capfd):
+    out = tmp_path / "cal.html"
+    files = [str(p) for p in sorted(RECORDINGS.glob("?_*.csv"))]
+    assert main(["calibrate", *files, "--like", "example-lathe", "--report", str(out)]) == 0
+    html = out.read_text("utf-8")
+    assert html.index("In doubt") < html.index("Axis X") and "sign of EBX" in html
+    capfd.readouterr()
+
+
+def test_two_things_do_not_go_to_one_place(tmp_path, capfd):
+    one = str(tmp_path / "one")
+    assert main(["iso", str(RECORDINGS / "z_positioning.csv"), "--report", one, "--json", one]) == 2
+    assert "two things are to be written to" in capfd.readouterr().err
