@@ -6,11 +6,14 @@ The image and its host lie beside the project (../shared/receivers); without the
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
+from collections import deque
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +23,11 @@ RECEIVERS = ROOT.parent / "shared" / "receivers"
 STEPS = 250.0  # a mm, of ee_router.bin
 RECORD = np.dtype([("cycle", "<u8"), ("at", "<i4", 3), ("pad", "<u4")])
 PATIENCE = 60.0  # s
+BEHIND = (
+    0.5  # s: a simulator that lost more against the clock, within ten seconds, was starved, and says nothing of gcomp
+)
+SPAN = 10.0  # s
+STAT = 0.2  # s: so often its clock is written
 
 
 def missing() -> str:
@@ -35,6 +43,7 @@ class RealGrbl:
 
     def __init__(self, folder: Path, *options: str, eeprom: str = "ee_router.bin"):
         self.folder, self.path = folder, str(folder / "port")
+        self.behind = 0.0  # s by which it fell behind the clock at most within SPAN
         self._fifo, self._trace = folder / "ctl", folder / "t.bin"
         shutil.copy(RECEIVERS / eeprom, folder / "ee.bin")
         os.chmod(folder / "ee.bin", 0o644)
@@ -51,7 +60,22 @@ class RealGrbl:
             assert time.monotonic() < deadline and self._process.poll() is None
             time.sleep(0.02)
         time.sleep(0.5)  # it starts
+        self._watching = threading.Thread(target=self._watch, daemon=True)
+        self._watching.start()
         return self
+
+    def _watch(self) -> None:
+        """How much time the simulator lost: its own clock beside the wall's."""
+        seen: deque[tuple[float, float]] = deque()
+        while self._process.poll() is None:
+            with contextlib.suppress(OSError, ValueError, KeyError):
+                ran = json.loads((self.folder / "s.json").read_text())["avr_s"]
+                lost = time.monotonic() - ran
+                seen.append((time.monotonic(), lost))
+                while seen[0][0] < seen[-1][0] - SPAN:
+                    seen.popleft()
+                self.behind = max(self.behind, lost - min(v for _, v in seen) - STAT)
+            time.sleep(0.1)
 
     def __exit__(self, *_) -> None:
         with contextlib.suppress(OSError):
