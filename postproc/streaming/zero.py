@@ -8,6 +8,7 @@ that has not restarted and stands on the way on which the journal left it.
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 
@@ -15,11 +16,12 @@ from postproc.errors import UsageError
 from postproc.streaming import journal
 from postproc.streaming.journal import Past
 from postproc.streaming.live import SAME_MM, Live
-from postproc.streaming.outcome import ABORTED, ALARM, RESET
+from postproc.streaming.outcome import ABORTED, ALARM, DISCONNECTED, RESET
 from postproc.streaming.path import coarsest_step, nearest
 from postproc.streaming.protocols import Controller
 
 NEAR_MM = 0.1  # of the way: a journal's arcs are chords that miss by 45 um, a report is rounded
+FEED = re.compile(r"F *0*[1-9]|F *0*\.0*[1-9]", re.IGNORECASE)
 HOMED, UNLOCKED = "homed", "unlocked"
 TOUCHED = (
     "or touch off the work zero anew, look where the tool stands, and say --zero-is-right (--yes does not say that)"
@@ -45,6 +47,15 @@ def stopped(past: Past) -> str:
     if past.outcome == ABORTED and not still:
         return "the job was stopped while the machine moved: steps may have been lost"
     return ""
+
+
+def forgot(past: Past, controller: Controller) -> bool:
+    """Whether a controller has lost the feed that the job gave it, as it does when it restarts (gcode.c, gc_init). Where the job ended in
+    a hold, the reset that leads out of it does that too, and nothing follows."""
+    if past.outcome not in ("", DISCONNECTED) or past.state in ("hold", "door"):
+        return False
+    fed = any(FEED.search(str(e.get("text", ""))) for e in past.recent if int(e["sent"]) <= past.answered)
+    return fed and "F0" in controller.modal
 
 
 def found(past: Past, place: tuple[float, ...], near: float) -> tuple[int | None, float]:
@@ -112,6 +123,8 @@ def doubt(
         return "the controller was locked, and unlocking does not tell it where the machine stands"
     if past is None:
         return "there is no journal of this program here that says where the machine stopped"
+    if forgot(past, controller):
+        return "the controller has forgotten the feed that the job gave it: it has restarted since, and was not homed"
     place = tuple(live.place.get(x, math.nan) for x in letters)
     return stopped(past) or beside(past, place, within(controller), letters)
 

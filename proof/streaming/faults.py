@@ -4,6 +4,7 @@ done that was not?"""
 from __future__ import annotations
 
 import random
+import subprocess
 import threading
 import time
 from collections.abc import Callable
@@ -92,7 +93,7 @@ def schedule(seed: int) -> Row:
             doing.start()
             try:
                 said = process.communicate(timeout=180)[1]
-            except TimeoutError:
+            except subprocess.TimeoutExpired:
                 process.kill()
                 return Row(f"{program.name}: {', '.join(names)}", "it hangs", False)
             doing.join(30)

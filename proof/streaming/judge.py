@@ -8,11 +8,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from postproc.streaming import zero
+from postproc.streaming.path import nearest
 from proof.streaming.programs import Program
 from tests.streaming.real_grbl import STEPS, in_order
 
-# Steps, by axis: the controller rounds to whole ones, and its chords miss an arc by half a step ($12).
+# Steps, by axis: the controller rounds to whole ones, and its chords miss an arc by half a step
+# ($12).
 WITHIN = 1.5
+
+
+HELD = 21  # motions that the controller may have answered and not made
 
 
 @dataclass
@@ -34,14 +39,19 @@ class Way:
         self._depth = dense[:, 2]
         self._clear = (self.program.cuts + self.zero[2]) * STEPS
 
-    @property
-    def near(self) -> int:
-        """Motions within the distance at which a controller stands on a line, for a restart: so many
-        lines earlier it may be found."""
-        edges = np.flatnonzero(np.diff(self.program.motion)) + 1
-        ends = self.program.places[np.concatenate([edges - 1, [len(self.places) - 1]])]
-        typical = float(np.median(np.linalg.norm(np.diff(ends, axis=0), axis=1)))
-        return int(np.ceil((zero.NEAR_MM + 2 / STEPS) / typical)) if typical < 0.5 else 0
+    def near(self, stop: np.ndarray, reached: int) -> int:
+        """Motions from the first place, of those that the controller may not have made, where it
+        stands on the way when it stands at `stop`, to the last that it reached: where a way is cut
+        twice over, or in short pieces, the first is meant, to be sure."""
+        limit = zero.NEAR_MM * STEPS + 2
+        motion, last = self.program.motion, max(reached - 1, 0)
+        for i in range(1, reached):
+            if motion[i] < motion[last] - HELD:
+                continue
+            _, off = nearest(self.places[i - 1 : i + 1], stop)
+            if off <= limit:
+                return int(motion[last] - motion[i])
+        return 0
 
     def reached(self, steps: np.ndarray, within: float = WITHIN) -> int:
         """How many places the motors came by, from the first on, in order."""

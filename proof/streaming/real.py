@@ -22,9 +22,9 @@ from tests.streaming.real_grbl import RealGrbl
 
 ZERO = (-170.0, -170.0, -30.0)  # mm: G54, within the travel of 300 mm of ee_homing.bin
 SECOND = tuple(a + b for a, b in zip(ZERO, (20.0, 10.0, 0.0), strict=True))  # G55
-# Motions that may be cut twice, begun ones counted: where the controller still knows where it stands,
-# and where it does not, and what it can hold comes to them.
-KNOWN, LOST = journal.MARGIN + 2, journal.MARGIN + 2 + 21
+# Motions that may be cut twice, begun ones and one on which the plunge lies counted: where the
+# controller still knows where it stands; and where it does not, and what it can hold comes to them.
+KNOWN, LOST = journal.MARGIN + 3, journal.MARGIN + 3 + 21
 HOME = (1000, 1000, 1000)  # steps: where the homing switches are
 REPEATS = 3.0  # steps, to which a homing finds its place again
 
@@ -165,7 +165,8 @@ def interrupted(program: Program, how: Interruption, seed: int) -> Row:
         return Row(what, "refused: " + short(said), not len(second), None, status, behind)
     way = Way(program, _zero_of(how))
     verdict = judged(way, first, second, WITHIN + REPEATS * how.homes)
-    right = status == 0 and verdict.right((LOST if how.homes else KNOWN) + way.near)
+    margin = LOST if how.homes else KNOWN + way.near(first[-1], way.reached(first))
+    right = status == 0 and verdict.right(margin)
     return Row(f"{what}{accepted}", short(said), right, verdict, status, behind)
 
 

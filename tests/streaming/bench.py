@@ -6,6 +6,7 @@ import math
 import random
 from dataclasses import dataclass, field
 
+from postproc.streaming import journal
 from postproc.streaming.lines import WireLine
 from postproc.streaming.path import Path
 from postproc.streaming.protocols.grbl import Grbl
@@ -19,13 +20,14 @@ TICK = 0.002
 class Faults:
     """What happens on the way, by the count of bytes that have passed. `to` and `back`: byte number to "drop", "flip" or
     "double"; stall: (time, seconds) in which nothing passes back; cut: time at which the port closes; reset: time at which
-    the controller restarts; lag: s that answers are late; asleep: (time, seconds) in which the sender's own computer does nothing."""
+    the controller restarts; power: at which it loses its zero, too; lag: s that answers are late; asleep: (time, seconds) in which the sender's own computer does nothing."""
 
     to: dict[int, str] = field(default_factory=dict)
     back: dict[int, str] = field(default_factory=dict)
     stall: tuple[float, float] = (0.0, 0.0)
     cut: float = float("inf")
     reset: float = float("inf")
+    power: float = float("inf")
     lag: float = 0.0
     asleep: tuple[float, float] = (math.inf, 0.0)
     random: random.Random = field(default_factory=lambda: random.Random(0))
@@ -55,15 +57,16 @@ def lines_of(text: str, ends: list[tuple[float, ...]] | None = None) -> list[Wir
 
 
 def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, limit: float = 600.0, tick: float = TICK,
-        ready: bool = True, actions=()) -> float:  # fmt: skip
-    """Until there is an outcome; returns the simulated time. `actions`: (time, callable(sender, now)) in order."""
+        ready: bool = True, actions=(), kept: list[bytes] | None = None) -> float:  # fmt: skip
+    """Until there is an outcome; returns the simulated time. `actions`: (time, callable(sender, now)) in
+    order; kept: takes the journal's records."""
     faults = faults or Faults()
     now = model.now
     if ready:  # the greeting has been heard before
         model.advance(now := now + 1.0)
         model.read(now)
     begun = now
-    lines, actions, late = iter(lines), list(actions), []
+    lines, actions, late, logged = iter(lines), list(actions), [], 0
     more = True
     while sender.outcome is None:
         if now - begun > limit:
@@ -87,6 +90,10 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
             model.advance(now)
             model.restart()
             faults.reset = float("inf")
+        if now - begun >= faults.power:
+            model.advance(now)
+            model.power()
+            faults.power = float("inf")
         if now - begun >= faults.cut:
             sender.lost("the port was closed", now)
         model.advance(now)
@@ -96,6 +103,10 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
         stalled = faults.stall[0] <= now - begun < faults.stall[0] + faults.stall[1]
         while late and late[0][0] <= now and not stalled:
             sender.receive(late.pop(0)[1], now)
+        if kept is not None:
+            executed = sender.account.executed
+            kept += [journal.record(*entry, executed) for entry in sender.log[logged:]]
+            logged = len(sender.log)
     return now - begun
 
 
@@ -111,12 +122,20 @@ def new_sender(
     return Sender(protocol, path=Path(controller) if watched else None, **how)
 
 
-def zigzag(n: int, seed: int = 1, feed: int = 6000, step: float = 0.3) -> tuple[str, list[tuple[float, ...]]]:
-    """n lines of motion with lengths of text that differ, and where each ends."""
+def zigzag(
+    n: int, seed: int = 1, feed: int = 6000, step: float = 0.3, still: bool = False
+) -> tuple[str, list[tuple[float, ...]]]:
+    """n lines of motion with lengths of text that differ, and where each ends. still: every other line is
+    one that makes no block: words without a motion, or a motion below a step of the motors."""
     r = random.Random(seed)
     place = [0.0, 0.0, 0.0]
     rows, ends = ["G21G90G94"], [(0.0, 0.0, 0.0)]
     for i in range(n - 1):
+        if still and i and r.random() < 0.5:
+            below = f"G1 Z{place[2] + r.uniform(-0.0002, 0.0002):.6f}"
+            rows.append(r.choice(("G94", "G90 G94", f"F{feed}", below)))
+            ends.append(tuple(place))
+            continue
         words = []
         for k, axis in enumerate("XYZ"):
             if r.random() < 0.7 or (axis == "Z" and not words):

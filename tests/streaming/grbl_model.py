@@ -43,6 +43,7 @@ class GrblModel:
         self.accepted: list[str] = []
         self.told_shift, self.reports = [0.0, 0.0, 0.0], 1
         self.ends: list[list[float]] = []  # where each motion goes, machine coordinates
+        self.made = 0  # of these motions, how many are over
         self.stored = {name: [0.0, 0.0, 0.0] for name in WORK}
         self._wire: deque[tuple[float, int]] = deque()
         self._wire_free = self._tx_free = 0.0
@@ -380,11 +381,13 @@ class GrblModel:
         speed = float(self.settings["110"]) if motion == "0" else self.rate
         self.target = end
         self.ends.append(end)
-        for place in way(start, end, number, motion, self.modal["plane"], unit):
+        places = way(start, end, number, motion, self.modal["plane"], unit)
+        last = places[-1]
+        for place in places:
             seconds = sum((a - b) ** 2 for a, b in zip(start, place)) ** 0.5 / speed * 60.0
             if self._steps(place) != self._steps(start):  # else it makes no block (planner.c)
                 self._planned = self._planned if self._planner else self.now
-                self._planner.append([seconds, seconds, start, place])
+                self._planner.append([seconds, seconds, start, place, len(self.ends) if place is last else 0])
                 self.state = RUN if self.state == IDLE else self.state
             start = place
 
@@ -398,9 +401,10 @@ class GrblModel:
             while self._planner and spent >= self._planner[0][0] - 1e-12:
                 spent -= self._planner[0][0]
                 self._planned += self._planner[0][0]
-                self.place = list(self._planner.popleft()[3])
+                *_, place, number = self._planner.popleft()
+                self.place, self.made = list(place), number or self.made
             if self._planner:
-                left, whole, start, end = self._planner[0]
+                left, whole, start, end, _ = self._planner[0]
                 share = 1.0 - (left - max(spent, 0.0)) / whole
                 self.place = [a + (b - a) * share for a, b in zip(start, end)]
                 self._planner[0][0] = left - max(spent, 0.0)

@@ -39,7 +39,9 @@ def missing() -> str:
 
 
 class RealGrbl:
-    """`path` is the port; folder: where the files go. options: of grblhost ("-dtr")."""
+    """`path` is the port; folder: where the files go. options: of grblhost ("-dtr"). lost: `behind` of the last one."""
+
+    lost = 0.0
 
     def __init__(self, folder: Path, *options: str, eeprom: str = "ee_router.bin"):
         self.folder, self.path = folder, str(folder / "port")
@@ -74,7 +76,7 @@ class RealGrbl:
                 seen.append((time.monotonic(), lost))
                 while seen[0][0] < seen[-1][0] - SPAN:
                     seen.popleft()
-                self.behind = max(self.behind, lost - min(v for _, v in seen) - STAT)
+                RealGrbl.lost = self.behind = max(self.behind, lost - min(v for _, v in seen) - STAT)
             time.sleep(0.1)
 
     def __exit__(self, *_) -> None:

@@ -9,10 +9,15 @@ So alterations on that way are drawn with echo for the law, and without it for t
 from __future__ import annotations
 
 import random
+import re
 from collections import Counter
+from dataclasses import dataclass
 
 import pytest
 
+from postproc.streaming import journal, zero
+from postproc.streaming.live import Live
+from postproc.streaming.outcome import Outcome
 from tests.streaming.bench import Faults, lines_of, new_sender, run, zigzag
 from tests.streaming.grbl_model import GrblModel
 
@@ -21,7 +26,7 @@ QUIET = 240
 LINES = 60
 PATIENCE = 60.0  # s, after which a person at a machine that holds gives up
 SEEN = 0.02  # mm: what a part shows
-KINDS = ("nothing", "back", "late", "pause", "silent", "cut", "reset", "alarm", "small buffer", "to")
+KINDS = ("nothing", "back", "late", "pause", "silent", "cut", "reset", "alarm", "small buffer", "to", "power", "stop")
 
 
 def schedule(seed: int, echo: bool = True, kinds=KINDS):
@@ -46,6 +51,11 @@ def schedule(seed: int, echo: bool = True, kinds=KINDS):
             faults.cut = r.uniform(0.02, 3)
         elif name == "reset":
             faults.reset = r.uniform(0.02, 3)
+        elif name == "power":
+            faults.power = r.uniform(0.02, 3)
+        elif name == "stop":
+            actions.append((r.uniform(0.02, 2), lambda s, now: s.hold(now)))
+            actions.append((actions[-1][0] + 1.0, lambda s, now: s.stop(now)))
         elif name == "alarm":
             actions.append((r.uniform(0.02, 2), lambda s, now: s.receive(b"ALARM:1\r\n", now)))
         elif name == "small buffer":
@@ -60,14 +70,29 @@ def distinct(places) -> list[tuple[float, ...]]:
     return [b for a, b in zip([(), *rows], rows, strict=False) if a != b]
 
 
-def job(seed: int, echo: bool = True, kinds=KINDS, feed: int = 6000, step: float = 1.0):
-    """One schedule: the outcome, whether the model took exactly the program, whether a line came twice, mm by which the model's
-    motions missed theirs (inf: other ones), and the sender's log."""
+@dataclass
+class Job:
+    """One schedule: how it ended; whether the model took exactly the program; whether a line came twice; mm by which the model's motions
+    missed theirs (inf: other ones); its faults; what is wrong with the way back into it, "" nothing, and motions that it makes twice."""
+
+    outcome: Outcome
+    right: bool
+    twice: bool
+    missed: float
+    names: list[str]
+    back: str = ""
+    again: int = 0
+
+
+def job(seed: int, echo: bool = True, kinds=KINDS, feed: int = 6000, step: float = 1.0, still: bool = False) -> Job:
+    """still: with lines between the motions that make no block."""
     faults, model, actions, counting, names = schedule(seed, echo, kinds)
-    text, ends = zigzag(LINES, seed=seed, feed=feed, step=step)
+    text, ends = zigzag(LINES, seed=seed, feed=feed, step=step, still=still)
     text = "\n".join(f"N{i}{row}" for i, row in enumerate(text.split("\n"), 1))  # so that every line is one of a kind
     sender = new_sender(model, counting=counting, window=128, watched=True)
-    run(sender, model, lines_of(text, ends), faults, limit=PATIENCE + 600, actions=actions, tick=0.004)
+    kept = [journal.head("job.nc", "", "mill", "", sender.account.holds, place=(0.0, 0.0, 0.0))]
+    run(sender, model, lines_of(text, ends), faults, limit=PATIENCE + 600, actions=actions, tick=0.004, kept=kept)
+    kept.append(journal.end(sender.outcome, 0.0))
     want = [row.replace(" ", "") for row in text.split("\n")]
     sent = [what.number for kind, what, _ in sender.log if kind == "sent"]
     twice = len(sent) != len(set(sent)) or sent != sorted(sent)
@@ -76,7 +101,44 @@ def job(seed: int, echo: bool = True, kinds=KINDS, feed: int = 6000, step: float
     meant, made = distinct(ends)[1:], [p for p in distinct([ends[0], *model.ends])[1:]]
     pairs = zip(made, meant, strict=True) if len(made) == len(meant) else [((float("inf"),), (0.0,))]
     missed = max((abs(a - b) for one, other in pairs for a, b in zip(one, other, strict=True)), default=0.0)
-    return sender.outcome, model.accepted == want, twice, missed, names
+    result = Job(sender.outcome, model.accepted == want, twice, missed, names)
+    if sender.outcome.kind != "done" and model.accepted == want[: len(model.accepted)]:
+        result.back, result.again = way_back(b"".join(kept), model, sender, want)
+    return result
+
+
+def way_back(kept: bytes, model: GrblModel, sender, want: list[str]) -> tuple[str, int]:
+    """What would be wrong with beginning again by this journal, and how many motions would be made twice: after the controller has
+    finished what it holds, as it does when its cable is cut."""
+    now = model.now
+    while model.state in ("Run", "Hold") and model.now < now + 60:
+        model.write(b"~" if model.state == "Hold" else b"", model.now)
+        model.advance(model.now + 0.2)
+    past = journal.read(kept, "job.nc.journal")
+    moves = [i for i, row in enumerate(want[: len(model.accepted)], 1) if re.search("[XYZ]", row)]
+    over = moves[model.made - 1] if model.made else 0
+    left = next((i for i in moves if i > over), over + 1)
+    unmade = [row for row in moves if over < row <= past.executed and is_motion(model, moves.index(row))]
+    if unmade:
+        return f"lines {unmade} are said to be over, and {over} is the last that is", 0
+    place = dict(zip("XYZ", model.place, strict=True))
+    controller = sender.protocol.controller
+    controller.modal = ["G1", f"F{model.rate:g}"]
+    doubt = zero.doubt(past, Live({}, {}, place, ()), ("X", "Y", "Z"), controller, False, "")
+    if any(model.lost) and not doubt:
+        return "its zero is lost, and nothing says so", 0
+    if doubt:
+        return "", 0
+    begin = zero.certain(past, Live({}, {}, place, ()), ("X", "Y", "Z"), controller)
+    if begin > left:
+        return f"it begins with line {begin}, and line {left} is not made", 0
+    return "", sum(1 for row in moves if begin <= row <= over and is_motion(model, moves.index(row)))
+
+
+def is_motion(model: GrblModel, i: int) -> bool:
+    """Whether this motion is longer than a step."""
+    before = model.ends[i - 1] if i else [0.0, 0.0, 0.0]
+    return model._steps(model.ends[i]) != model._steps(before)
 
 
 def beside(outcome) -> bool:
@@ -87,18 +149,23 @@ def beside(outcome) -> bool:
 def test_A20_a_thousand_schedules_never_hang_double_or_lie():
     """With the path watched, which must say nothing where no motion was altered."""
     kinds: Counter = Counter()
-    lies, doubles, false = [], [], []
+    lies, doubles, false, harm, again = [], [], [], [], 0
     for seed in range(SCHEDULES):
-        outcome, right, twice, missed, names = job(seed)
+        one = job(seed, still=seed % 2 == 1)
+        outcome, names = one.outcome, one.names
         kinds[outcome.kind] += 1
-        lies += [(seed, names)] * (outcome.kind == "done" and not right)
-        doubles += [(seed, names)] * twice
-        false += [(seed, names)] * (beside(outcome) and ("to" not in names or missed <= SEEN))
+        lies += [(seed, names)] * (outcome.kind == "done" and not one.right)
+        doubles += [(seed, names)] * one.twice
+        false += [(seed, names)] * (beside(outcome) and ("to" not in names or one.missed <= SEEN))
+        harm += [(seed, names, one.back)] * bool(one.back)
+        again = max(again, one.again)
     print(
         f"\n{SCHEDULES} schedules: {dict(kinds)}; hangs 0, lines sent or received twice {len(doubles)}, false success {len(lies)}, "
-        f"false alarms of the path {len(false)}"
+        f"false alarms of the path {len(false)}; restarts that leave something out or trust a lost zero {len(harm)}, motions "
+        f"made twice at most {again}"
     )
     assert not lies and not doubles and not false
+    assert not harm, harm[:5]
     assert min(kinds[k] for k in ("done", "stalled", "disconnected", "reset", "alarm", "altered")) > 10
 
 
@@ -109,7 +176,8 @@ def test_A20_what_a_controller_without_echo_can_not_show(feed, step, most):
     seen: Counter = Counter()
     worst = []
     for seed in range(200):
-        outcome, right, twice, missed, _ = job(seed, echo=False, kinds=("to",), feed=feed, step=step)
+        one = job(seed, echo=False, kinds=("to",), feed=feed, step=step)
+        outcome, right, twice, missed = one.outcome, one.right, one.twice, one.missed
         done = outcome.kind == "done"
         what = ("right" if right else "harmless" if missed <= SEEN else "unseen") if done else "found"
         seen[what if not beside(outcome) else "found on the path"] += 1
@@ -127,8 +195,9 @@ def test_A20_jobs_without_faults_or_with_altered_reports_never_raise_the_path_s_
     """Feeds and lengths that differ, bytes altered on the way back only."""
     kinds: Counter = Counter()
     for seed in range(QUIET):
-        outcome, right, _, _, _ = job(seed + 5000, echo=False, kinds=(("nothing",), ("back",), ("late",), ("pause",))[seed % 4],
-                                      feed=(6000, 1000, 300)[seed % 3], step=(1.0, 5.0)[seed % 2])  # fmt: skip
+        one = job(seed + 5000, echo=False, kinds=(("nothing",), ("back",), ("late",), ("pause",))[seed % 4],
+                                      feed=(6000, 1000, 300)[seed % 3], step=(1.0, 5.0)[seed % 2], still=seed % 3 == 0)  # fmt: skip
+        outcome, right = one.outcome, one.right
         kinds[outcome.kind] += 1
         assert not beside(outcome), (seed, outcome)
         assert right or outcome.kind != "done"

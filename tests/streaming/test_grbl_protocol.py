@@ -242,3 +242,8 @@ def test_grblhal_says_that_it_compensates():
     protocol.learn(b"$+", ["$160=0.000", "$161=0.020", "$22=1"])
     assert protocol.controller.compensates == ["backlash of Y, 20 um ($161)"]
     assert protocol.controller.homing is True
+
+
+def test_a_dwell_may_last_longer_than_it_says():
+    """GRBL counts it in a loop that reports make longer: G4 P60 took 60.4 s on its real image."""
+    assert Grbl().patience(b"G4 P600") > 600 * 60.4 / 60 + 2
