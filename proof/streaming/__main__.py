@@ -12,6 +12,7 @@ as promised."""
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 import time
 from collections import Counter
@@ -31,7 +32,8 @@ def cases(kind: str, seed: int) -> list[Case]:
         return [lambda make=make: real.clean(make()) for make in programs.ALL]
     if kind == "interrupted":
         return [
-            lambda make=make, how=how: real.interrupted(make(), how, seed) for make in programs.ALL for how in real.ALL
+            lambda make=make, how=how: real.interrupted(make(), how, seed)
+            for make, how in itertools.product(programs.ALL, real.ALL)
         ]
     if kind == "faults":
         return [lambda k=k: faults.schedule(1000 * seed + k) for k in range(100)]
@@ -49,7 +51,8 @@ def kept_up(case: Case) -> Row:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=raw)
     parser.add_argument("kind", choices=("whole", "interrupted", "faults", "short"))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="jobs by number, from 0: 3,5,17")
@@ -71,11 +74,12 @@ def main() -> int:
         unseen += [round(row.unseen, 3)] * (row.unseen > 0)
         words = row.verdict.words() if row.verdict else ""
         mark = "right" if row.right else "WRONG"
-        print(f"{number} {mark} {row.what}: exit {row.status}; {words}; {time.monotonic() - begun:.0f} s")
+        took = time.monotonic() - begun
+        print(f"{number} {mark} {row.what}: exit {row.status}; {words}; {took:.0f} s")
         if not row.right or not row.verdict:
             print(f"    {row.said}")
         sys.stdout.flush()
-    print(f"{sum(ends.values())} jobs, exit statuses {dict(ends)}; most motions twice {max(twice, default=0)}; "
+    print(f"{sum(ends.values())} jobs, exit statuses {dict(ends)}; twice {max(twice, default=0)} motions; "
           f"done and aside, mm: {sorted(unseen)}; wrong {len(wrong)}: {wrong}")  # fmt: skip
     return bool(wrong)
 

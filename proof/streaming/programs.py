@@ -71,13 +71,13 @@ class Pen:
         """A straight motion; words: mm, in the work offset in force."""
         text, to = self._target(words)
         self.rows.append(f"{code}{text}" + (f" F{feed / self.unit:g}" if feed else ""))
-        known = [a for a, b in zip(self.at, to, strict=True) if not math.isnan(a) and not math.isnan(b)]
-        if len(known) < 3:
+        if any(map(math.isnan, (*self.at, *to))):
             self.count += 1
             self.at = to
             return
         n = max(1, math.ceil(math.dist(self.at, to) / CHORD))
-        self._reach([[a + (b - a) * k / n for a, b in zip(self.at, to, strict=True)] for k in range(1, n + 1)])
+        pairs = list(zip(self.at, to, strict=True))
+        self._reach([[a + (b - a) * k / n for a, b in pairs] for k in range(1, n + 1)])
 
     def arc(self, code: str, centre: tuple[float, float], plane: int = 17, **words: float) -> None:
         """An arc about a centre (mm from where it begins, in the plane's axes)."""
@@ -167,7 +167,8 @@ def no_block() -> Program:
         way += 0.1 * (1 if i // 31 % 2 == 0 else -1)
         x, y = x + 0.4 * math.cos(way), y + 0.4 * math.sin(way)
         pen.line("G1", 3000, X=x, Y=y)
-        pen.say(*r.choice(([], ["G94"], ["F3000", "G90"], [f"G1 Z{r.choice(('-3.0004', '-3.0'))}"], ["M3"])))
+        below = f"G1 Z{r.choice(('-3.0004', '-3.0'))}"
+        pen.say(*r.choice(([], ["G94"], ["F3000", "G90"], [below], ["M3"])))
     return ended(pen, "no block")
 
 

@@ -76,7 +76,7 @@ def clean(program: Program) -> Row:
     return Row(f"{program.name}: whole", short(said), right, verdict, status, behind)
 
 
-# -- interruptions ---------------------------------------------------------------------------------------------------------
+# -- interruptions --------------------------------------------------------------------------------
 
 
 def hold_and_go_on(real, process) -> None:

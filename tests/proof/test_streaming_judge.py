@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from proof.streaming.judge import Way, judged
-from proof.streaming.programs import inch, surface, zigzag
+from proof.streaming.programs import inch, zigzag
 from tests.streaming.real_grbl import STEPS
 
 ZERO = (-170.0, -170.0, -30.0)
@@ -22,7 +22,7 @@ def walked(places: np.ndarray) -> np.ndarray:
 
 
 def test_a_job_as_programmed_is_right():
-    for make in (zigzag, inch, surface):
+    for make in (zigzag, inch):
         way = Way(make(), ZERO)
         verdict = judged(way, walked(way.places), NONE)
         assert verdict.right(0), (make.__name__, verdict)
