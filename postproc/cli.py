@@ -19,7 +19,7 @@ from postproc.errors import GcompError
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
-HELPERS = ("attempts", "expansion", "machine_new", "reading", "session", "values")
+HELPERS = ("attempts", "expansion", "machine_new", "reading", "residual", "session", "values")
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
 

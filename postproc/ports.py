@@ -233,8 +233,10 @@ def write_standard(data: bytes) -> None:
         view = view[os.write(sys.stdout.fileno(), view) :]
 
 
-def copy_folder(source: Path, target: Path, force: bool, change: Callable[[str], str]) -> None:
-    """A copy of a machine's folder with its machine.toml changed; whole or not at all. Raises UsageError where there is one
+def copy_folder(
+    source: Path, target: Path, force: bool, change: Callable[[str], str], more: dict[str, bytes] | None = None
+) -> None:
+    """A copy of a machine's folder with its machine.toml changed and more files in it; whole or not at all. Raises UsageError where there is one
     already."""
     import shutil
     import tempfile
@@ -248,6 +250,8 @@ def copy_folder(source: Path, target: Path, force: bool, change: Callable[[str],
         for file in source.iterdir():
             if file.is_file():
                 (copy / file.name).write_bytes(file.read_bytes())
+        for name, data in (more or {}).items():
+            (copy / name).write_bytes(data)
         toml = copy / "machine.toml"
         toml.write_text(change(toml.read_text("utf-8")), "utf-8")
         if target.exists():

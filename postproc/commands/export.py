@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from postproc import control_tables, ports
+from postproc.commands import residual
 from postproc.control_tables import ErrorTable, Export, ExportOptions
 from postproc.errors import UsageError
 from postproc.machine import overshoot, places
@@ -45,6 +46,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument("--read", metavar="FILE", help="the opposite: say what a control's table takes out, as CSV")
     what.add_argument(
         "-o", "--output", metavar="FOLDER", help="where to write: a folder, or a file where it is only one"
+    )
+    what.add_argument(
+        "--residual",
+        metavar="FOLDER",
+        help="a machine folder too, for what the control can not hold: gcomp corrects the rest",
     )
     what.add_argument("--force", action="store_true", help="overwrite files that are there")
     which = parser.add_argument_group("which part of the map")
@@ -131,11 +137,20 @@ def run(options: argparse.Namespace) -> int:
     tables, notices = _chosen(options, machine)
     told = told_of(options, module, machine)
     whole = getattr(module, "write_machine", None) if not (options.axis or options.component) else None
+    if options.residual and whole:
+        raise UsageError(f"{options.control} takes the whole map, so nothing is left for --residual", "leave --residual out, or --axis")  # fmt: skip
     export = whole(machine, told) if whole else module.write(tables, told)
+    rest = residual.held(options.control, machine, export, told, tables) if options.residual else ([], [])
     paths = write_files(export.files, Path(options.output), options.force, options.output.endswith(("/", "\\")))
     doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
     notices = doubts if whole else doubts + notices
     print(report(options.control, module, machine, export, [] if whole else tables, notices, paths))
+    if options.residual:
+        print(
+            residual.write(
+                options.control, machine, options.machine, Path(options.residual), export, rest, options.force
+            )
+        )
     return 0
 
 

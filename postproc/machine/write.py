@@ -26,13 +26,13 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     lines = [f"# {_comment(line)}" for line in comments.get("", "").splitlines()]
     plain = {k: v for k, v in data.items() if not _is_section(v)}
     order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
-    lines += [_entry(key, plain[key], comments.get(key, "")) for key in order]
+    lines += [entry(key, plain[key], comments.get(key, "")) for key in order]
     sections = [k for k in data if _is_section(data[k])]
     for key in sorted(sections, key=lambda k: SECTIONS.index(k) if k in SECTIONS else len(SECTIONS)):
         value = data[key]
         if isinstance(value, list):
             for part in value:
-                lines += ["", f"[[{key}]]", *(_entry(k, v, "") for k, v in part.items())]
+                lines += ["", f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())]
             continue
         below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
         if key != "axes":
@@ -81,10 +81,11 @@ def _is_section(value: Any) -> bool:
 
 
 def _section(name: str, data: Mapping[str, Any], comments: Mapping[str, str]) -> list[str]:
-    return [f"[{name}]"] + [_entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()]
+    return [f"[{name}]"] + [entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()]
 
 
-def _entry(key: str, value: Any, comment: str) -> str:
+def entry(key: str, value: Any, comment: str = "") -> str:
+    """A line of TOML, with its comment."""
     line = f"{_key(key)} = {_value(value)}"
     return f"{line:<38} # {_comment(comment)}" if _comment(comment) else line
 
