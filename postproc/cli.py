@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import difflib
 import errno
 import importlib
 import os
@@ -13,13 +14,14 @@ import sys
 from typing import NoReturn, TextIO
 
 from postproc import __version__
-from postproc.errors import GcompError
+from postproc.errors import GcompError, UsageError
 
 # numpy's own threads serve nothing here, and cost start-up time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
 HELPERS = ("attempts", "expansion", "machine_new", "reading", "residual", "session", "values")
+ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
 
@@ -28,7 +30,16 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         command = self.prog if " " in self.prog else f"{self.prog} {DEFAULT}"
-        self.exit(REFUSED, f"gcomp: {message}\n    {command} --help lists the options\n")
+        near = self._near(message.partition("unrecognized arguments: ")[2])
+        meant = f"did you mean {near}? " if near else ""
+        self.exit(REFUSED, f"gcomp: {message}\n    {meant}{command} --help lists the options\n")
+
+    def _near(self, unknown: str) -> str:
+        """The option that is written almost as the first unknown one; "" where none is."""
+        known = [name for action in self._actions for name in action.option_strings]
+        word = unknown.split(" ")[0].split("=")[0]
+        found = difflib.get_close_matches(word, known, 1, ALIKE) if word.startswith("--") else []
+        return found[0] if found else ""
 
 
 def commands() -> list[str]:
@@ -116,10 +127,15 @@ def _keep_memory() -> None:
 
 def _run(argv: list[str]) -> int:
     name = DEFAULT
+    if "--version" in argv[: argv.index("--") if "--" in argv else None]:
+        print(f"gcomp {__version__}")
+        return 0
     if argv and argv[0] in commands():
         name, argv = argv[0], argv[1:]
-    elif not argv or argv[0] in ("-h", "--help", "--version"):
+    elif not argv or argv[0] in ("-h", "--help"):
         return _overview(argv)
+    else:
+        _no_slip(argv[0])
     module = importlib.import_module(f"postproc.commands.{name}")
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
@@ -140,10 +156,14 @@ def _run(argv: list[str]) -> int:
     return module.run(options)
 
 
+def _no_slip(word: str) -> None:
+    """Raises UsageError for a first word that is no file and almost a command."""
+    near = [] if word.startswith("-") or os.path.exists(word) else difflib.get_close_matches(word, commands(), 1, ALIKE)
+    if near:
+        raise UsageError(f"there is no program and no command {word}", f"did you mean gcomp {near[0]}?")
+
+
 def _overview(argv: list[str]) -> int:
-    if argv == ["--version"]:
-        print(f"gcomp {__version__}")
-        return 0
     parser = argparse.ArgumentParser(
         prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs"
     )

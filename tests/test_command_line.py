@@ -1,0 +1,97 @@
+"""The command line as people know it: near misses, --version anywhere, completion; and every line that the README prints."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from postproc import __version__
+from postproc.cli import DEFAULT, commands, main
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = ("README.md", "sample_recordings/README.md")
+
+
+@pytest.mark.parametrize("words, says", [
+    (["machnies"], "did you mean gcomp machines?"), (["diagnos", "a.csv"], "did you mean gcomp diagnose?"),
+    (["--machine", "perfect", "--tolernace", "1um", "x.nc"], "did you mean --tolerance?"),
+    (["iso", "x.csv", "--figur", "--colour=red"], "--help lists the options"),
+])  # fmt: skip
+def test_a_near_miss_is_answered_with_what_is_meant(tmp_path, monkeypatch, capfd, words, says):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    err = capfd.readouterr().err
+    assert says in err and len(err.splitlines()) <= 4
+
+
+def test_a_file_that_is_called_almost_as_a_command_is_a_program(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    Path("machine").write_text("G21 G90 G0 X1 Y1 Z1\n")
+    assert main(["machine", "--machine", "perfect"]) == 0
+    assert capfd.readouterr().out == "G21 G90 G0 X1 Y1 Z1\n"
+
+
+@pytest.mark.parametrize(
+    "words", [["--version"], ["machines", "--version"], ["--machine", "x", "--version"], ["batch", "--version"]]
+)
+def test_the_version_is_told_beside_anything(capfd, words):
+    assert main(words) == 0
+    assert capfd.readouterr().out == f"gcomp {__version__}\n"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_has_every_command_and_option(capfd, shell):
+    assert main(["completion", shell]) == 0
+    script = capfd.readouterr().out
+    assert all(re.search(rf"\b{name}\b", script) for name in commands())
+    assert "hole-tolerance" in script and "mean step ramp off" in script
+    if shell != "zsh" and shutil.which(shell):
+        assert subprocess.run([shell, "-n"], input=script.encode(), capture_output=True).stderr == b""
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+@pytest.mark.parametrize("line, offers", [
+    ("gcomp mach", ["machines"]), ("gcomp job.nc --revers", ["--reversal"]), ("gcomp job.nc --reversal st", ["step"]),
+    ("gcomp iso --rep", ["--report"]), ("gcomp batch --sched", ["--scheduler"]),
+])  # fmt: skip
+def test_bash_completes(capfd, line, offers):
+    assert main(["completion", "bash"]) == 0
+    words = line.split()
+    script = f"{capfd.readouterr().out}\nCOMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1}; _gcomp; echo ${{COMPREPLY[@]}}"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd="/")
+    assert done.stdout.split() == offers, done.stderr
+
+
+def printed() -> list[tuple[str, str]]:
+    """Lines of the pages that run gcomp, each with its page: without comments, pipes and what follows them."""
+    found = []
+    for page in PAGES:
+        for block in re.findall(r"```sh\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL):
+            for line in block.splitlines():
+                for part in re.split(r"\s*(?:\||&&)\s*", line.partition(" #")[0].strip()):
+                    if re.match(r"(?:\.venv/bin/)?gcomp ", part):
+                        found.append((page, part.partition(" > ")[0]))
+    return found
+
+
+@pytest.mark.parametrize("page, line", printed())
+def test_every_line_that_is_printed_has_options_that_there_are(page, line, capsys):
+    words = shlex.split(line)[1:]
+    name = words.pop(0) if words[0] in commands() else DEFAULT
+    module = importlib.import_module(f"postproc.commands.{name}")
+    parser = argparse.ArgumentParser(prog=name)
+    module.arguments(parser)
+    if hasattr(module, "HANDS_ON") and "--" in words:
+        words = words[: words.index("--")]
+    parser.parse_args(words)
+
+
+def test_there_are_lines_to_be_tried():
+    assert len(printed()) > 20
