@@ -90,6 +90,8 @@ def run(options: argparse.Namespace) -> int:
         print(f"gcomp: verified: {done.verifier.report()}", file=sys.stderr)
         if lacking := lacks.sentence(machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
+    if left := reading.left_by_only(options):
+        print(f"gcomp: {left}", file=sys.stderr)
     if options.json:
         _put_json(done, options.json)
     if done.why:

@@ -61,6 +61,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--component", metavar="EXZ", action="append", default=[], help="only this component; may be repeated"
     )
     which.add_argument(
+        "--only",
+        metavar="EXX,EZZ",
+        type=lambda text: text.split(","),
+        default=[],
+        help="as --component, several at once",
+    )
+    which.add_argument(
         "--at",
         metavar="X=0,Y=100",
         type=_numbers,
@@ -120,6 +127,7 @@ def _positive(text: str) -> float:
 
 
 def run(options: argparse.Namespace) -> int:
+    options.component = [*options.component, *(name.strip() for name in options.only if name.strip())]
     if options.list:
         print(listing(options.control))
         return 0

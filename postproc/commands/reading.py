@@ -13,6 +13,8 @@ import numpy as np
 from postproc import ports
 from postproc.commands import values
 from postproc.errors import GcompError, Notice, ProgramError, UsageError
+from postproc.machine import part
+from postproc.units import UM
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
@@ -71,6 +73,10 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
     how.add_argument(
         "--temperature", metavar="Z=24.1,work=21", type=values.temperatures, default={},
         help="temperatures of scales or screws, and of the work, degrees Celsius, for machines that state how they grow",
+    )  # fmt: skip
+    how.add_argument(
+        "--only", metavar="EXX,EZZ", type=_names, default=(),
+        help="correct for these components, squareness (C0Y) and effects (backlash:X) of the map alone",
     )  # fmt: skip
     how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
     program = parser.add_argument_group("how the program is read")
@@ -142,8 +148,34 @@ def machine_of(options: argparse.Namespace) -> Machine:
         raise UsageError(
             "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
         )
-    machine = with_control_tables(places.load(options.machine))
-    return warmed(machine, getattr(options, "temperature", {}))
+    machine = warmed(with_control_tables(places.load(options.machine)), getattr(options, "temperature", {}))
+    return _part(machine, options.only) if getattr(options, "only", ()) else machine
+
+
+def _part(machine: Machine, only: tuple[str, ...]) -> Machine:
+    """What --only names of a map. Raises UsageError for a name that it does not hold."""
+    there = part.names(machine)
+    for name in only:
+        if name not in there and name not in {n.partition(":")[0] for n in there if ":" in n}:
+            raise UsageError(f"--only {name}: the map of {machine.name} has no {name}", f"it has {', '.join(there) or 'nothing'}")  # fmt: skip
+    return part.only(machine, only)
+
+
+def left_by_only(options: argparse.Namespace) -> str:
+    """What --only leaves of the map, in words; empty without it."""
+    if not options.only:
+        return ""
+    whole = argparse.Namespace(**(vars(options) | {"only": ()}))
+    machine, chosen = machine_of(whole), machine_of(options)
+    left = [name for name in part.names(machine) if name not in part.names(chosen)]
+    return (
+        f"only {', '.join(options.only)} of the map is corrected (--only); {', '.join(left) or 'nothing'} stays, up to "
+        f"{part.largest_left(machine, chosen) / UM:.1f} um on its nodes"
+    )
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
 def with_control_tables(machine: Machine) -> Machine:

@@ -1,0 +1,95 @@
+"""A machine with a part of its map: some components, squareness and effects, the others as if the machine had not got them.
+
+What a control takes out by itself, or what somebody wants to see alone: `--only EXX,EZZ`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Axis, EffectTerm, Machine
+from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+
+Table = TypeVar("Table", AxisTable, GridTable)
+ALONG = (
+    "backlash",
+    "backlash_position",
+    "windup",
+    "scale",
+    "pitch_shape",
+    "cyclic",
+    "heat",
+)  # what an axis does along itself
+PLACES = 9  # of an axis, at which two maps are compared
+
+
+def names(machine: Machine) -> list[str]:
+    """What the map holds: EXX, C0Y, backlash:X, heat:Z."""
+    found = []
+    for x, axis in machine.axes.items():
+        rows = {row for table in [axis.table, *axis.grids] if table is not None for row in table.rows}
+        found += [f"{COMPONENTS[row]}{x}" for row in sorted(rows)]
+        found += [f"heat:{x}"] if axis.expansion is not None else []
+    found += [f"{'ABC'[i]}0{x}" for x, lean in machine.square.items() for i in np.flatnonzero(lean)]
+    return found + [f"{term.name}:{term.axis}" for term in machine.effects if term.module is not None]
+
+
+def only(machine: Machine, wanted: Iterable[str]) -> Machine:
+    """The machine with these names of its map alone, and with the control's own tables, which work whatever is wanted.
+
+    A positioning stands for all that acts along its axis: EXX brings backlash:X and heat:X along.
+    """
+    chosen = set(wanted)
+    chosen |= {f"{kind}:{x}" for x in machine.axes if f"E{x}{x}" in chosen for kind in ALONG}
+    axes = {x: _axis(x, axis, chosen) for x, axis in machine.axes.items()}
+    square = {
+        x: np.array([v if f"{'ABC'[i]}0{x}" in chosen else 0.0 for i, v in enumerate(lean)])
+        for x, lean in machine.square.items()
+    }
+    digest = hashlib.sha256(f"{machine.digest} {sorted(chosen)}".encode()).hexdigest()[:8]
+    return replace(
+        machine, axes=axes, square=square, digest=digest, effects=tuple(t for t in machine.effects if _kept(t, chosen)),
+        square_u={name: u for name, u in machine.square_u.items() if name in chosen},
+    )  # fmt: skip
+
+
+def largest_left(machine: Machine, part: Machine) -> float:
+    """mm: by how much the whole map goes beyond its part, at most, at places of all axes' tables and travels."""
+    places = []
+    for x in machine.letters:
+        table = machine.tables.get(x)
+        nodes = np.array(machine.axes[x].travel if x in XYZ else (0.0,)) if table is None else table.nodes
+        places.append(nodes[np.unique(np.linspace(0, len(nodes) - 1, PLACES).astype(int))])
+    grid = np.stack([g.ravel() for g in np.meshgrid(*places, indexing="ij")])
+    sides = [np.full_like(grid, s) for s in (-1.0, 1.0)]
+    return max(float(np.linalg.norm(machine.deviation(grid, s) - part.deviation(grid, s), axis=0).max()) for s in sides)
+
+
+def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
+    rows = [row for row in range(6) if f"{COMPONENTS[row]}{letter}" in chosen]
+    gone = [f"{name}{letter}" for row, name in enumerate(COMPONENTS) if row not in rows and axis.table is not None and row in axis.table.stated]  # fmt: skip
+    u = axis.uncertainty
+    if u is not None:
+        u = replace(u, table=_table(u.table, rows), stated=tuple(row for row in u.stated if row in rows))
+    return replace(
+        axis, table=None if axis.table is None else _table(axis.table, rows), grids=tuple(_table(g, rows) for g in axis.grids),
+        expansion=axis.expansion if f"heat:{letter}" in chosen else None, uncertainty=u,
+        left_out=(*axis.left_out, *gone),
+    )  # fmt: skip
+
+
+def _table(table: Table, rows: list[int]) -> Table:
+    """The table with these components, the others zero."""
+    forward, reverse = np.zeros_like(table.forward), np.zeros_like(table.reverse)
+    forward[rows], reverse[rows] = table.forward[rows], table.reverse[rows]
+    return replace(table, forward=forward, reverse=reverse)
+
+
+def _kept(term: EffectTerm, chosen: set[str]) -> bool:
+    return term.module is None or f"{term.name}:{term.axis}" in chosen or term.name in chosen
