@@ -86,7 +86,9 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
     finally:
         filter_.notices[told:] = [
             replace(n, line=written.source(n.line)[0]) if n.line else n for n in filter_.notices[told:]
-        ] + written.notices
+        ]
+        known = {notice.code for notice in filter_.notices}  # of a block that stays a cycle both tell the same
+        filter_.notices += [notice for notice in written.notices if notice.code not in known]
 
 
 def _portions(written: Written) -> Iterator[bytes]:

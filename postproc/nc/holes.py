@@ -1,7 +1,8 @@
 """Canned cycles for holes, in place: X and Y are the hole's place, Z its bottom, R the level from which it is drilled.
 
 The block stays a cycle; what is corrected are its words. Z and R hold from block to block; the axis that drills is the
-one across the plane. Sources: NIST RS274/NGC 3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
+one across the plane. Without R a Fanuc drills from where it stands: G80 leaves "R = 0 and Z = 0 in incremental
+command" (B-63534EN, "Canned cycle cancel"). Sources: NIST RS274/NGC 3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
 (tests/linuxcnc/README.md).
 """
 
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_index, spread
@@ -20,6 +22,7 @@ from postproc.units import TICKS_PER_MM
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
+WITHOUT_R = "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
 BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing writes it out
 
 
@@ -78,6 +81,8 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     by_increment = b.words.block[increment][mask[b.words.block[increment]]]
     b.blame(by_increment, "an increment for the bottom of a hole", _way_out(b))
     level, has_level = _held(b, level_word, np.where(absolute, offset, cycle.initial), scale, cycle.level)
+    if b.dialect.hole_from_start and not has_level.all():
+        level, has_level = _from_start(b, mask & drills, level, has_level, cycle), np.ones(b.n, bool)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
     _repeats(b, mask, drills)
@@ -143,6 +148,14 @@ def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carr
     own[block] = b.ticks(place, scale[block]) + zero[block]
     last = hold_index(named)
     return np.where(last >= 0, own[np.maximum(last, 0)], value), (last >= 0) | (carry is not None)
+
+
+def _from_start(b: Batch, drills: np.ndarray, level: np.ndarray, has_level: np.ndarray, cycle: Cycle) -> np.ndarray:
+    """(B,) ticks of R level, which is the initial level where no R was ever given. That is told."""
+    without = (drills & ~has_level).nonzero()[0]
+    if len(without):
+        b.notices.append(Notice("without R", WITHOUT_R, int(b.words.line[without[0]])))
+    return np.where(has_level, level, cycle.initial)
 
 
 def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:

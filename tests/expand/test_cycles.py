@@ -592,6 +592,22 @@ def test_nose_radius_compensation_in_the_shape_holds_in_g70_and_a_notice_says_so
     assert notice.line == 3 and notice.message.startswith("G42 in the shape of G71 holds in G70 alone")
 
 
+def test_the_nose_of_a_haas_is_led_along_the_shape_of_the_roughing_too():
+    """Haas lathe manual, "TNC with a G71 Roughing Canned Cycle": the last cut has G42; the rapid with G40 is no shape."""
+    program = "G0 X100. Z2.|G71 P10 Q20 U1. W.5 D4.|N10 G0 G42 X40. Z2.|G1 Z-20.|X100. Z-50.|N20 G0 G40 Z2.|G0 X200."
+    lines = text_of(program, "haas-lathe", LATHE)
+    assert lines[-5:] == ["G0 G42 X41.", "G1 Z-19.5", "X101. Z-49.5", "G0 G40 X100. Z2.", "G0 X200."]
+    bare = program.replace("G42 ", "").replace("|X100. Z-50.|N20 G0 G40 Z2.", "|N20 X100. Z-50.")
+    assert [x.replace(" G42", "").replace(" G40", "") for x in lines] == text_of(bare, "haas-lathe", LATHE)
+
+
+def test_a_mill_drills_without_r_from_where_it_stands():
+    """B-63534EN, "Canned cycle cancel": G80 leaves R = 0 and Z = 0 in incremental command."""
+    assert text_of("G0 Z9.|G98 G81 X5. Z-1.", "haas")[1:] == ["G98 G0 X5.", "G1 Z-1.", "G0 Z9."]
+    assert text_of("G0 Z9.|G98 G81 X5. Z-1.|X6. R2.", "haas")[-4:] == ["G0 X6.", "Z2.", "G1 Z-1.", "G0 Z9."]
+    assert text_of("G0 Z9.|G91 G98 G81 X5. Z-3.", "fanuc-mill")[-2:] == ["G1 Z-3.", "G0 Z3."]
+
+
 def test_haas_dwells_behind_the_last_peck():
     """Haas mill operator's manual, G73, G83: P is a dwell behind the last peck."""
     for code in ("G73", "G83"):
@@ -608,9 +624,9 @@ HAAS_REFUSED = {
         "G13 I8. D7": "the tool's radius D7 of G13 is not stated",
     },
     "haas-lathe": {
-        "G71 P10 Q20 D2. R1|N10 G0 X40.|N20 G1 Z-5.": "R1 in a turning cycle .G71.: it chooses type II",
+        "G71 P10 Q20 D2. R1|N10 G0 X40.|G1 Z-5.|X30.|N20 Z-9.": "X turns back|goes deeper",
         "G71 P10 Q20 D2. I.5|N10 G0 X40.|N20 G1 Z-5.": "I.5 in a turning cycle .G71.: the allowance of a rough",
-        "G71 P10 Q20 D2.|N10 G0 G42 X40.|N20 G1 G40 Z-5.": "G42 in the shape of G71",
+        "G73 P10 Q20 D2 I1.|N10 G0 G42 X40.|N20 G1 G40 Z-5.": "G42 in the shape of G73",
         "G74 X50. Z-5. K1. D.2": "draws the tool aside",
         "G74 Z-5. Q1000": "Q in a grooving cycle .G74.: that is no word of it",
         "G81 X50. W-5. R2.": "W-5. in a drilling cycle .G81.: from where it counts the bottom is not certain",

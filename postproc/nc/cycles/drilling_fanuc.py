@@ -2,7 +2,7 @@
 
 Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill operator's manual.
 Data hold until G80, also from one cycle to the next. The place is gone to on the level where the axis stands, then R
-level; in G98 the way back ends where the axis stood when the first cycle began.
+level; in G98 the way back ends where the axis stood when the first cycle began. A mill drills without R from there.
 
 Assumed: the hole lies across the plane (parameter 5101 bit 0); what G73 and G83 back off a chip is RETRACT in place of
 parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a lathe's G83 and G87 with Q go out to R
@@ -11,6 +11,7 @@ level (5101 bit 2), and its G85 and G89 come out at the feed they went in with (
 
 from __future__ import annotations
 
+from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import (
     KIND,
@@ -28,6 +29,7 @@ from postproc.nc.cycles.drilling import (
 )
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
+from postproc.nc.holes import WITHOUT_R
 
 MILL: dict[int, Action] = {
     730: chips, 740: bore, 810: drill, 820: drill, 830: pecks, 840: bore, 842: bore, 843: bore, 850: bore,
@@ -139,6 +141,9 @@ class FanucDrilling(Drilling):
                     r,
                 )
             self.held["R"] = self.r_level(scene, r, axis)
+        elif scene.dialect.hole_from_start and "R" not in self.held:
+            self.held["R"] = self.start(scene, axis)
+            scene.notices.append(Notice("without R", WITHOUT_R, scene.source))
         if depth:
             value = scene.length(depth, axis)
             self.held.pop("relative", None)

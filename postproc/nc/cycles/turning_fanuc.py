@@ -10,8 +10,11 @@ not say it.
 
 G41 G42 in the shape: G70 runs its blocks as they stand, so they hold there, and must end within it (G40). The roughing
 of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius offset" of G71), which a notice says;
-B-64304EN-1 itself wants them before the cycle. How Haas' uses them is not certain: refused. So are
-type II (R1 of Haas), and I K of G71 G72, the allowance of a rough finishing pass.
+B-64304EN-1 itself wants them before the cycle. Haas' roughs with them (lathe operator's manual, "TNC with a G71 Roughing
+Canned Cycle"): the last cut, along the shape, has them here, and the cuts before it end on the shape as programmed, which
+a notice says too. There a last block that rapids back along the cuts, as such shapes have it for G40, is no part of the
+shape; Fanuc's stops at it. R1 of Haas chooses type II: a shape without pockets is the same in both. I K of G71 G72, the
+allowance of a rough finishing pass, and pockets are refused.
 """
 
 from __future__ import annotations
@@ -34,7 +37,9 @@ SHAPE = {"P": "first block of the shape", "Q": "last block of the shape"}
 ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
 ESCAPE = {"R": "escape from a cut"}
 ROUGH_FINISH = "the allowance of a rough finishing pass"
-TYPE_II = {"R": "it chooses type II (R1 of Haas)", "I": ROUGH_FINISH, "K": ROUGH_FINISH}
+NOT_WRITTEN = {"I": ROUGH_FINISH, "K": ROUGH_FINISH}
+TYPE_II: dict[bool, dict[str, str]] = {True: {"R": "type, 1: a shape that turns back"}, False: {}}  # whether it is Haas'
+NO_TYPE: dict[bool, dict[str, str]] = {True: {}, False: {"R": "it chooses type II on a Haas"}}
 
 
 @dataclass
@@ -57,10 +62,10 @@ class Repetitive:
             alone = {"I": "as U of the first block", "K": "as W of it", "D": "as R of it"}
             return Form(KIND, whole, name=first, unless="PQ"), Form(KIND, SHAPE | ALLOWANCE | alone, name=second)
         depth = {"U" if role == "rough" else "W": "depth of a cut"}
-        alone = {"D": "depth of a cut"}
+        alone = {"D": "depth of a cut"} | TYPE_II[self.haas]
         return (
             Form(KIND, depth | ESCAPE, name=first, unless="PQ"),
-            Form(KIND, SHAPE | ALLOWANCE | alone, refused=TYPE_II, name=second),
+            Form(KIND, SHAPE | ALLOWANCE | alone, refused=NOT_WRITTEN | NO_TYPE[self.haas], name=second),
         )
 
     def end(self) -> None:
@@ -84,14 +89,14 @@ class Repetitive:
         m = Moves(scene, own)
         if role == "finish":
             return self._finish(scene, block, profile, m)
-        self._nose(scene, code, profile)
+        nose = self._nose(scene, code, profile)
         start = (scene.at("Z"), scene.at("X") / _half(scene))
         elements = shape(scene, profile, start, scene.code("motion"))
         allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
         if role == "repeat":
             self._repeat(scene, block, elements, allowance, start, m)
         else:
-            self._rough(scene, block, role, elements, allowance, start, m)
+            self._rough(scene, block, role, elements, allowance, start, m, nose)
         return Outcome(m.finish(), skip=(profile.first, profile.last), then=UNDEFINED)
 
     def _number(self, scene: Scene, block: Block, code: int, letter: str) -> int:
@@ -105,18 +110,22 @@ class Repetitive:
             )
         return int(word.value)
 
-    def _nose(self, scene: Scene, code: int, profile: Profile) -> None:
-        """G41 and G42 in the shape of a roughing."""
+    def _nose(self, scene: Scene, code: int, profile: Profile) -> str:
+        """G41 or G42 in the shape of a roughing, if the roughing goes by it; else ""."""
         side = next((c for b in profile.texts for c in b.codes if c in NOSE and c != 400), None)
         if side is None:
-            return
+            return ""
         name = f"G{side // 10} in the shape of G{code / 10:g}"
-        if self.haas:
+        if self.haas and self.roles[code] == "repeat":
             raise scene.fault(name, "give the roughing a shape of its own without it, and G70 the one with it")
-        scene.notices.append(
-            Notice(f"nose {code}", f"{name} holds in G70 alone: the roughing is written out without it (newer controls "
-                   "stop there, and want it named before the cycle)", scene.source)
-        )  # fmt: skip
+        said = (
+            "holds in the cut along the shape: those before it end on the shape as programmed, by as much as the nose differs"
+            if self.haas
+            else "holds in G70 alone: the roughing is written out without it (newer controls stop there, and want it named "
+            "before the cycle)"
+        )
+        scene.notices.append(Notice(f"nose {code}", f"{name} {said}", scene.source))
+        return f" G{side // 10}" if self.haas else ""
 
     def _hold(self, scene: Scene, block: Block, role: str) -> None:
         """The first of two blocks: depth of cut, escape, divisions."""
@@ -131,7 +140,7 @@ class Repetitive:
 
     def _rough(
         self, scene: Scene, block: Block, role: str, elements: list[Element], allowance: tuple[float, float],
-        start: tuple[float, float], m: Moves,
+        start: tuple[float, float], m: Moves, nose: str,
     ) -> None:  # fmt: skip
         """Cuts parallel to Z (G71) or X (G72), then one along the shape."""
         deep, along = (1, 0) if role == "rough" else (0, 1)  # which of (z, x) is gone down in, and which is cut along
@@ -153,6 +162,8 @@ class Repetitive:
             )
         if not rest:
             raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
+        if self.haas and len(rest) > 1 and rest[-1].code == 0 and _turns([e.end[along] - e.start[along] for e in rest]):
+            rest.pop()  # it draws the tool out
         self._monotonic(scene, rest, along)
         if (rest[-1].end[deep] - rest[0].start[deep]) * (first.end[deep] - first.start[deep]) > 1e-9:
             raise scene.fault(
@@ -180,10 +191,10 @@ class Repetitive:
             out[deep], out[along] = level - sense * escape, stop - side * escape
             self._to(scene, m, "G0", *out)
             self._axis(scene, m, "G0", along, c[along])
-        self._axis(scene, m, infeed, deep, target)
+        self._axis(scene, m, infeed + nose, deep, target)
         for e in rest:
             self._element(scene, m, e)
-        self._to(scene, m, "G0", *start)
+        self._to(scene, m, "G0 G40" if nose else "G0", *start)
 
     def _monotonic(self, scene: Scene, elements: list[Element], along: int) -> None:
         """Type I: neither Z nor X turns back, also not in a last block that only draws the tool out."""

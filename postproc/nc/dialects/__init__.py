@@ -72,6 +72,7 @@ class Dialect:
     outside of the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
     code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them. `tools_move`: T runs macros that may move the tool.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the machine, or nothing.
+    `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial one).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     """
 
@@ -137,6 +138,7 @@ class Dialect:
     macro_refuses: tuple[str, ...] = ()
     tools_move: bool = False
     other_codes_are_macros: bool = False
+    hole_from_start: bool = False
     conditions: bool = False
 
     @cached_property

@@ -105,6 +105,7 @@ DIALECT = Dialect(
     "a control that reads them as least increments the program means something else",
     one_code_per_group=False,
     extended_by_p=True,
+    hole_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),
     thread_words="F",

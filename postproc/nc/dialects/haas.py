@@ -102,6 +102,7 @@ DIALECT = Dialect(
     "162 on the program means whole millimetres or inches",
     one_code_per_group=False,
     extended_by_p=True,
+    hole_from_start=True,
     repeats="L",
     exact_stops=(90, 610),
     letters="E",
