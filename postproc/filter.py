@@ -138,7 +138,7 @@ class Filter:
             marker = "; " + marker
         self.emitter = Emitter(self.dialect, self.setup, marker)
         self.modal: ModalState = self.interpreter.initial()
-        self.carry = self.compensator.initial()
+        self.carry = self.compensator.initial(self.interpreter.stands()[0])
         self.written = Written()
         self.contours = Contours()
         self._rest = b""

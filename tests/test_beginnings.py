@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from tests.test_printers import filtered, written
@@ -43,3 +45,14 @@ def test_grbl_answers_a_question_mark():
     """gnea/grbl, grbl/serial.c: ? and ~ are picked out of the stream, they are no part of a line."""
     home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
     assert written("?  \n$H\nG0 X10 Y10 Z5\n~\nG1 X20 F100\n", "grbl", home)[0] == "?  "
+
+
+@pytest.mark.parametrize(
+    "text", ["G91\nG0 X5\nX5\n", "G91 F100\nG1 X5\nY5\n", "G91 G18 F100\nG2 X5 I2.5\n", "F9\nG92 X0 Y0 Z0\nG91 G1 X9\n"]
+)
+@pytest.mark.parametrize("dialect", ["linuxcnc", "grbl", "fanuc-mill"])
+def test_the_first_increments_count_from_where_the_slides_stand(dialect, text):
+    """A feed 5 mm long that begins at X100 is 5 mm long, not 105."""
+    lines = written(text, dialect, start={"X": 100.0, "Y": 100.0, "Z": 100.0})
+    numbers = [abs(float(x)) for x in re.findall(r"[XYZ](-?[\d.]+)", " ".join(lines))]
+    assert max(numbers) < 10 and len(numbers) > 3

@@ -132,9 +132,11 @@ class Compensator:
             largest = max(largest, float(np.abs(grid.forward - grid.reverse)[:3].max()))
         return max(10 * largest, 0.5)
 
-    def initial(self) -> Carry:
+    def initial(self, stands: np.ndarray | None = None) -> Carry:
+        """Before the first motion. stands (A,): ticks, where the slides stand (0 where nobody knows), which is their
+        last command: distances count from there."""
         zero = np.zeros(len(self.machine.axes), np.int64)
-        return Carry(approach.initial(len(zero)), zero, zero)
+        return Carry(approach.initial(len(zero)), zero if stands is None else stands, zero)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""

@@ -87,12 +87,16 @@ class Interpreter:
         if "return" in modal:
             modal["return"] = self.dialect.returns
         modal["work offset"] = 540 if "G54" in setup.offsets and 540 in self.dialect.by_number else NONE
-        stands = {**setup.home, **setup.start} if self.dialect.homes else setup.start
-        start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes]
-        known = np.array([x in stands or x in self.dialect.carried for x in setup.axes])
+        start, known = self.stands()
         frame = self._first_frame()
-        position, known = retold(setup.kinematics, np.array(start, np.int64), known, (None, frame))
+        position, known = retold(setup.kinematics, start, known, (None, frame))
         return ModalState(modal, position, known, frame=frame)
+
+    def stands(self) -> tuple[np.ndarray, np.ndarray]:
+        """(A,) ticks, where the slides stand before the first block, and whether that is known."""
+        stands = {**self.setup.home, **self.setup.start} if self.dialect.homes else self.setup.start
+        start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
+        return np.array(start, np.int64), np.array([x in stands or x in self.dialect.carried for x in self.setup.axes])
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""

@@ -598,7 +598,7 @@ def test_the_nose_of_a_haas_is_led_along_the_shape_of_the_roughing_too():
     lines = text_of(program, "haas-lathe", LATHE)
     assert lines[-5:] == ["G0 G42 X41.", "G1 Z-19.5", "X101. Z-49.5", "G0 G40 X100. Z2.", "G0 X200."]
     bare = program.replace("G42 ", "").replace("|X100. Z-50.|N20 G0 G40 Z2.", "|N20 X100. Z-50.")
-    assert [x.replace(" G42", "").replace(" G40", "") for x in lines] == text_of(bare, "haas-lathe", LATHE)
+    assert [x.replace("G0 G42 ", "").replace(" G40", "") for x in lines[:-1]] == text_of(bare, "haas-lathe", LATHE)[:-1]
 
 
 def test_a_mill_drills_without_r_from_where_it_stands():

@@ -38,7 +38,8 @@ def test_modes_come_back_as_on_linuxcnc(name):
 @pytest.mark.parametrize(
     ("program", "says"),
     [
-        ("M70|M3 S500|M72", "M72 brings back what M3 S5 has changed"),
+        ("M70|M3 S500|M72", "M72 brings back what (S500|M3) has changed, and nothing said before what held"),
+        ("S9 M3|M70|S6 $0|M72", "M72 brings back what S6 has changed"),
         ("M70|G64 P.1|M72", "M72 brings back what G64 has changed"),
         ("M70|G92 Z5|M72", "M72 brings G92 or the tool length back"),
         ("M72", "M72, and no state is kept at this level of calls"),
@@ -49,3 +50,20 @@ def test_modes_come_back_as_on_linuxcnc(name):
 def test_what_is_not_known_to_come_back_is_refused(program, says):
     with pytest.raises(ProgramError, match=says):
         written_out(text_of(program), {})
+
+
+@pytest.mark.parametrize(
+    ("program", "back"),
+    [
+        ("S2500 M3 M8|M70|S300 M4|M9|M72", ["S2500", "M3", "M9", "M8"]),
+        ("S2500|O1 sub|M73|S300|O1 endsub|O1 call", ["S2500"]),
+        ("S2500 M3|M70|M5|M72|S9|M72", ["M3", "S9", "S2500"]),
+        ("S 2 5 M03 M07 M08|M70|M9 M5 (S7)|M72", ["M3", "M9", "M7", "M8"]),
+        ("S9 M3|M70|S9 M3|M72", []),
+    ],
+)
+def test_speed_spindle_and_coolant_come_back_where_they_were_named(program, back):
+    """LinuxCNC documentation, "M70 Save Modal State": F and S, M3 M4 M5, M7, M8 are among what is kept."""
+    text = written_out(text_of(program), {})
+    lines = [line for line in text.splitlines() if line.strip()]
+    assert lines[-1 - len(back) : -1] == back

@@ -44,7 +44,7 @@ class Run:
         self.program, self.tracker, self.limits = program, tracker, limits
         self.memory = Memory(tracker)
         self.flow = Flow(program, self.memory, limits.depth)
-        self.states = States(tracker)
+        self.states = States(tracker, program.text)
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
