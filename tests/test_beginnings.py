@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from tests.test_printers import filtered, written
+from tests.test_printers import filtered, refused, written
 
 HEAD = "G90\nG0 X10. Y10. Z5.\n"
 
@@ -56,3 +56,14 @@ def test_the_first_increments_count_from_where_the_slides_stand(dialect, text):
     lines = written(text, dialect, start={"X": 100.0, "Y": 100.0, "Z": 100.0})
     numbers = [abs(float(x)) for x in re.findall(r"[XYZ](-?[\d.]+)", " ".join(lines))]
     assert max(numbers) < 10 and len(numbers) > 3
+
+
+def test_marlin_passes_over_a_remark_behind_two_strokes():
+    """Marlin/src/gcode/parser.cpp, parse(): a sign that is no letter is no parameter, a letter without a number has no value;
+    a word in the remark would be one."""
+    home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
+    lines = written("G28\nG1 X10 Y10 Z5 F600\nG1 X20 // Protect bed, then go\nG1 Z9\n", "marlin", home)
+    plain = written("G28\nG1 X10 Y10 Z5 F600\nG1 X20\nG1 Z9\n", "marlin", home)
+    assert [x.replace(" // Protect bed, then go", "") for x in lines] == plain and lines != plain
+    said = refused("G28\nG1 X10 Y10 Z5 F600\nG1 X20 // to X 30\n", "marlin", home)
+    assert "'//' begins no remark" in said.message
