@@ -209,6 +209,14 @@ class Batch:
                 )
             if name == "motion":
                 self.code_word[block[of]] = place[of]
+            elif name == "cycle":
+                tap = of & self.dialect.is_hole[np.maximum(number, 0)]
+                self.code_word[block[tap]] = place[tap]
+        if "cycle" in self.dialect.groups:  # G0 to G3, and G80 of any group, end a cycle of a group of its own
+            cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
+            ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
+            ends[block[number == 800]] = True
+            cycle[ends & (cycle == NONE)] = 800
         for code in sorted(set(number[group == NO_GROUP].tolist())):
             self.single[int(code)] = block[number == code]
         if self.dialect.carried:

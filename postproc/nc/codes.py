@@ -43,10 +43,13 @@ FRAME_KEYS = (
     "numbered", "tip", "tip on", "tip off", "plane", "plane off", "plane align", "swivel",
 )  # fmt: skip
 # Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of which only ends are.
-CYCLE_KEYS = ("drill", "tap", "there and back", "thread")
+CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "thread")
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
+STAY_KEYS = (
+    "thread cycle",
+)  # passes in step with the spindle: they stay as they are, uncorrected, and end where they began
 QUIET_KEYS = ("words",)  # the axis words are data (limits, a pole): nothing moves, every place stays known
-DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *QUIET_KEYS)
+DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *QUIET_KEYS)
 
 
 def code_number(word: str) -> int:

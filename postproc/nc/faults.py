@@ -77,7 +77,10 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
             "save the program with LF or CR LF line ends",
         )
     if slash and code[offset : offset + 2] == b"//":
-        return "'//' begins no remark on this control: it would read on behind it", "begin the remark with ';', or take it out"
+        return (
+            "'//' begins no remark on this control: it would read on behind it",
+            "begin the remark with ';', or take it out",
+        )
     if slash:
         return (
             "'/' is block delete only as the first character of a block, without a number",

@@ -15,8 +15,8 @@ import numpy as np
 from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
-from postproc.nc.columns import hold_index, spread
-from postproc.nc.state import NONE, Cycle
+from postproc.nc.columns import hold_index
+from postproc.nc.state import Cycle
 from postproc.units import TICKS_PER_MM
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
@@ -42,6 +42,7 @@ class InCycle:
     zero: np.ndarray
     word: np.ndarray
     initial: np.ndarray
+    code: np.ndarray
     known: bool
     after: Cycle | None
 
@@ -52,13 +53,16 @@ def _way_out(b: Batch) -> str:
 
 def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
-    if "motion" not in b.given and not b.dialect.is_hole[max(b.state.codes.get("motion", NONE), 0)]:
-        return None
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
     if not mask.any():
         return None
     planes = np.broadcast_to(b.held("plane"), b.n)[mask]
-    letter = ACROSS.get(int(planes[0]), "")
+    letter = b.dialect.hole_axis.get(int(motion[mask][0]), "")
+    of_lathe = bool(letter)
+    if of_lathe:
+        planes = motion[mask]
+    else:
+        letter = ACROSS.get(int(planes[0]), "")
     if (planes != planes[0]).any() or letter not in b.rows:
         b.blame(
             mask.nonzero()[0], f"a canned cycle across {letter or 'a plane'}, which can not be followed", _way_out(b)
@@ -68,7 +72,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
     if b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any():
-        return _there_and_back(b, mask, letter, cycle, absolute, axis_words)
+        return _there_and_back(b, mask, motion, letter, cycle, absolute, axis_words)
     absolute_word, increment = axis_words[letter]
     depth = np.sort(np.concatenate([absolute_word, increment]))
     depth = depth[mask[b.words.block[depth]]]
@@ -80,8 +84,13 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     offset = np.broadcast_to(b.offset[row], b.n)
     by_increment = b.words.block[increment][mask[b.words.block[increment]]]
     b.blame(by_increment, "an increment for the bottom of a hole", _way_out(b))
-    level, has_level = _held(b, level_word, np.where(absolute, offset, cycle.initial), scale, cycle.level)
-    if b.dialect.hole_from_start and not has_level.all():
+    from_start = of_lathe and b.dialect.level_from_start
+    level_zero = np.where(absolute & (not from_start), offset, cycle.initial)
+    level_scale = np.broadcast_to(b.unit_scale(letter)[0], b.n) if from_start else scale  # a radius
+    level, has_level = _held(b, level_word, level_zero, level_scale, cycle.level)
+    if of_lathe:
+        level, has_level = np.where(has_level, level, cycle.initial), np.ones(b.n, bool)
+    elif b.dialect.hole_from_start and not has_level.all():
         level, has_level = _from_start(b, mask & drills, level, has_level, cycle), np.ones(b.n, bool)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
@@ -110,11 +119,13 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes, target=np.where(initial, cycle.initial, level)[holes],
         bottom=bottom[holes], level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
-        initial=initial[holes], known=cycle.known, after=after,
+        initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
     )  # fmt: skip
 
 
-def _there_and_back(b: Batch, mask: np.ndarray, letter: str, cycle: Cycle, absolute: np.ndarray, axis_words) -> InCycle:
+def _there_and_back(
+    b: Batch, mask: np.ndarray, motion: np.ndarray, letter: str, cycle: Cycle, absolute: np.ndarray, axis_words
+) -> InCycle:
     """G33.1: in step with the spindle from where the axes stand to the words, and back there (LinuxCNC as measured)."""
     row = b.rows[letter]
     word = np.full(b.n, -1, np.int64)
@@ -134,7 +145,7 @@ def _there_and_back(b: Batch, mask: np.ndarray, letter: str, cycle: Cycle, absol
     bottom[b.words.block[place]] = b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes], level=level[holes],
-        zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool), known=cycle.known, after=None,
+        zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool), code=motion[holes], known=cycle.known, after=None,
     )  # fmt: skip
 
 
@@ -183,7 +194,7 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
     """The holes among the motions whose blocks these are."""
     if cycle is None or not len(cycle.blocks):
         return no_holes()
-    motion, code = np.searchsorted(block, cycle.blocks), spread(b.held("motion"), b.n)[cycle.blocks]
+    motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level, zero=cycle.zero,
         word=cycle.word, initial=cycle.initial,

@@ -26,6 +26,7 @@ from postproc.nc.columns import hold_last_float, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
+from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
 from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
@@ -173,6 +174,11 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
     centre_words = {c: place for c, place in centre_words.items() if len(place)}
     motion = spread(b.held("motion"), b.n)
+    if b.dialect.stays:
+        left_as_they_are(b, motion)
+    if b.dialect.hole_axis:  # of a group of their own
+        cycle = spread(b.held("cycle"), b.n)
+        motion = np.where(b.dialect.is_hole[np.maximum(cycle, 0)], cycle, motion)
     moving = b.has_axis & ~b.taken
     if centre_words:
         arc_code = (motion == 20) | (motion == 30)

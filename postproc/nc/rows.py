@@ -109,6 +109,8 @@ FANUC = [
     *rows("polar", {"113": "no polar interpolation"}, like="G13.1"),
     *MACRO,
 ]
+# Blanks that MANUAL GUIDE i draws (B-63874EN, "Blank form"): they move nothing.
+BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
 FANUC_LATHE = [
     *MOTION, *PLANE, *WORK, *SPINDLE, *REFERENCE, *MACHINE_FRAME, *DWELL, *DATA, *LOCAL, *FANUC,
     *NO_LENGTH, *rows("tool length", {"43": "tool length"}, refuses=codes.LENGTH),
@@ -120,7 +122,8 @@ FANUC_LATHE = [
         },
         refuses=codes.CYCLE,
     ),
-    *rows("motion", {"84": "face tapping", "88": "side tapping"}, refuses=codes.THREADING),
+    *rows("cycle", {"84": "face tapping"}, does="tap Z"),
+    *rows("cycle", {"88": "side tapping"}, does="tap X"),
     *rows("motion", {"36": "tool offset of X, measured", "37": "tool offset of Z, measured"}, refuses=codes.PROBE),
     *rows("mirror", {"69": "no mirror"}),
     *rows("mirror", {"68": "double turret mirror"}, refuses=codes.UNTURNED),

@@ -251,7 +251,9 @@ that the control has not). An error names another dialect only where the program
     and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
   tool's centre where its radius is stated, else at the programmed place, and the bound of that error is said.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
-  threads, coordinates given to the place where the machine stands.
+  threads, taps of lathes, coordinates given to the place where the machine stands.
+- **left as it is**: a threading cycle of a lathe. It ends where it began, so all around it is corrected; its thread is
+  cut uncorrected, which a notice says.
 - **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.
 - **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first, and
   `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md, "One run").
@@ -280,6 +282,8 @@ def chapter(dialect: dialects.Dialect) -> str:
             refused[code.refuses].append(code.word)
         elif code.does in codes.CYCLE_KEYS or code.does in ("set", "data"):
             kinds["corrected in place"].append(code.word)
+        elif code.does in codes.STAY_KEYS:
+            kinds["left as it is"].append(code.word)
         elif code.takes and not code.does:
             kinds["passed"].append(code.word)
         else:
@@ -291,7 +295,7 @@ def chapter(dialect: dialects.Dialect) -> str:
             refused[reason].append(f"M{number}")
     rows = [
         (kind, _words(kinds[kind]))
-        for kind in ("followed", "corrected in place", "passed", "needs --expand")
+        for kind in ("followed", "corrected in place", "left as it is", "passed", "needs --expand")
         if kinds[kind]
     ]
     rows += [(f"refused: {reason}", _words(words)) for reason, words in sorted(refused.items())]

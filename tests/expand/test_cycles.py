@@ -662,7 +662,7 @@ LATHE_REFUSED = {
     "G90 X50. Z-5.|C9.": "C in a block within G90",
     "G83 Z-5. R-1. K2 L2": "both say how often",
     "G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5.": "depth of cut is not in the program",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. Z0.|N20 G1 Z-5.": "type II",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 Z0.|N20 G1 Z-5.": "does not go to its depth in X",
     "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5.": "no block N30",
     "G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5.": "no block N11",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.": "turns back",

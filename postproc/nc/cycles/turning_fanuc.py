@@ -13,8 +13,8 @@ of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius 
 B-64304EN-1 itself wants them before the cycle. Haas' roughs with them (lathe operator's manual, "TNC with a G71 Roughing
 Canned Cycle"): the last cut, along the shape, has them here, and the cuts before it end on the shape as programmed, which
 a notice says too. There a last block that rapids back along the cuts, as such shapes have it for G40, is no part of the
-shape; Fanuc's stops at it. R1 of Haas chooses type II: a shape without pockets is the same in both. I K of G71 G72, the
-allowance of a rough finishing pass, and pockets are refused.
+shape; Fanuc's stops at it. R1 of Haas, and a first block in X and Z, choose type II: a shape without pockets is the same in
+both, and each cut begins on the first block. I K of G71 G72, the allowance of a rough finishing pass, and pockets are refused.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
 ESCAPE = {"R": "escape from a cut"}
 ROUGH_FINISH = "the allowance of a rough finishing pass"
 NOT_WRITTEN = {"I": ROUGH_FINISH, "K": ROUGH_FINISH}
-TYPE_II: dict[bool, dict[str, str]] = {True: {"R": "type, 1: a shape that turns back"}, False: {}}  # whether it is Haas'
+TYPE_II: dict[bool, dict[str, str]] = {
+    True: {"R": "type, 1: a shape that turns back"},
+    False: {},
+}  # whether it is Haas'
 NO_TYPE: dict[bool, dict[str, str]] = {True: {}, False: {"R": "it chooses type II on a Haas"}}
 
 
@@ -153,12 +156,11 @@ class Repetitive:
                 f"the depth of cut is not in the program ({letter} in a block before)",
                 f"the control takes it from a parameter: write {letter} above 0",
             )
-        first, rest = elements[0], [e.moved(allowance) for e in elements[1:]]
-        name = "ZX"[along]
-        if first.is_arc or first.start[along] != first.end[along]:
+        first, *rest = (e.moved(allowance) for e in elements)
+        if first.is_arc or first.start[deep] == first.end[deep]:
             raise scene.fault(
-                f"the first block of the shape moves {name}",
-                f"that is type II, with pockets, which is not written out: let it move {'ZX'[deep]} alone",
+                f"the first block of the shape does not go to its depth in {'ZX'[deep]}",
+                "let it be G0 or G1 to the first point of the shape",
             )
         if not rest:
             raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
@@ -168,7 +170,7 @@ class Repetitive:
         if (rest[-1].end[deep] - rest[0].start[deep]) * (first.end[deep] - first.start[deep]) > 1e-9:
             raise scene.fault(
                 f"the shape goes deeper in {'ZX'[deep]} behind its first block",
-                "its first block must go to the greatest depth: others are type II, with pockets, which is not written out",
+                "its first block must go to the greatest depth: other shapes, with pockets, are not written out",
             )
         c = [start[0] + allowance[0], start[1] + allowance[1]]
         target = rest[0].start[deep]
@@ -185,13 +187,15 @@ class Repetitive:
             if (target - level) * sense <= 1e-9:
                 break
             stop = next((v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along])
-            self._axis(scene, m, infeed, deep, level)
+            begin = first.crossing(deep, level)  # on the first block, where it moves both axes too
+            assert begin is not None
+            self._to(scene, m, infeed, *((begin, level) if deep else (level, begin)))
             self._axis(scene, m, "G1", along, stop)
             out = [0.0, 0.0]
             out[deep], out[along] = level - sense * escape, stop - side * escape
             self._to(scene, m, "G0", *out)
-            self._axis(scene, m, "G0", along, c[along])
-        self._axis(scene, m, infeed + nose, deep, target)
+            self._axis(scene, m, "G0", along, begin)
+        self._to(scene, m, infeed + nose, *first.end)
         for e in rest:
             self._element(scene, m, e)
         self._to(scene, m, "G0 G40" if nose else "G0", *start)

@@ -12,11 +12,11 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
-from postproc.nc.codes import CALL, CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, Code, code_number
+from postproc.nc.codes import CALL, CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, STAY_KEYS, Code, code_number
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
-HOLES = ("drill", "tap", "there and back")  # of CYCLE_KEYS; the latter two go with the spindle
+HOLES = ("drill", "tap", "there and back", "tap Z", "tap X")  # of CYCLE_KEYS; all but the first go with the spindle
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -73,6 +73,7 @@ class Dialect:
     code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them. `tools_move`: T runs macros that may move the tool.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial one).
+    `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     """
 
@@ -139,6 +140,7 @@ class Dialect:
     tools_move: bool = False
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
+    level_from_start: bool = False
     conditions: bool = False
 
     @cached_property
@@ -197,11 +199,21 @@ class Dialect:
         return table
 
     @cached_property
+    def stays(self) -> dict[int, Code]:
+        """By number: threading cycles, which stay as they are."""
+        return {code.number: code for code in self.codes if code.does in STAY_KEYS}
+
+    @cached_property
     def there_and_back(self) -> np.ndarray:
         """(LARGEST_G,) taps that go from where the axes stand to their words, and back there."""
         table = np.zeros(LARGEST_G, dtype=bool)
         table[[code.number for code in self.codes if code.does == "there and back"]] = True
         return table
+
+    @cached_property
+    def hole_axis(self) -> dict[int, str]:
+        """The axis of cycles, by number, that drill along the same one in every plane: those of lathes."""
+        return {code.number: code.does[-1] for code in self.codes if code.does in ("tap Z", "tap X")}
 
     @cached_property
     def modal_stops(self) -> tuple[int, ...]:
@@ -243,6 +255,7 @@ class Dialect:
         for code in self.codes:
             table[code_number(code.word)] = (
                 code.does in FRAME_KEYS
+                or code.does in STAY_KEYS
                 or (self.extended_by_p and code.number == 540)
                 or (cycles and (code.does in CYCLE_KEYS or code.number == 800))
             )

@@ -8,7 +8,7 @@ point: parameter 3401 bit 0 (DPI), B-64310EN.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, UNITS, rows
+from postproc.nc.rows import BLANKS, CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, UNITS, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe",
@@ -32,7 +32,8 @@ DIALECT = Dialect(
             },
             refuses=codes.CYCLE,
         ),
-        *rows("motion", {"76": "threading cycle", "78": "threading cycle"}, refuses=codes.THREADING),
+        *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
+        *rows("motion", {"78": "threading cycle"}, does="thread cycle"),
         *rows("motion", {"81": "drilling", "82": "drilling with dwell"}, refuses=codes.WRITE_OUT),
         *rows("scaling", {"50": "no scaling"}),
         *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
@@ -52,13 +53,14 @@ DIALECT = Dialect(
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block"),
+    grammar=Grammar(semicolon="end of block", ignores=(BLANKS,)),
     language="fanuc",
     plane=180,
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     dwell="PXU",
     tool_offsets=True,
     extended_by_p=True,
+    level_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),
     threads_chained=(320, 330),

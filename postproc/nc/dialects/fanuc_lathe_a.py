@@ -7,7 +7,7 @@ systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
+from postproc.nc.rows import BLANKS, CUTTER, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe-a",
@@ -20,7 +20,7 @@ DIALECT = Dialect(
         *rows("shift", {"50.3": "no position shift"}, takes=True, does="set zero", like="G92.1"),
         *rows("motion", {"32": "thread"}, does="thread", like="G33"),
         *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
-        *rows("motion", {"92": "threading cycle"}, refuses=codes.THREADING, like="G78"),
+        *rows("motion", {"92": "threading cycle"}, does="thread cycle", like="G78"),
         *rows("motion", {"94": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
         *rows(
             "motion",
@@ -30,20 +30,21 @@ DIALECT = Dialect(
             },
             refuses=codes.CYCLE,
         ),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.THREADING),
+        *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
     ),
     m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
              24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block"),
+    grammar=Grammar(semicolon="end of block", ignores=(BLANKS,)),
     language="fanuc",
     plane=180,
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     dwell="PXU",
     tool_offsets=True,
     extended_by_p=True,
+    level_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),
     threads_chained=(330,),

@@ -6,7 +6,7 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, THREAD, rows
+from postproc.nc.rows import BLANKS, CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, THREAD, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe-c",
@@ -17,7 +17,7 @@ DIALECT = Dialect(
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
         *rows("motion", {"20": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
-        *rows("motion", {"21": "threading cycle"}, refuses=codes.THREADING, like="G78"),
+        *rows("motion", {"21": "threading cycle"}, does="thread cycle", like="G78"),
         *rows("motion", {"24": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
         *rows("motion", {"72": "finishing cycle"}, refuses=codes.CYCLE, like="G70"),
         *rows("motion", {"73": "roughing cycle"}, refuses=codes.CYCLE, like="G71"),
@@ -25,20 +25,21 @@ DIALECT = Dialect(
         *rows("motion", {"75": "pattern repeating"}, refuses=codes.CYCLE, like="G73"),
         *rows("motion", {"76": "end face pecking"}, refuses=codes.CYCLE, like="G74"),
         *rows("motion", {"77": "grooving"}, refuses=codes.CYCLE, like="G75"),
-        *rows("motion", {"78": "threading in many passes"}, refuses=codes.THREADING, like="G76"),
+        *rows("", {"78": "threading in many passes"}, takes=True, does="thread cycle", like="G76"),
     ),
     m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
              24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block"),
+    grammar=Grammar(semicolon="end of block", ignores=(BLANKS,)),
     language="fanuc",
     plane=180,
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     dwell="PXU",
     tool_offsets=True,
     extended_by_p=True,
+    level_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),
     threads_chained=(330,),

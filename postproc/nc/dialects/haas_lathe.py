@@ -39,7 +39,7 @@ DIALECT = Dialect(
         *rows("work offset", {str(n): f"work offset {n - 103}" for n in range(110, 130) if n not in (112, 113)}),
         *rows("motion", {"32": "thread"}, does="thread", like="G33"),
         *rows("motion", {"90": "turning cycle"}, refuses=codes.WRITE_OUT, like="G77"),
-        *rows("motion", {"92": "threading cycle"}, refuses=codes.WRITE_OUT, like="G78"),
+        *rows("motion", {"92": "threading cycle"}, does="thread cycle", like="G78"),
         *rows("motion", {"94": "facing cycle"}, refuses=codes.WRITE_OUT, like="G79"),
         *rows(
             "motion",
@@ -49,7 +49,7 @@ DIALECT = Dialect(
             },
             refuses=codes.CYCLE,
         ),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.THREADING),
+        *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
         *rows("motion", {"80": "end of drilling cycles"}),
         *rows(
             "motion",
@@ -61,15 +61,9 @@ DIALECT = Dialect(
             },
             refuses=codes.CYCLE,
         ),
-        *rows(
-            "motion",
-            {
-                "84": "tapping", "184": "left-hand tapping", "186": "left-hand tapping with the live tool",
-                "195": "radial tapping", "196": "radial left-hand tapping",
-            },
-            refuses=codes.THREADING,
-        ),
-        *rows("motion", {"95": "tapping with the live tool"}, refuses=codes.THREADING, like="G84.2"),
+        *rows("cycle", {"84": "tapping", "184": "left-hand tapping", "186": "left-hand tapping with the live tool"}, does="tap Z"),
+        *rows("cycle", {"195": "radial tapping", "196": "radial left-hand tapping"}, does="tap X"),
+        *rows("cycle", {"95": "tapping with the live tool"}, does="tap Z", like="G84.2"),
         *rows(
             "motion",
             {
