@@ -67,3 +67,13 @@ def test_marlin_passes_over_a_remark_behind_two_strokes():
     assert [x.replace(" // Protect bed, then go", "") for x in lines] == plain and lines != plain
     said = refused("G28\nG1 X10 Y10 Z5 F600\nG1 X20 // to X 30\n", "marlin", home)
     assert "'//' begins no remark" in said.message
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+@pytest.mark.parametrize(("under", "moves"), [("G0", "G0"), ("G1", "G1")])
+def test_g80_brings_back_the_motion_code_that_held_under_the_cycle(dialect, under, moves):
+    """B-64304EN-2, "Canned cycle for drilling": "a group 01 G code is not affected by a canned cycle"."""
+    text = f"{HEAD}G1 X11. F9.\n{under} X12.\nG81 X20. Z-1. R2.\nX25.\nG80\nX30.\nX31.\nM30\n"
+    named = written(text.replace("X30.", f"{moves} X30."), dialect)
+    bare = written(text, dialect)
+    assert [x.replace(" ", "") for x in bare] == [x.replace(" ", "") for x in named]

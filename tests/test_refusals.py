@@ -86,7 +86,7 @@ CASES = [
     Case("G28 U0 W0\nG1 Z30. F10", "where X stands is not known", 2, by_map=MAP),
     Case("G91 G53 X0", "G53 under G91", by_map=MAP),
     Case("G81 Z20. F10", "a canned cycle across Y, which can not be followed", 1, "", LINUXCNC, MAP),
-    Case("G1 X30. F10\nG76 X10. Z20.", "G76 (threading cycle)", 2, by_map=MAP),
+    Case("G1 X30. F10\nG82 X10. Z20.", "G82 (drilling with dwell)", 2, by_map=MAP),
     Case("G43 H1\nG1 Z30. F10", "the tool length H1 is not stated", 2, "", LINUXCNC, MAP),
     Case("G28 U0\nG92 X0 Z0\nG1 Z30. F10", "G92 gives X a new zero where the machine stands, and that is not known", 3, by_map=MAP),
     Case("G10 P1 X1.\nG1 Z30. F10", "G10", 2, by_map=MAP),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
+UNDER = "under cycles"  # not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
@@ -193,12 +194,13 @@ class Batch:
                 "it could move an axis: use another --dialect, or take it out",
             )
         block = w.block[place]
+        was = number
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
-            if name == "motion" and (number[of] == 800).any():
+            if name == "motion":
                 others = np.bincount(block[of & (number != 800)], minlength=self.n)
                 of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
-                of &= ~self._ends_no_cycle(number, block, of)
+                number = self._back_from_cycles(number, block, of)
             column = np.full(self.n, NONE, np.int64)
             column[block[of]] = number[of]
             self.given[name] = column
@@ -208,30 +210,32 @@ class Batch:
                     place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one"
                 )
             if name == "motion":
-                self.code_word[block[of]] = place[of]
+                written = of & (self.dialect.meant[written_codes(w, place)] == number)  # G80 names no other code
+                self.code_word[block[written]] = place[written]
             elif name == "cycle":
                 tap = of & self.dialect.is_hole[np.maximum(number, 0)]
                 self.code_word[block[tap]] = place[tap]
         if "cycle" in self.dialect.groups:  # G0 to G3, and G80 of any group, end a cycle of a group of its own
             cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
             ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
-            ends[block[number == 800]] = True
+            ends[block[was == 800]] = True
             cycle[ends & (cycle == NONE)] = 800
         for code in sorted(set(number[group == NO_GROUP].tolist())):
             self.single[int(code)] = block[number == code]
         if self.dialect.carried:
             self._carried_mode()
 
-    def _ends_no_cycle(self, number: np.ndarray, block: np.ndarray, of: np.ndarray) -> np.ndarray:
-        """(K,) bool: a G80 where no cycle is in force, on controls that have cycles in a group of their own (Fanuc's): there
-        it leaves G0 to G3 in force."""
+    def _back_from_cycles(self, number: np.ndarray, block: np.ndarray, of: np.ndarray) -> np.ndarray:
+        """(K,) the numbers, G80 as the code of G0 to G3 that holds behind it, on controls that have cycles in a group of their
+        own: "group 01 G codes are not affected by a canned cycle" (Fanuc B-64304EN-2, "Canned cycle for drilling")."""
         if self.dialect.language != "fanuc":
-            return np.zeros(len(number), bool)
+            return number
+        plain = of & np.isin(number, (0, 10, 20, 30))
         column = np.full(self.n, NONE, np.int64)
-        column[block[of & (number != 800)]] = number[of & (number != 800)]
-        before = hold_last(column, self.state.codes.get("motion", NONE))[block]
-        ends: np.ndarray = of & (number == 800) & np.isin(before, (0, 10, 20, 30))
-        return ends
+        column[block[plain]] = number[plain]
+        self.given[UNDER] = column
+        under = hold_last(column, self.state.codes.get(UNDER, self.dialect.motion))[block]
+        return np.where(of & (number == 800) & (under != NONE), under, number)
 
     def read_homing(self) -> None:
         """$H of GRBL takes all axes where homing takes them: like G28, unless that has a place of its own."""

@@ -109,7 +109,7 @@ HOLES = [
     mill(M, HOLE + "G81 X11. Z-4. R2. F9 K0|X12.", HOLE + "G81 X11. Z-4. R2. F9 K0|X12.|G80", also=WRITE),
     mill(M, HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.", HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.|G80", also=WRITE),
     mill(M, HOLE + "G81 X11. R2. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
-    mill(M, HOLE + "G81 X11. Z-4. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
+    mill(C, HOLE + "G81 X11. Z-4. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(M, HOLE + "G91 G81 X1. Z-4. R-2. F9 K3", HOLE + "G91 G81 X1. Z-4. R-2. F9 K3|G80", also=WRITE),
     mill(C, HOLE + "G91 G81 X1. Z-4. R-2. F9 L3", HOLE + "G91 G81 X1. Z-4. R-2. F9 L3|G80", also=WRITE),
     mill(M, HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.", HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.|G80", also=WRITE),

@@ -44,12 +44,13 @@ OPTIONS = (  # what an advice names, and what its user would type
 BROKEN = (  # an error that the control tells too, or that no control could run
     "misses its own end", "is not text", "a comment is opened", "words in one block", "without its centre words",
     "is not defined in this program", "has no number", "no sequence number", "an arc of radius 0", "WHILE without DO1",
-    "calls it unimplemented", "is not a code of", "a value is missing, or is none",
+    "calls it unimplemented", "is not a code of", "a value is missing, or is none", "no motion code (G0 G1 G2 G3) is in force",
 )  # fmt: skip
 NOT_THERE = (  # what the text does not say
-    "{", "[%", "(probe)", "only the control knows", "the machine has no axis", "belongs to the control", "a value is missing",
+    "{", "[%", "(probe)", "only the control knows", "the machine has no axis", "the machine has no rotary axes",
+    "only the machine knows", "belongs to the control", "a value is missing",
     "there is no program O",
-)  # fmt: skip
+)  # fmt: skip  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -74,10 +75,11 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
     zero = "{ " + ", ".join(f"{x} = 0.0" for x in ("XZ" if lathe else XYZ)) + " }"
     text = re.sub('control = ".*"', f'control = "{dialect}"\nhome = {zero}', path.read_text())
     path.write_text(text)
+    names = {**offsets(), **{f"H{n}": {} for n in range(100, 200)}, **{f"D{n}": {} for n in range(100, 200)}}
     letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]
     rows = [
         ["name", *(f"{x}_mm" for x in letters)],
-        *([name, *("0" for _ in letters)] for name in offsets() if not re.fullmatch("[HDT]0(D1)?", name)),
+        *([name, *("0" for _ in letters)] for name in names if not re.fullmatch("[HDT]0(D1)?", name)),
     ]
     (folder / "offsets.csv").write_text("\n".join(",".join(row) for row in rows) + "\n")
     return folder

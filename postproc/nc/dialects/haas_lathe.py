@@ -63,7 +63,7 @@ DIALECT = Dialect(
         ),
         *rows("cycle", {"84": "tapping", "184": "left-hand tapping", "186": "left-hand tapping with the live tool"}, does="tap Z"),
         *rows("cycle", {"195": "radial tapping", "196": "radial left-hand tapping"}, does="tap X"),
-        *rows("cycle", {"95": "tapping with the live tool"}, does="tap Z", like="G84.2"),
+        *rows("cycle", {"95": "tapping with the live tool"}, does="tap Z", like="G84"),
         *rows(
             "motion",
             {
