@@ -5,13 +5,14 @@ A stroke is a motion, or a part of one between two places where a two-way axis t
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.compensate import cutter, sides, turning
 from postproc.compensate.approach import hold_last
-from postproc.compensate.arcs import points
+from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.errors import Notice
@@ -45,6 +46,16 @@ class Batch:
         self.free = self.known & ~motions.alone & ~self.places.idle  # motions whose end is corrected
         self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
         self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
+
+    @cached_property
+    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
+        """(Q,) the first stroke, and (A, Q) mm the place, of where corrected arcs lead farthest along an axis of their plane."""
+        arcs = self.m.arcs
+        arc, t = quadrants(arcs)
+        inside = (t > 0) & (t < 1) & self.free[arcs.motion[arc]]
+        arc, t = arc[inside], np.clip(t[inside], 1e-12, 1 - 1e-12)
+        place = points(arcs, self.arc_start, self.arc_target, arc, t)
+        return np.searchsorted(self.motion, arcs.motion[arc]), place
 
     def strokes(self) -> None:
         """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A, S) ticks."""
@@ -154,6 +165,12 @@ class Batch:
         if self.c.mode == "off":
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
             exact += self.differs[:, stroke] * rest
+        return self.led(stroke, exact)
+
+    def led(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
+        """(A, K) mm: exact commands along strokes, an axis whose lost motion is followed not beyond its begin or end."""
+        if len(self.c.followed):
+            exact = exact.copy()
         for row in self.c.followed:
             one, two = self.begin[row, stroke] / TICKS_PER_MM, self.end[row, stroke] / TICKS_PER_MM
             held = np.minimum(np.maximum(exact[row], np.minimum(one, two)), np.maximum(one, two))

@@ -211,6 +211,16 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
     return result
 
 
+def _plain(b: Batch) -> np.ndarray:
+    """(n,) bool: arcs along which nothing but the map bends the command (postproc.compensate.samples)."""
+    arcs = b.m.arcs
+    if b.tip or b.machine.chain.rotary or b.c.mode == "off" or b.c.reach.any():
+        return np.zeros(len(arcs), bool)
+    round_ = np.abs(arcs.radius_end - arcs.radius) <= b.options.arc_mismatch
+    result: np.ndarray = round_ & (np.abs(arcs.sweep) <= 2 * np.pi + 1e-9) & (b.m.cutter[arcs.motion] == FREE)
+    return result
+
+
 def arc_pieces(b: Batch):
     """Strokes of arcs: kept, halved, or chords."""
     m, motion, arcs = b.m, b.motion, b.m.arcs
@@ -235,9 +245,11 @@ def arc_pieces(b: Batch):
     single[b.arc_of[motion[which]]] = (b.begin == b.before).all(axis=0)[which]
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
-        tolerance_across=b.c.chord, mismatch=b.options.arc_mismatch, base=written, step=m.grid[:, arcs.motion],
-        single=single,
+        tolerance_across=b.c.chord, total=b.c.inner, mismatch=b.options.arc_mismatch, base=written,
+        step=m.grid[:, arcs.motion], single=single, plain=_plain(b),
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
+        weight=lambda r: b.weight_begin[:, r.stroke],
+        led=lambda r, row, exact: b.led(r.stroke[row], exact), followed=b.c.followed,
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
         **cutter.arcs_inside(b),
     )  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
@@ -183,14 +182,9 @@ def _check_arcs(b: Batch) -> None:
 def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
     """(2, S) lowest and highest place on each stroke that is part of an arc; `neutral` elsewhere."""
     result = np.full((2, len(b.motion)), neutral)
-    arcs = b.m.arcs
-    if len(arcs):
-        arc, t = quadrants(arcs)
-        value = points(arcs, b.arc_start, b.arc_target, arc, np.clip(t, 1e-12, 1 - 1e-12))[row]
-        first = np.searchsorted(b.motion, arcs.motion[arc])
-        value = np.where((t > 0) & (t < 1) & b.free[arcs.motion[arc]], value, neutral)
-        np.minimum.at(result[0], first, value)
-        np.maximum.at(result[1], first, value)
+    first, place = b.extremes
+    np.minimum.at(result[0], first, place[row])
+    np.maximum.at(result[1], first, place[row])
     return result
 
 

@@ -55,6 +55,28 @@ class Bounds:
         return kink, steep
 
     @cached_property
+    def cells(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Axis to (K,) mm the nodes of all that bends along it, and (K + 1,) mm/mm by how much the deviation changes per mm
+        of its way at most: before the first node, between two, beyond the last. What every place has is in `even`."""
+        found = {}
+        for letter, nodes in self.machine.knots.items():
+            every = np.unique(np.concatenate(nodes))
+            middle = np.concatenate([[every[0] - 1.0], (every[1:] + every[:-1]) / 2, [every[-1] + 1.0]])
+            total, reach = np.zeros(len(middle)), self.reach(letter)
+            for table in (table for x, table in self.machine.every_table if x == letter):
+                slope = table.slope_range(middle, middle)[1]
+                total += np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach
+            found[letter] = every, total
+        return found
+
+    @cached_property
+    def even(self) -> float:
+        """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever cell the place is in:
+        squareness, heat, tables of two axes, and every angle times the arm that grows."""
+        turned = (np.abs(np.stack([t.forward, t.reverse]))[:, 3:].max(axis=(0, 2)) for _, t in self.machine.every_table)
+        return self._constant + sum(float(np.linalg.norm(angle)) for angle in turned)
+
+    @cached_property
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way travelled."""
         total = self._constant

@@ -152,7 +152,10 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
         for first, second, *words in PLANES.values()
         if first in b.axes and second in b.axes
     }
-    letter = np.array([ord(letters[int(b.m.arcs.first[a]), int(b.m.arcs.second[a])][k]) for a in arc], np.uint8)
+    of_plane = np.zeros((len(b.axes), len(b.axes)), np.uint8)
+    for plane, words in letters.items():
+        of_plane[plane] = ord(words[k])
+    letter = of_plane[b.m.arcs.first[arc], b.m.arcs.second[arc]]
     prefix = np.zeros((len(motion), 2), np.uint8)
     prefix[:, 0] = np.where(b.spaced[motion], ord(" "), 0)
     prefix[:, 1] = letter

@@ -367,33 +367,40 @@ class Batch:
         m, p, w = self.m, self.p, self.w
         motion = p.motion[added]
         block = m.block[motion]
-        stop = w.block_stop[block]
-        rank = self.rank(added)
-        at = self.behind()[motion]
+        stop, rank, at = w.block_stop[block], self.rank(added), self.behind()[motion]
         end = self.byte[stop]
+        marks = [ord(mark) for mark in (";", self.e.dialect.block_end) if mark]
+        line = (stop < len(w.text)) & ~np.isin(end, marks)  # it ends with its line, as nearly all do
+        returns = (self.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
+        skip, code = w.skip[block], np.where(self.names_code[added], p.code[added], -1)
+        lead_of = [(b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)]
+        kind = 2 * code + skip
+        for k in np.unique(kind[line]).tolist():
+            which = line & (kind == k)
+            self.splice.constants(at[which], at[which], rank[which], lead_of[k + 2])
+        for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):
+            self.splice.constants(at[which], at[which], rank[which] + 90, text)
         lead: list[bytes] = []
         tail: list[bytes] = []
-        for k, i in enumerate(added):
-            before, after = self._ends(int(stop[k]), int(end[k]))
-            code = b"G%d" % p.code[i] if self.names_code[i] else b""
-            lead.append(before + (b"/" if w.skip[block[k]] else b"") + code)
+        others = (~line).nonzero()[0]
+        for k in others:
+            before, after = self._ends(int(stop[k]))
+            lead.append(before + lead_of[kind[k] + 2])
             tail.append(after)
-        self.splice.texts(at, at, rank, lead)
-        self.splice.texts(at, at, rank + 90, tail)
+        self.splice.texts(at[others], at[others], rank[others], lead)
+        self.splice.texts(at[others], at[others], rank[others] + 90, tail)
 
-    def _ends(self, stop: int, end: int) -> tuple[bytes, bytes]:
-        """What stands before and behind an added block, after a block that ends at `stop` with byte `end`."""
+    def _ends(self, stop: int) -> tuple[bytes, bytes]:
+        """What stands before and behind an added block, after a block that ends at `stop`: at the end of the text, or with a
+        mark of its own."""
         text = self.w.text
         if stop >= len(text):
             return self.state.newline or b"\n", b""
-        if end == ord(";") or chr(end) == self.e.dialect.block_end:
-            mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
-            line_end = text.find(b"\n", stop)
-            rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
-            if rest.strip():
-                return b" ", mark
-            if line_end < 0:
-                return self.state.newline or b"\n", mark
-            newline = b"\r\n" if rest.endswith(b"\r") else b"\n"
-            return newline, mark
-        return b"", b"\r\n" if text[stop - 1 : stop] == b"\r" else b"\n"
+        mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
+        line_end = text.find(b"\n", stop)
+        rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
+        if rest.strip():
+            return b" ", mark
+        if line_end < 0:
+            return self.state.newline or b"\n", mark
+        return b"\r\n" if rest.endswith(b"\r") else b"\n", mark

@@ -20,7 +20,7 @@ class Splice:
     def constants(self, start, stop, rank, text: bytes) -> None:
         """The same new text at each of (T,) places."""
         n = len(start)
-        if n:
+        if n and (text or (np.asarray(stop) > np.asarray(start)).any()):
             self._add(text, start, stop, rank, np.zeros(n, np.int64), np.full(n, len(text)))
 
     def texts(self, start, stop, rank, texts: list[bytes]) -> None:

@@ -1,0 +1,345 @@
+"""What a control draws of an arc as it will be written, and whether that is near enough to what
+is wanted.
+
+A circle through the two commanded ends is fitted, and the distance of every sample from the
+circle that the control will draw measured: about the centre that it computes from R and the ends
+as written where the arc is written with R (the programmed number if that will do, else a new
+one), else about I J rounded as they will be written. R near half a turn moves the centre by many
+times its own rounding: the same proof sends such arcs to I J. Radii of start and end keep the
+difference that they had, and a full circle ends where it begins to the last digit or is cut.
+
+The distance in the plane and that along the third axis stand at right angles, so it is both
+together that must stay within the tolerance. A slide that lost motion holds back (by the
+hysteresis at most) is off already, so that there each of both keeps to its own share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.compensate.samples import Samples, bend
+from postproc.motions import centre_by_radius
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.compensate.fit import Fitter, Rows
+
+TURN = 2 * np.pi
+SAME_ANGLE = 1e-9  # rad: below what two ends one tick apart make of any arc within travel
+EXACT = 1e-9  # mm: what a square root leaves of half a turn
+SMALLEST_RADIUS = 0.002  # mm: controls take less for none
+FLAT = 16  # least increments of bow: half of one at both ends changes the radius by a sixteenth
+LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
+NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
+
+
+def turns(sweep: np.ndarray) -> np.ndarray:
+    """(R,) full turns before the last one, which may be full itself: what P counts beyond the
+    first."""
+    return np.maximum(np.ceil(np.abs(sweep) / TURN - SAME_ANGLE) - 1, 0)
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar products of (2, ...) vectors."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+class Proof:
+    """R runs of samples, from `low` to `high` (R,), to be written as arcs `rows`. All places are
+    mm from the nominal centre: begin, end (2, R) as written. excess (R,): the farthest place of
+    what was tried last, as a share of the limit."""
+
+    def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
+        self.f, self.rows, self.s, self.low, self.high = f, rows, samples, low, high
+        arcs, arc, column = f.arcs, rows.arc, np.arange(len(rows))
+        self.arc, self.centre = arc, arcs.centre[:, arc]
+        axes = [samples.first, samples.second]
+        self.begin = rows.begin[axes] / TICKS_PER_MM - self.centre
+        self.end = rows.end[axes] / TICKS_PER_MM - self.centre
+        self.unit0, self.unit1 = samples.unit[:, low, column], samples.unit[:, high, column]
+        self.sweep = arcs.sweep[arc] * (rows.t1 - rows.t0)
+        self.share = (samples.t - rows.t0) * (1.0 / (rows.t1 - rows.t0))
+        self.within: np.ndarray | None = None
+        if low.any() or (high < samples.last).any():
+            nth = np.arange(len(samples.t))[:, None]
+            self.within = ((nth >= low) & (nth <= high)).astype(float)
+        self.half = arcs.grid[:, arc].min(axis=0) / TICKS_PER_MM / 2
+        self.limit = f.total + self.half - samples.rest
+        self.excess = np.ones(len(rows))
+
+    def run(self) -> np.ndarray:
+        """(R,) whether an arc will do; `rows` then have its centre and its R word."""
+        rows = self.rows
+        good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
+        centre = np.zeros((2, len(rows)), np.int64)
+        for there, word, most in self._candidates():
+            holds = ~good & self._holds(there, most)
+            way = np.where(holds, there - self.begin, 0.0)
+            ticks = np.rint(way * TICKS_PER_MM).astype(np.int64)
+            good, radius, centre = (
+                good | holds,
+                np.where(holds, word, radius),
+                np.where(holds, ticks, centre),
+            )
+            if good.all():
+                break
+        self.rows = replace(rows, centre=centre, radius=radius)
+        return good
+
+    def straight(self) -> np.ndarray:
+        """(R,) whether every axis stays near enough to the straight line between its ends for a
+        chord."""
+        straight, s = np.ones(len(self.rows), bool), self.s
+        in_plane = zip((s.first, s.second), s.place + self.centre[:, None], strict=True)
+        for axis, command in (*in_plane, *zip(s.beside, s.across, strict=True)):
+            half = self.f.step[axis, self.arc] / TICKS_PER_MM / 2  # the ends are rounded already
+            bow = self._largest(np.abs(self._bow(axis, command)))
+            straight &= bow <= self.f.tolerance_across + half
+        return straight
+
+    def _bow(self, axis: int, command: np.ndarray) -> np.ndarray:
+        """(K, R) mm by which the command (K, R) of an axis leaves the straight line between its
+        ends."""
+        begin, end = self.rows.begin[axis] / TICKS_PER_MM, self.rows.end[axis] / TICKS_PER_MM
+        bow = self.share * (begin - end)
+        bow += command
+        bow -= begin
+        return bow
+
+    def _total(self, value: np.ndarray) -> np.ndarray:
+        """(R,) sums over the samples of each run."""
+        value = value if self.within is None else value * self.within
+        result: np.ndarray = value.sum(axis=0)
+        return result
+
+    def _largest(self, value: np.ndarray) -> np.ndarray:
+        """(R,) largest of (K, R) sizes over each run."""
+        value = value if self.within is None else value * self.within
+        result: np.ndarray = value.max(axis=0)
+        return result
+
+    def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, float | np.ndarray]]:
+        """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make
+        them, and the mm that each may miss the samples in the plane; best first: R as programmed,
+        held like an axis at rest while that costs half of the tolerance at most, R as fitted, the
+        centre as fitted, and the one that keeps the radius (in an arc so short that a micrometre of
+        rounding outweighs its whole bow the fit knows no radius)."""
+        f, exact, none = self.f, self._fitted(), np.zeros(len(self.rows), np.int64)
+        if f.arcs.by_radius[self.arc].any():
+            programmed, fitted = self._radius_words(exact)
+            yield self._drawn(programmed), programmed, f.tolerance / 2 + self.half
+            yield self._drawn(fitted), fitted, np.inf
+        yield self._rounded(exact), none, np.inf
+        if f.inside[self.arc].any():
+            yield self._as_wide(exact), none, np.inf
+            yield self._rounded(exact), none, np.inf
+        if not (self._sagitta() < FLAT * f.arcs.grid[:, self.arc].max(axis=0) / TICKS_PER_MM).any():
+            return
+        radius = f.arcs.radius[self.arc] * np.where(np.abs(self.sweep) > np.pi, -1, 1)
+        same = centre_by_radius(self.begin, self.end, radius, self.sweep > 0)
+        yield self._rounded(same), none, np.inf
+
+    def _sagitta(self) -> np.ndarray:
+        """(R,) mm by which each run leaves its chord."""
+        sweep = np.minimum(np.abs(self.sweep), TURN)
+        bow: np.ndarray = self.f.arcs.radius[self.arc] * (1 - np.cos(sweep / 2))
+        return bow
+
+    def _rounded(self, centre: np.ndarray) -> np.ndarray:
+        """(2, R) mm: centres as I J K will say them: whole increments from the programmed words."""
+        base = np.where(self.rows.t0 == 0, self.f.base[:, self.arc], 0)
+        grid = self.f.arcs.grid[:, self.arc]
+        way = base + np.rint(((centre - self.begin) * TICKS_PER_MM - base) / grid) * grid
+        result: np.ndarray = self.begin + way / TICKS_PER_MM
+        return result
+
+    def _fitted(self) -> np.ndarray:
+        """(2, R) mm: the centre whose circle through the written begin passes the samples best, by
+        least squares in the radial shifts; where the row ends elsewhere than it begins, it passes
+        the written end too."""
+        arcs, s = self.f.arcs, self.s
+        ends = []
+        for unit, place, t in (
+            (self.unit0, self.begin, self.rows.t0),
+            (self.unit1, self.end, self.rows.t1),
+        ):
+            grown = (arcs.radius_end - arcs.radius)[self.arc] * t
+            ends.append(dot(unit, place) - arcs.radius[self.arc] - grown)
+        length = np.hypot(*(self.unit1 - self.unit0))
+        open_ = length > SAME_ANGLE
+        safe = np.where(open_, length, 1.0)
+        along = np.where(open_, (self.unit1 - self.unit0) / safe, np.array([[1.0], [0.0]]))
+        across = np.stack([-along[1], along[0]])
+        g = across[0] * s.unit[0] + across[1] * s.unit[1]
+        g -= dot(across, self.unit0)
+        gg = self._total(g * g)
+        move_along = (ends[1] - ends[0]) / safe
+        if not open_.all():
+            f = along[0] * s.unit[0] + along[1] * s.unit[1] - dot(along, self.unit0)
+            h, which = s.radial - ends[0], ~open_
+            ff, fg, fh, gh = (self._total(product) for product in (f * f, f * g, f * h, g * h))
+            free = ff * gg - fg**2
+            move_along[which] = ((fh * gg - gh * fg) / np.where(free > 0, free, 1.0))[which]
+        moved = along * move_along
+        left = s.radial - moved[0] * s.unit[0]
+        left -= moved[1] * s.unit[1]
+        left += dot(moved, self.unit0) - ends[0]
+        left *= g
+        result: np.ndarray = moved + across * (self._total(left) / np.where(gg > 0, gg, 1.0))
+        return result
+
+    def _radius_words(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(R,) ticks twice: what R may be, 0 in arcs that have none: the programmed number, and the
+        fitted one as rounded."""
+        own = self.f.arcs.by_radius[self.arc]
+        whole = (self.rows.t0 == 0) & (self.rows.t1 == 1)
+        sign = np.where(whole, np.sign(own), np.where(np.abs(self.sweep) > np.pi, -1, 1))
+        sign *= own != 0
+        step = self.f.arcs.grid[:, self.arc].max(axis=0)
+        exact = np.hypot(*(self.begin - centre)) * TICKS_PER_MM
+        rounded = np.abs(own) + np.rint((exact - np.abs(own)) / step).astype(np.int64) * step
+        return sign * np.abs(own), sign * rounded
+
+    def _drawn(self, word: np.ndarray) -> np.ndarray:
+        """(2, R) mm: the centre that a control computes from R `word` (R,) ticks and the written
+        ends; nan where it has none, or where R is shorter than half the way by more than the
+        programmed one was."""
+        half = np.hypot(*(self.end - self.begin)) / 2
+        arcs = self.f.arcs
+        begin, grown = arcs.radius[self.arc], (arcs.radius_end - arcs.radius)[self.arc]
+        radii = [begin + grown * t for t in (self.rows.t0, self.rows.t1)]
+        nominal = np.hypot(*(radii[1] * self.unit1 - radii[0] * self.unit0)) / 2
+        short = np.maximum(nominal - np.abs(self.f.arcs.by_radius[self.arc]) / TICKS_PER_MM, EXACT)
+        radius = word / TICKS_PER_MM
+        reaches = (word != 0) & (half > 0) & (half - np.abs(radius) <= short)
+        centre = centre_by_radius(self.begin, self.end, radius, self.sweep > 0)
+        return np.where(reaches, centre, np.nan)
+
+    def _kept(self) -> np.ndarray:
+        """(R,) bool: inside cutter radius compensation, and too short to be cut, whatever that
+        leaves."""
+        way = np.abs(self.sweep) * self.f.arcs.radius[self.arc]
+        result: np.ndarray = self.f.inside[self.arc] & (way < 2 * self.f.shortest[self.arc])
+        return result
+
+    def _least(self) -> np.ndarray:
+        """(R,) ticks that the radius must have at least: inside cutter radius compensation the
+        tool must fit on the inside of an arc; where its radius is not known, as it did."""
+        arcs, arc = self.f.arcs, self.arc
+        step, tool = arcs.grid[:, arc].max(axis=0), self.f.tool[arc] * TICKS_PER_MM
+        radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
+        least = np.minimum(radius, np.where(tool > 0, tool + step, 0.0))
+        least = np.where(np.isfinite(tool), least, radius)
+        return np.where(self.f.inside[arc], least - 0.5, 0.0)
+
+    def _as_wide(self, centre: np.ndarray) -> np.ndarray:
+        """(2, R) mm: centres near the fitted ones that leave arcs inside cutter radius
+        compensation wide enough; nan for other arcs and where there is none."""
+        arcs, arc = self.f.arcs, self.arc
+        grid, chord = arcs.grid[:, arc], (self.end - self.begin) * TICKS_PER_MM
+        exact, least = (centre - self.begin) * TICKS_PER_MM, self._least()
+        radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
+        narrow = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact))) < least - grid.max(axis=0)
+        exact = np.where(narrow, -radius * self.unit0, exact)  # moved as it is
+        tried = (np.rint(exact / grid) * grid)[:, None] + NEIGHBOURS[:, :, None] * grid[:, None]
+        fits = np.minimum(np.hypot(*tried), np.hypot(*(chord[:, None] - tried))) >= least
+        cost = np.where(fits & self.f.inside[arc], np.hypot(*(tried - exact[:, None])), np.inf)
+        best, column = np.argmin(cost, axis=0), np.arange(len(arc))
+        found = self.begin + tried[:, best, column] / TICKS_PER_MM
+        return np.where(np.isfinite(cost[best, column]), found, np.nan)
+
+    def _holds(self, centre: np.ndarray, most: float | np.ndarray) -> np.ndarray:
+        """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
+        tolerance, and `most` mm in the plane, and are arcs to a control."""
+        f, arcs = self.f, self.f.arcs
+        radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
+        turned, closed = self._turned(centre)
+        good = self._near(centre, radius0, radius1, turned, most)
+        # Rounding must not turn a sliver into a circle, nor a circle into a sliver.
+        good &= np.abs(turned - self.sweep) < np.minimum(0.5 * np.abs(self.sweep), np.pi)
+        full = np.abs(self.sweep / TURN - np.rint(self.sweep / TURN)) < SAME_ANGLE
+        good &= closed | ~full
+        whole = (self.rows.t0 == 0) & (self.rows.t1 == 1)
+        good &= (turns(self.sweep) == 0) | (f.single[self.arc] & whole)
+        good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
+        if f.inside[self.arc].any():
+            wide = np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least()
+            good &= wide | self._kept()
+            good &= ~(f.inside[self.arc] & (np.abs(self.sweep) > LARGEST_SWEEP))
+        was = np.abs(arcs.radius_end - arcs.radius)[self.arc] * (self.rows.t1 - self.rows.t0)
+        # Together they must stay below the control's limit, twice the mismatch; what misses by more
+        # already, by no more.
+        good &= np.abs(radius1 - radius0) <= np.where(was <= f.mismatch, was + f.mismatch, was)
+        return good
+
+    def _near(
+        self,
+        centre: np.ndarray,
+        radius0: np.ndarray,
+        radius1: np.ndarray,
+        turned: np.ndarray,
+        most: float | np.ndarray,
+    ) -> np.ndarray:
+        """(R,) whether what is drawn stays within the tolerance of what is wanted, between
+        samples too."""
+        s = self.s
+        x, y = s.place[0] - centre[0], s.place[1] - centre[1]
+        radius = self.share * (radius1 - radius0)
+        radius += radius0
+        helix = self._helix()
+        if helix.any():
+            # The other axes are tied to the angle: being ahead is as wrong as being beside.
+            angle = np.arctan2(*(self.begin - centre)[::-1]) + turned * self.share
+            ahead = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
+        x *= x
+        y *= y
+        x += y
+        off = np.sqrt(x, out=x)
+        off -= radius
+        if helix.any():
+            off = np.where(helix, ahead, off)
+        between = bend(off, s.smooth)
+        np.abs(off, out=off)
+        off += between
+        bows = []
+        for axis, command, between in zip(s.beside, s.across, s.bow, strict=True):
+            bow = self._bow(axis, command)
+            np.abs(bow, out=bow)
+            bow += between
+            bows.append(bow)
+        good = np.ones(len(self.rows), bool)
+        if np.ndim(most) or most < np.inf:
+            good &= self._largest(off) <= most
+        if len(self.f.followed):
+            good &= self._largest(off) <= self.f.tolerance + self.half
+            for axis, bow in zip(s.beside, bows, strict=True):
+                half = self.f.step[axis, self.arc] / TICKS_PER_MM / 2
+                good &= self._largest(bow) <= self.f.tolerance_across + half
+        off *= off
+        for bow in bows:
+            bow *= bow
+            off += bow
+        self.excess = np.sqrt(self._largest(off)) / self.limit
+        near = self.excess <= 1.0
+        if self.f.inside[self.arc].any():
+            near |= self._kept()
+        good &= near
+        return good
+
+    def _turned(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(R,) rad that a control turns about `centre`, and whether it ends where it begins: then
+        it makes a full turn."""
+        closed = (self.begin == self.end).all(axis=0)
+        counter = np.where(self.sweep > 0, 1.0, -1.0)
+        way = np.arctan2(*(self.end - centre)[::-1]) - np.arctan2(*(self.begin - centre)[::-1])
+        last = np.where(closed, TURN, counter * way % TURN)
+        return counter * (last + turns(self.sweep) * TURN), closed
+
+    def _helix(self) -> np.ndarray:
+        """(R,) whether a corrected axis beside the plane moves."""
+        moves = (self.f.start != self.f.target)[:, self.arc]
+        result: np.ndarray = moves[list(self.s.beside)].any(axis=0)
+        return result

@@ -1,0 +1,241 @@
+"""Where along arcs the command is smooth, and how closely it must be looked at there.
+
+Between its nodes a table is straight, so along an arc the command bends but where an axis passes a
+node, and where it leaves what lost motion holds. Those places part the arc into smooth stretches,
+and each stretch has equal parts, two at least. What a smooth curve f does between samples h apart
+is known from them but for a third derivative:
+
+    |f| <= larger of both ends + |second difference| / 8 + h^3 |third derivative| / (9 sqrt 3)
+
+(the bow of a parabola, and the remainder of interpolation by one). In place the deviation is
+linear, with slopes S per mm of way, so the image of a circle of radius r is a conic: its radial
+part has waves of one and of two per turn with sizes up to 2 r S and r S / 2, which makes a third
+derivative of 6 r S at most; the products of an angle and an arm, `twist` x y, add a third wave.
+h follows from that, and what is left goes off the tolerance.
+
+Arcs for which that does not hold (inside cutter radius compensation, spirals, ramps of lost motion,
+axes that turn) are sampled so densely that an eighth of the tolerance hides at most: a piecewise
+linear map misses its chord by kink * step / 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.compensate.arcs import points
+from postproc.compensate.inverse import command
+from postproc.compensate.nodes import spread
+from postproc.units import TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.compensate.fit import Fitter, Rows
+
+TURN = 2 * np.pi
+WIDEST = 0.5  # rad between two samples
+REMAINDER = 1 / (9 * np.sqrt(3))
+SHARE = 1 / 16  # of the tolerance that the remainder may take
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """G smooth stretches of rows, in order. row (G,); t, step (G,): where it begins, and from
+    sample to sample; parts (G,). steep (R,) mm/mm and rest (R,) mm of the rows; shift (2, A, R)
+    mm: `_ends`."""
+
+    row: np.ndarray
+    t: np.ndarray
+    step: np.ndarray
+    parts: np.ndarray
+    steep: np.ndarray
+    rest: np.ndarray
+    shift: np.ndarray
+
+
+def stretches(f: Fitter, rows: Rows) -> Stretches:
+    """Where samples lie."""
+    arcs, arc = f.arcs, rows.arc
+    plain = f.plain[arc]
+    sweep = np.abs(arcs.sweep[arc])
+    radius = np.maximum(arcs.radius, arcs.radius_end)[arc]
+    # Nodes so near to one another, or to an end, that next to nothing bends between them.
+    near = f.total * SHARE / 4 / max(f.machine.bounds.kink, 1e-12)
+    near = near / np.maximum(radius * sweep, 1e-9)
+    shift = _ends(f, rows)
+    passed = _crossings(f, rows, shift) if plain.any() else []
+    owner = np.concatenate([np.arange(len(rows)), *(o for o, _ in passed)])
+    t = np.concatenate([rows.t0, *(at for _, at in passed)])
+    order = np.argsort(owner + (t - rows.t0[owner]) / (rows.t1 - rows.t0)[owner] / 2, kind="stable")
+    owner, t = owner[order], t[order]
+    first = np.concatenate([[True], owner[1:] != owner[:-1]])
+    keep = first.copy()
+    keep[1:] |= (t[1:] - t[:-1] > near[owner[1:]]) & (rows.t1[owner[1:]] - t[1:] > near[owner[1:]])
+    owner, t = owner[keep], t[keep]
+    first = first[keep]
+    until = np.append(t[1:], 0.0)
+    final = np.append(first[1:], True)
+    until[final] = rows.t1[owner[final]]
+    steep, third = np.zeros(len(t)), np.full(len(t), 1e-12)
+    if plain.any():
+        steep, third = _steepness(f, rows, owner, (t + until) / 2, shift)
+    turn = sweep[owner] * (until - t)
+    wide = np.minimum(np.cbrt(f.total * SHARE / (REMAINDER * third)), WIDEST)
+    parts = np.where(plain[owner], np.maximum(np.ceil(turn / wide), 2), 0).astype(np.int64)
+    dense = np.flatnonzero(~plain)
+    if len(dense):
+        # Even: one sample is the middle.
+        parts[~plain[owner]] = density(f, rows.pick(dense)) // 2 * 2
+    left = REMAINDER * third * (turn / parts) ** 3 + f.total * SHARE / 4
+    left = np.where(plain[owner], left, (f.tolerance**2 + f.tolerance_across**2) ** 0.5 / 8)
+    at = np.flatnonzero(first)
+    return Stretches(
+        owner,
+        t,
+        (until - t) / parts,
+        parts,
+        np.maximum.reduceat(steep, at),
+        np.maximum.reduceat(left, at),
+        shift,
+    )
+
+
+def _steepness(
+    f: Fitter, rows: Rows, row: np.ndarray, t: np.ndarray, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(G,) mm/mm how steep the deviation is at most in the cell of the tables where t lies, and
+    (G,) mm per cubic radian the third derivative of the path there."""
+    arcs, arc = f.arcs, rows.arc[row]
+    bounds, radius = f.machine.bounds, np.maximum(arcs.radius, arcs.radius_end)[arc]
+    angle = arcs.angle[arc] + arcs.sweep[arc] * t
+    steep, held = np.full(len(row), bounds.even), np.zeros(len(row), bool)
+    share = (t - rows.t0[row]) / (rows.t1 - rows.t0)[row]
+    planes = ((arcs.first[arc], np.cos(angle), 0), (arcs.second[arc], np.sin(angle), 1))
+    for k, letter in enumerate(f.machine.letters):
+        if letter not in bounds.cells:
+            continue
+        nodes, slopes = bounds.cells[letter]
+        for axis, part, which in planes:
+            on = axis == k
+            if on.any():
+                beside = shift[0, k, row] + (shift[1] - shift[0])[k, row] * share
+                place = arcs.centre[which, arc] + radius * part + beside
+                steep += np.where(on, slopes[nodes.searchsorted(place)], 0.0)
+                if k in f.followed:
+                    ends = rows.begin[k, row] / TICKS_PER_MM, rows.end[k, row] / TICKS_PER_MM
+                    held |= on & ((place < np.minimum(*ends)) | (place > np.maximum(*ends)))
+        moves = (f.start[k] != f.target[k])[arc] & (planes[0][0] != k) & (planes[1][0] != k)
+        if moves.any():
+            steep += np.where(moves, slopes.max(), 0.0)
+    twist = float(bounds.twist.sum())
+    return steep, 6 * radius * steep + 13.5 * twist * radius**2 + 2 * radius * held + 1e-12
+
+
+def _ends(f: Fitter, rows: Rows) -> np.ndarray:
+    """(2, A, R) mm from the nominal places at both ends of rows to their exact commands."""
+    plain = np.flatnonzero(f.plain[rows.arc])
+    result = np.zeros((2, *rows.begin.shape))
+    weight = f.weight(rows)[:, plain]
+    for k, (ticks, t) in enumerate(((rows.begin, rows.t0), (rows.end, rows.t1))):
+        nominal = points(f.arcs, f.start, f.target, rows.arc[plain], t[plain])
+        exact = ticks[:, plain] / TICKS_PER_MM
+        if len(f.followed):  # lost motion may hold it elsewhere
+            exact = command(f.machine, nominal, weight, f.arcs.motion[rows.arc[plain]])
+        result[k][:, plain] = exact - nominal
+    return result
+
+
+def _crossings(f: Fitter, rows: Rows, shift: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(N,) rows and (N,) t at which the command of an axis passes a node of its tables, or leaves
+    where lost motion holds it, of plain rows; shift (2, A, R) mm: `_ends`."""
+    arcs, cells, found = f.arcs, f.machine.bounds.cells, []
+    plain = np.flatnonzero(f.plain[rows.arc])
+    none = np.zeros(0)
+    for k, letter in enumerate(f.machine.letters):
+        nodes = cells[letter][0] if letter in cells else none
+        held = k in f.followed
+        if not len(nodes) and not held:
+            continue
+        for axes, role in ((arcs.first, 0), (arcs.second, 1)):
+            on = plain[axes[rows.arc[plain]] == k]
+            if len(on):
+                middle = arcs.centre[role, rows.arc[on]] + shift[:, k, on].mean(axis=0)
+                radius = arcs.radius[rows.arc[on]]
+                row, node = _between(on, middle - radius, middle + radius, nodes)
+                if held:
+                    row = np.concatenate([row, on, on])
+                    ends = rows.begin[k, on] / TICKS_PER_MM, rows.end[k, on] / TICKS_PER_MM
+                    node = np.concatenate([node, *ends])
+                found.append(_on_circle(f, rows, row, node, role, shift[:, k, row]))
+        beside = (arcs.first[rows.arc[plain]] != k) & (arcs.second[rows.arc[plain]] != k)
+        moves = plain[(f.start[k] != f.target[k])[rows.arc[plain]] & beside]
+        if len(moves):
+            found.append(_on_line(f, rows, moves, nodes, k, shift[:, k, moves]))
+    return found
+
+
+def _between(
+    which: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    nodes: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) of `which` (R,) and (N,) the nodes between low and high (R,), mm."""
+    first = nodes.searchsorted(low, side="right")
+    one, index = spread(np.maximum(nodes.searchsorted(high, side="left") - first, 0))
+    return which[one], nodes[first[one] + index]
+
+
+def _on_circle(
+    f: Fitter, rows: Rows, row: np.ndarray, node: np.ndarray, role: int, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) rows and (N,) t where the command of the plane's first (role 0) or second axis passes
+    nodes (N,) mm; shift (2, N) mm: how far it is beside the nominal place at both ends."""
+    arcs, arc = f.arcs, rows.arc[row]
+    centre, radius, sweep = arcs.centre[role, arc], arcs.radius[arc], arcs.sweep[arc]
+    t0, way = rows.t0[row], (rows.t1 - rows.t0)[row]
+    result = []
+    for side in (1.0, -1.0):
+        share, t = np.full(len(row), 0.5), t0
+        for _ in range(3):  # the shift there is known when the place is
+            beside = shift[0] + (shift[1] - shift[0]) * share
+            angle = np.arccos(np.clip((node - beside - centre) / radius, -1.0, 1.0)) * side
+            if role:
+                angle = np.pi / 2 - angle
+            t = (np.sign(sweep) * (angle - arcs.angle[arc])) % TURN / np.abs(sweep)
+            share = np.clip((t - t0) / way, 0.0, 1.0)
+        inside = (t > t0) & (t < rows.t1[row])
+        result.append((row[inside], t[inside]))
+    return np.concatenate([r for r, _ in result]), np.concatenate([at for _, at in result])
+
+
+def _on_line(
+    f: Fitter, rows: Rows, which: np.ndarray, nodes: np.ndarray, k: int, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of an axis that moves beside the plane, in step with the angle."""
+    arc = rows.arc[which]
+    start, way = f.start[k, arc], (f.target - f.start)[k, arc]
+    one, two = start + way * rows.t0[which] + shift[0], start + way * rows.t1[which] + shift[1]
+    at, node = _between(np.arange(len(which)), np.minimum(one, two), np.maximum(one, two), nodes)
+    share = (node - one[at]) / np.where(two == one, 1.0, two - one)[at]
+    t = rows.t0[which[at]] + (rows.t1 - rows.t0)[which[at]] * share
+    inside = (share > 0) & (share < 1)
+    return which[at[inside]], t[inside]
+
+
+def density(f: Fitter, rows: Rows) -> np.ndarray:
+    """(R,) how many steps make samples dense enough without knowing where nodes are passed:
+    between two of them at most an eighth of the tolerance may hide, from nodes (kink * step / 4)
+    and from the ellipse that a stretched circle is."""
+    arcs = f.arcs
+    sweep = np.abs(arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
+    radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
+    sagitta = radius * (1 - np.cos(np.minimum(sweep, TURN) / 2))
+    ends = [points(arcs, f.start, f.target, rows.arc, t) for t in (rows.t0, rows.t1)]
+    kink, steep = f.machine.bounds.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
+    slack = f.tolerance / 8
+    travel = np.linalg.norm((f.target - f.start)[:, rows.arc], axis=0) * (rows.t1 - rows.t0)
+    by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)
+    by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
+    return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)

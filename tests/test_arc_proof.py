@@ -1,0 +1,104 @@
+"""Arcs are judged by few samples and a bound of what can hide between them; here by very many
+samples.
+
+Every piece that the fit accepts is drawn as the control draws it, and measured at a thousand
+places: nowhere may it be farther from what the slides should do than the proof says it can be,
+and where the proof says so it must be near enough. The bound must also be worth something: on
+smooth maps it asks for two pieces an arc at most."""
+
+from __future__ import annotations
+
+import sys
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from programs import write_mill
+from test_arc_words import ZERO, random_arcs
+
+from postproc.compensate import Options, fit
+from postproc.compensate.arcs import points
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from postproc.units import TICKS_PER_MM
+
+DENSE = 1001
+
+
+def drawn(f, rows, k, t):
+    """(A, K) mm where the control stands at shares t of piece k, its ticks read as a control
+    reads them."""
+    arcs, arc = f.arcs, rows.arc[k]
+    begin, end = rows.begin[:, k] / TICKS_PER_MM, rows.end[:, k] / TICKS_PER_MM
+    way = begin[:, None] + (end - begin)[:, None] * t
+    axes = [arcs.first[arc], arcs.second[arc]]
+    centre = begin[axes] + rows.centre[:, k] / TICKS_PER_MM
+    sweep = arcs.sweep[arc] * (rows.t1[k] - rows.t0[k])
+    (x0, y0), (x1, y1) = begin[axes] - centre, end[axes] - centre
+    turned = (np.arctan2(y1, x1) - np.arctan2(y0, x0) - sweep + np.pi) % (2 * np.pi) - np.pi + sweep
+    angle = np.arctan2(y0, x0) + turned * t
+    radius = np.hypot(x0, y0) + (np.hypot(x1, y1) - np.hypot(x0, y0)) * t
+    way[axes] = centre[:, None] + radius * np.stack([np.cos(angle), np.sin(angle)])
+    return way
+
+
+def judged(f, rows, most):
+    """The farthest that any piece is from what the slides should do, as a share of what its proof
+    allows."""
+    worst = 0.0
+    t = np.linspace(0.0, 1.0, DENSE)
+    for k in np.flatnonzero(~rows.chord):
+        one = rows.pick(np.full(DENSE, k))
+        where = rows.t0[k] + (rows.t1[k] - rows.t0[k]) * t
+        nominal = points(f.arcs, f.start, f.target, one.arc, where)
+        wanted = f.needed(one, np.arange(DENSE), where, nominal)
+        there = drawn(f, rows, k, t)
+        plane = [f.arcs.first[rows.arc[k]], f.arcs.second[rows.arc[k]]]
+        centre = rows.begin[plane, k] / TICKS_PER_MM + rows.centre[:, k] / TICKS_PER_MM
+        off = np.hypot(*(wanted[plane] - centre[:, None]))
+        off -= np.hypot(*(there[plane] - centre[:, None]))
+        across = [a for a in f.machine.corrected if a not in plane]
+        beside = np.sqrt(off**2 + ((wanted - there)[across] ** 2).sum(axis=0))
+        worst = max(worst, float(beside.max()) / most)
+    return worst
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_nothing_hides_between_samples(tmp_path, monkeypatch, two_way, seed):
+    found, settle = [], fit.Fitter.settle
+
+    def seen(f, rows):
+        result = settle(f, rows)
+        found.append((f, result))
+        return result
+
+    monkeypatch.setattr(fit.Fitter, "settle", seen)
+    machine = read_machine(write_mill(tmp_path / "mill", two_way))
+    options = Options(tolerance=0.001)
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), options)
+    filter_.feed(random_arcs(seed, 25).encode())
+    filter_.finish()
+    assert found
+    for f, rows in found:
+        half = f.arcs.grid.min() / TICKS_PER_MM / 2
+        assert judged(f, rows, f.total + half) <= 1.0
+
+
+def test_a_smooth_map_asks_for_two_pieces_an_arc(tmp_path):
+    """The arcs and the mill of the benchmarks: 200 arcs of 0.5 to 20 mm, 0.35 to 5 rad, and 21
+    errors of up to 30 um."""
+    sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+    import files
+    import machine as mill
+
+    mill.write_machine(tmp_path / "mill")
+    machine = read_machine(tmp_path / "mill")
+    text = "\n".join(islice(files.write_c(1000), 204)) + "\nM30\n%\n"
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO))
+    out = filter_.feed(text.encode()) + filter_.finish()
+    arcs = sum(line.startswith((b"G2 ", b"G3 ")) for line in text.encode().splitlines())
+    assert arcs == 200
+    assert out.count(b"\n") - text.count("\n") <= arcs
