@@ -47,6 +47,9 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[0] + a[1] * b[1]
 
 
+Most = float | np.ndarray
+
+
 class Proof:
     """R runs of samples, from `low` to `high` (R,), to be written as arcs `rows`. All places are
     mm from the nominal centre: begin, end (2, R) as written. excess (R,): the farthest place of
@@ -75,8 +78,8 @@ class Proof:
         rows = self.rows
         good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
         centre = np.zeros((2, len(rows)), np.int64)
-        for there, word, most in self._candidates():
-            holds = ~good & self._holds(there, most)
+        for there, word, most, kept in self._candidates():
+            holds = ~good & self._holds(there, most, kept)
             way = np.where(holds, there - self.begin, 0.0)
             ticks = np.rint(way * TICKS_PER_MM).astype(np.int64)
             good, radius, centre = (
@@ -121,26 +124,30 @@ class Proof:
         result: np.ndarray = value.max(axis=0)
         return result
 
-    def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, float | np.ndarray]]:
+    def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, Most, np.ndarray]]:
         """(2, R) mm centres as the control will have them, nan for none, (R,) the R words that make
-        them, and the mm that each may miss the samples in the plane; best first: R as programmed,
+        them, the mm that each may miss the samples in the plane, and (R,) whether it is taken
+        whatever it misses; best first: R as programmed,
         held like an axis at rest while that costs half of the tolerance at most, R as fitted, the
         centre as fitted, and the one that keeps the radius (in an arc so short that a micrometre of
         rounding outweighs its whole bow the fit knows no radius)."""
         f, exact, none = self.f, self._fitted(), np.zeros(len(self.rows), np.int64)
+        never = none.astype(bool)
         if f.arcs.by_radius[self.arc].any():
             programmed, fitted = self._radius_words(exact)
-            yield self._drawn(programmed), programmed, f.tolerance / 2 + self.half
-            yield self._drawn(fitted), fitted, np.inf
-        yield self._rounded(exact), none, np.inf
+            yield self._drawn(programmed), programmed, f.tolerance / 2 + self.half, never
+            yield self._drawn(fitted), fitted, np.inf, never
+        yield self._rounded(exact), none, np.inf, never
         if f.inside[self.arc].any():
-            yield self._as_wide(exact), none, np.inf
-            yield self._rounded(exact), none, np.inf
-        if not (self._sagitta() < FLAT * f.arcs.grid[:, self.arc].max(axis=0) / TICKS_PER_MM).any():
+            kept = self._kept()
+            yield self._as_wide(exact), none, np.inf, kept
+            yield self._rounded(exact), none, np.inf, kept
+        flat = self._sagitta() < FLAT * f.arcs.grid[:, self.arc].max(axis=0) / TICKS_PER_MM
+        if not flat.any():
             return
         radius = f.arcs.radius[self.arc] * np.where(np.abs(self.sweep) > np.pi, -1, 1)
         same = centre_by_radius(self.begin, self.end, radius, self.sweep > 0)
-        yield self._rounded(same), none, np.inf
+        yield np.where(flat, self._rounded(same), np.nan), none, np.inf, never
 
     def _sagitta(self) -> np.ndarray:
         """(R,) mm by which each run leaves its chord."""
@@ -251,13 +258,14 @@ class Proof:
         found = self.begin + tried[:, best, column] / TICKS_PER_MM
         return np.where(np.isfinite(cost[best, column]), found, np.nan)
 
-    def _holds(self, centre: np.ndarray, most: float | np.ndarray) -> np.ndarray:
+    def _holds(self, centre: np.ndarray, most: Most, kept: np.ndarray) -> np.ndarray:
         """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
-        tolerance, and `most` mm in the plane, and are arcs to a control."""
+        tolerance, and `most` mm in the plane, or are `kept` (R,) whatever that leaves, and are
+        arcs to a control."""
         f, arcs = self.f, self.f.arcs
         radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
         turned, closed = self._turned(centre)
-        good = self._near(centre, radius0, radius1, turned, most)
+        good = self._near(centre, radius0, radius1, turned, most) | kept
         # Rounding must not turn a sliver into a circle, nor a circle into a sliver.
         good &= np.abs(turned - self.sweep) < np.minimum(0.5 * np.abs(self.sweep), np.pi)
         full = np.abs(self.sweep / TURN - np.rint(self.sweep / TURN)) < SAME_ANGLE
@@ -267,7 +275,7 @@ class Proof:
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
         if f.inside[self.arc].any():
             wide = np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least()
-            good &= wide | self._kept()
+            good &= wide | kept
             good &= ~(f.inside[self.arc] & (np.abs(self.sweep) > LARGEST_SWEEP))
         was = np.abs(arcs.radius_end - arcs.radius)[self.arc] * (self.rows.t1 - self.rows.t0)
         # Together they must stay below the control's limit, twice the mismatch; what misses by more
@@ -281,7 +289,7 @@ class Proof:
         radius0: np.ndarray,
         radius1: np.ndarray,
         turned: np.ndarray,
-        most: float | np.ndarray,
+        most: Most,
     ) -> np.ndarray:
         """(R,) whether what is drawn stays within the tolerance of what is wanted, between
         samples too."""
@@ -324,8 +332,6 @@ class Proof:
             off += bow
         self.excess = np.sqrt(self._largest(off)) / self.limit
         near = self.excess <= 1.0
-        if self.f.inside[self.arc].any():
-            near |= self._kept()
         good &= near
         return good
 
