@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("pty", reason="processes and signals as POSIX has them")
 
+from tests.streaming.models_dnc import DncModel  # noqa: E402
 from tests.streaming.net_host import NetHost  # noqa: E402
 from tests.streaming.test_stream_command import (  # noqa: E402, F401
     model,
@@ -94,3 +95,21 @@ def test_a_server_that_is_no_rfc2217_is_refused(place):  # noqa: F811
     with NetHost(model(), rfc2217=False) as host:
         status, _, err = stream(place, None, "job.nc", "--port", host.path.replace("socket", "rfc2217"))
     assert status == 2 and "can not be opened" in err and not sent_rows(host), err
+
+
+@BOTH
+def test_A14_dnc_over_a_device_server(place, rfc2217):  # noqa: F811
+    """A control behind a box on the network: it waits for DC1 (its operator presses
+    start when the port is open), obeys DC3, and the program arrives whole."""
+    rows = [f"N{i} G1 X{i % 40}.5 Z-{i % 7}.25 F200" for i in range(1, 61)]
+    (place / "job.nc").write_text("\n".join(["%", "O0001", "G21 G90 G94", *rows, "M30", "%", ""]))
+    with NetHost(DncModel(rate=3000.0, begins=8.0), rfc2217, speed=4.0) as host:
+        how = ("--machine", "perfect", "--dialect", "fanuc-mill", "--protocol", "dnc")
+        job = ("job.nc", *how, "--no-journal")
+        status, _, err = stream(place, None, *job, "--port", host.path)
+        deadline = time.monotonic() + 20
+        while not host.model.ended and time.monotonic() < deadline:
+            time.sleep(0.05)
+    assert status == 17 and "tells nothing of what became of them" in err, err
+    assert host.model.ended and not host.model.alarm and not host.model.odd
+    assert [row for row in host.model.received if row.startswith("N")] == rows
