@@ -11,22 +11,19 @@ from __future__ import annotations
 
 import argparse
 import os
-import tempfile
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
-from postproc import recordings
-from postproc.diagnose import library, rows, shapes, sound
+from postproc.diagnose import library, rows, shapes
 from postproc.diagnose.prior import cost_of
-from postproc.machine.file import read_machine
+from proof import laid
 from proof.score import same
 from proof.strangers import tiers
 from proof.strangers.oracle import Oracle
@@ -121,20 +118,11 @@ def one(seed: str, number: int, kinds: str) -> Answer | str:
     seen = [t for t in case.truth if t.get("visible", True)]
     if not seen:
         return "nothing shows"
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for path, text in case.files.items():
-            (folder / path).parent.mkdir(parents=True, exist_ok=True)
-            (folder / path).write_text(text)
-        files = sorted(folder.glob("r*.csv"))
+    with laid.folder(case) as place:
+        files, table = laid.files(place), laid.table(place)
         heads = [1 + next(k for k, line in enumerate(f.read_text().splitlines(), 1) if line[0] != "#") for f in files]
-        machine = read_machine(folder / "machine")
-        lenient = recordings.ReadingOptions(strict=False)
-        try:
-            read = [recordings.read(recordings.Source(f.name, f.read_bytes()), options=lenient) for f in files]
-            table = rows.of(sound.checked(read, machine).recordings, machine)
-        except recordings.RecordingError:
-            return "not read"
+    if table is None:
+        return "not read"
     if len(table.files) != len(files) or table.grain.any():
         return "averaged or left out"
     truth = f"{seen[0]['effect']}:{seen[0]['axis'] or ''}"

@@ -11,19 +11,16 @@ from __future__ import annotations
 import argparse
 import copy
 import os
-import tempfile
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
-from postproc import recordings
-from postproc.diagnose import library, noise, nuisances, rows, sound
-from postproc.machine.file import read_machine
+from postproc.diagnose import library, noise, nuisances, rows
+from proof import laid
 from proof.score import same
 from proof.strangers import tiers
 
@@ -62,19 +59,10 @@ def one(seed: str, number: int, kinds: str) -> tuple[tuple[str, str], float, str
     if not case.truth:
         return None
     truth = case.truth[0]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for path, text in case.files.items():
-            (folder / path).parent.mkdir(parents=True, exist_ok=True)
-            (folder / path).write_text(text)
-        lenient = recordings.ReadingOptions(strict=False)
-        sources = [recordings.Source(p.name, p.read_bytes()) for p in sorted(folder.glob("r*.csv"))]
-        try:
-            machine = read_machine(folder / "machine")
-            read = [recordings.read(source, options=lenient) for source in sources]
-            table = rows.of(sound.checked(read, machine).recordings, machine)
-        except recordings.RecordingError:
-            return None
+    with laid.folder(case) as place:
+        table = laid.table(place)
+    if table is None:
+        return None
     own, other, rival = _said(table, f"{truth['effect']}:{truth['axis'] or ''}")
     return (truth["effect"], truth["form"]), own, rival.partition(":")[0] if other > own - NEAR else ""
 

@@ -37,6 +37,7 @@ from postproc.recordings import Recording, RecordingError
 
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 SEED = 20131
+FEW_TERMS = 3  # of a curve over the place: more could be the map of another machine
 ROUNDS, STEPS = 2, 6  # in which noise is told from what comes back
 MAP_WORSE = 1.8  # times its usual size
 SHORTEST = 1.0  # mm: over less nothing leans
@@ -57,7 +58,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     options.told("reading")
     usable = sound.checked(recordings, machine)
     rows = of(usable.recordings, machine)
-    doubts = likeness.doubts(usable.recordings, rows, machine)
+    doubted = likeness.doubts(usable.recordings, rows, machine)
     rows, units, faults = _cleaned(rows)
     held, held_name = held_out.of(rows, options.held_out, recordings)
     # What was asked to be kept apart is not looked at; else all readings name, and a run that is left out of the fit judges the sizes.
@@ -99,7 +100,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     sigma = np.hypot(said["noise"], findings.form(search, state))
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
-        usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence), *_leaning(rows, evidence, found)], doubts=doubts,
+        usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence), *_leaning(rows, evidence, found)],
+        doubts=likeness.remaining(doubted, rows, _formed(rows, found)),
     )  # fmt: skip
     diagnosis.unknown = judge.judged(diagnosis, search, state)
     options.told("forces and currents")
@@ -216,6 +218,12 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
     return [
         f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
     ]
+
+
+def _formed(rows: Rows, found) -> np.ndarray:
+    """(N,) mm: what was named, without curves of many terms over the place."""
+    named = [f.contribution for f in found if abs(dict(f.block.shape).get("degree", 0.0)) <= FEW_TERMS]
+    return sum(named, np.zeros(len(rows)))
 
 
 def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:

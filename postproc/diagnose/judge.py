@@ -18,10 +18,10 @@ NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its mome
 
 
 def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
-    """What no name explains, with its map. Names become tentative where the recordings can not be trusted, where their own interval
-    holds zero, where runs that took no part do not bear them out, and where more of what they explain comes back than they explain."""
+    """What no name explains, with its map. Names become tentative where the recordings can not be trusted,
+    where runs that took no part do not bear them out, and where more of what they explain comes back than they explain."""
     for f in d.findings:
-        if d.doubts or _uncertain(f):
+        if d.doubts:
             f.status = "tentative"
     left = sorted(_left(d, search, state), reverse=True)
     parts = [part.whole.rows for part in search.evidence.parts]
@@ -38,16 +38,6 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
     signal = int(d.rows.signal[own[0]])
     total = float(np.mean(d.before[own] ** 2))
     return mapped(d, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
-
-
-def _uncertain(f: Finding) -> bool:
-    """Whether none of the sizes of an effect is told from zero."""
-    ends = [
-        f.ci95[name]
-        for name in f.value
-        if name.endswith(("_um", "_urad", "ppm", "ppm_K", "_ms", "rpm", "_s_mm", "_mm_s2", "per_N")) and f.value[name]
-    ]
-    return bool(ends) and all(low <= 0.0 <= high for low, high in ends)
 
 
 def _curves(d: Diagnosis) -> None:

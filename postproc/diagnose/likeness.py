@@ -28,12 +28,12 @@ NO_INSTRUMENT = 0.1  # mm
 CIRCLE = 24  # places of a circle that tell something of their own
 
 
-def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> list[str]:
-    """What speaks against these being readings of this machine, a sentence for every recording that does not follow the map.
+def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[int, list[str]]:
+    """What speaks against these being readings of this machine: sentences by the number of the recording that does not follow the map.
 
     Raises RecordingError where another unit or sign would make it follow.
     """
-    result = []
+    result: dict[int, list[str]] = {}
     for number, recording in enumerate(recordings):
         if recording.kind not in ("targets", "ballbar"):
             continue
@@ -47,7 +47,7 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> list[st
                 Place(recording.file, int(recording.lines[0])),
             )  # fmt: skip
         if error > SURE * max(1.0, abs(share)):
-            result += _scattered(recording, rows.pick(rows.file == number), machine)
+            result[number] = _scattered(recording, rows.pick(rows.file == number), machine)
             continue
         for factor, words in READINGS.items():
             if abs(share / factor - 1) < LIKE and error < LIKE * abs(factor):
@@ -62,11 +62,23 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> list[st
             finer, its_error = _share(rows.pick(rows.file == number), ellipses=True)
             if its_error > SURE * max(1.0, abs(finer)) or finer + WIDE * its_error >= HALF:
                 continue
-        result.append(
+        result[number] = [
             f"{recording.file}: what the map of {machine.name} says is not in these readings: they hold {share:.2f} of it "
             f"({share - 2 * error:.2f} to {share + 2 * error:.2f}). Another machine, rows mixed up, or a table of the control that the machine's "
             "file does not know of"
-        )
+        ]
+    return result
+
+
+def remaining(doubted: dict[int, list[str]], rows: Rows, named: np.ndarray) -> list[str]:
+    """Sentences of the recordings that do not follow the map beside the effects that were named either. named: (N,) mm, the effects
+    in these rows, without curves of many terms: these could stand for the map of another machine."""
+    result = []
+    for number, sentences in doubted.items():
+        which = rows.file == number
+        share, error = _share(replace(rows, y=rows.y - named).pick(which))
+        if not (share > 2.0 * error and abs(share - 1.0) <= max(HALF, 2.0 * error) and named[which].any()):
+            result += sentences
     return result
 
 

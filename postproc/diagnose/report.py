@@ -198,9 +198,15 @@ def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], 
             raise UsageError(
                 f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}"
             )
-    sure = [f for f in able if f.foretells and all(_same_use(f, name) for name in f.equivalent)]
+    sure = [f for f in able if f.foretells and _sized(f) and all(_same_use(f, name) for name in f.equivalent)]
     out = [f for f in able if f.block.key not in accept and f not in sure]
     return [f for f in able if f not in out], out
+
+
+def _sized(f: Finding) -> bool:
+    """Whether one of its fitted sizes at least is told from zero: several that only their sum tells correct nothing one by one."""
+    ends = [f.ci95[name] for name in sizes(f.block.module) if f.value[name]]
+    return not ends or any(low > 0.0 or high < 0.0 for low, high in ends)
 
 
 def _same_use(f: Finding, name: str) -> bool:
@@ -217,19 +223,22 @@ def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
     """A sentence for each effect that does not go into a written machine, or goes into it although other names explain the readings
     as well."""
     kept, out = written(d, accept)
-    said = [
-        f"{f.block.key} is NOT written: {', '.join(f.equivalent)} would explain these readings as well, and correct a program otherwise; "
-        f"run the test that tells them apart, or --accept {f.block.key}"
-        if f.foretells
-        else f"{f.block.key} is NOT written: its curve does not foretell targets that are left out of its fit; "
-        f"measure at more targets, or --accept {f.block.key}"
-        for f in out
-    ]
+    said = [f"{f.block.key} is NOT written: {_not_sure(f)}, or --accept {f.block.key}" for f in out]
     return said + [
         f"{f.block.key} is written, and {', '.join(f.equivalent)} would explain these readings as well: run the test that tells them apart before a part is cut"
         for f in kept
         if f.equivalent
     ]
+
+
+def _not_sure(f: Finding) -> str:
+    """Why a finding does not go into a written machine, and the way out."""
+    if not f.foretells:
+        return "its curve does not foretell targets that are left out of its fit; measure at more targets"
+    if not _sized(f):
+        return "none of its sizes is told from zero; record again with more readings"
+    names = ", ".join(f.equivalent)
+    return f"{names} would explain these readings as well, and correct a program otherwise; run the test that tells them apart"
 
 
 def _half_widths(f: Finding) -> dict[str, float]:

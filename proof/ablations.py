@@ -1,0 +1,120 @@
+"""What each part of the diagnosis is worth: `python -m proof.ablations [--kinds held] [--seed S] [--share 0.5]`.
+
+The same cases of `proof/strangers` are answered by the whole tool and by the tool without one of its parts, which is taken out while
+it runs. For development: the kinds `fresh` are not for it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from postproc.diagnose import likeness, noise, nuisances, search, shapes
+from proof import laid, score, trial_run
+from proof.strangers import make
+
+TIERS = {"null": 30, "adversarial": 10, "single": 50, "pair": 20, "alien": 16}
+Patch = tuple[Any, str, Any]
+
+
+def _unwandering(unit: Any) -> list:
+    return []
+
+
+def _unpolished(found: Any, fit: Any, k: int) -> int:
+    return k
+
+
+PARTS: dict[str, Callable[[], list[Patch]]] = {
+    "the whole": list,
+    "without wander of the instruments": lambda: [(nuisances, "wander", _unwandering)],
+    "without correlation of neighbouring samples": lambda: [(noise, "ORDERS", (0,))],
+    "without an error of the map": lambda: [(nuisances, "of_map", _exact)],
+    "without processes (unknown is no candidate)": lambda: [(nuisances, "processes", lambda rows, unit: [])],
+    "without errors of form": lambda: [(search, "FORM", 0.0), (search.Search, "_forms", lambda self, fit: [])],
+    "without a search: the single best name": lambda: [(search, "MOST", 1)],
+    "without shapes between those of the grid": lambda: [(shapes, "polished", _unpolished)],
+    "without a threshold from drawn nulls": lambda: [(search.Search, "calibrate", lambda self, rng: None)],
+    "without the comparison with the map's details": lambda: [(likeness, "doubts", lambda *_: {})],
+}
+
+
+def _exact(rows: Any, machine: Any) -> list:
+    return []
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m proof.ablations", description=__doc__.splitlines()[0])
+    parser.add_argument("--kinds", choices=("open", "held"), default="open")
+    parser.add_argument("--seed", default="ablations")
+    parser.add_argument("--share", type=float, default=1.0, help="of the cases of every tier")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--only", help="a word of the parts' names")
+    options = parser.parse_args(argv)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    work = [(tier, k) for tier, n in TIERS.items() for k in range(max(1, round(n * options.share)))]
+    print("| | nulls named | first name right | right, if named | P | R | alien unknown | names an alien | s |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for part in [p for p in PARTS if not options.only or options.only in p]:
+        with ProcessPoolExecutor(options.jobs) as pool:
+            found = list(pool.map(partial(one, part, options.seed, options.kinds), work))
+        print(f"| {part} | {' | '.join(cells([o for o in found if o is not None]))} |", flush=True)
+    return 0
+
+
+@contextmanager
+def without(part: str) -> Iterator[None]:
+    """The tool without one of its parts, for the block."""
+    with ExitStack() as stack:
+        for place, name, value in PARTS[part]():
+            stack.enter_context(patch.object(place, name, value))
+        yield
+
+
+def one(part: str, seed: str, kinds: str, which: tuple[str, int]) -> score.Outcome | None:
+    """The answer to one case, judged; None where nothing of its truth shows."""
+    tier, number = which
+    case = make(seed, tier, number, kinds)
+    if tier not in ("null", "adversarial") and not any(t.get("visible", True) for t in case.truth):
+        return None
+    with laid.folder(case) as place, TemporaryDirectory() as out, without(part):
+        (place / case.name).mkdir()
+        for path in [*laid.files(place), place / "machine"]:
+            path.rename(place / case.name / path.name)
+        done = trial_run.answer(place / case.name, [], Path(out))
+        return score.judge(case.name, tier, case.truth, trial_run.read(Path(out), case.name), done["seconds"])
+
+
+def cells(outcomes: list[score.Outcome]) -> list[str]:
+    """A line of the table."""
+    of = {t: [o for o in outcomes if o.tier == t] for t in TIERS}
+    single, pair, alien = of["single"], of["pair"], of["alien"]
+    named = [o for o in single if o.names]
+    return [
+        _share([bool(o.names) for o in (*of["null"], *of["adversarial"])]),
+        _share([o.top[k] for o in single for k in range(len(o.truths))]),
+        _share([any(o.top) for o in named]),
+        _share([n not in o.wrong for o in pair for n in o.names]),
+        _share([v for o in pair for v in o.named]),
+        _share([o.unknown for o in alien]),
+        f"{sum(len(o.names) for o in alien) / max(len(alien), 1):.2f}",
+        f"{np.mean([o.seconds for o in outcomes]):.1f}",
+    ]
+
+
+def _share(values: list[bool]) -> str:
+    return f"{sum(values)} of {len(values)}"
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
