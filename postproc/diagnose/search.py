@@ -30,6 +30,7 @@ SEVERAL = 2  # members up to which several jumps at once are looked for
 LOOKED_AT = 6  # sets of all that were tried that are compared at one error of form
 ALIKE = 6.0  # twice ln(20)
 RENEWED = 3  # steps in which sizes are learned again beside a new member
+CONVERGED = 12  # steps after which they stay
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 LEAST = 8.0  # twice ln(55): posterior odds that a member must have at least
@@ -222,7 +223,11 @@ class Search:
         # Names that the errors of form do not part are parted as they fit.
         size, on = len(best.members), best.fit.on
         alike = [s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on]
-        return max(alike, key=lambda state: state.score)
+        return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
+
+    def _as_it_fits(self, state: Found) -> float:
+        """What a set is worth without errors of form, its sizes learned to the end: scores on the way there depend on the way."""
+        return self._value(self.evidence.learn(state.members, state.fit, state.fit.on, CONVERGED))
 
     def _grown(self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0) -> list[Found]:
         """The best of the sets that grow from one, with each number of members; up to `ahead` of them also where a member

@@ -9,12 +9,13 @@ from postproc import effects
 from postproc.diagnose import library
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
+from postproc.effects import structure_drift
 
 TIME = ("structure_drift", "spindle_growth", "force_compliance", "dead_path", "screw_heat", "laser_air")
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
 DRIVERS = {
-    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", "T_bed_C"), "laser_air": ("T_air_C",),
+    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", *structure_drift.FRAME), "laser_air": ("T_air_C",),
 }  # fmt: skip
 LOOKS = {
     "step_loss": TIME, "structure_drift": TIME, "spindle_growth": TIME, "force_compliance": TIME, "tool_wear": TIME,

@@ -42,13 +42,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     low, high = state.travel[axis]
     ends = [(low, 0.0), (high, 0.0), (0.0, 1.0)]
     known = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C") is not None
-    heats = [(0.0, 0.0)] if known else [(v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)]
-    cold = [(end, free, 0.0) for end, free in ends]
-    ways = cold if known else [*cold, *((end, free, 1.0) for end, free in ends)]
+    # A thermometer that is coarse, that hangs, or that lies elsewhere does not say it: heat that comes with time or travel stands beside.
+    heats = [*([(0.0, 0.0)] if known else []), *((v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0))]
     return [
         {"tau_s": t, "by_travel": w, "held_at_mm": end, "free": free, "warm": warm}
         for t, w in heats
-        for end, free, warm in ways
+        for end, free in ends
+        for warm in ((0.0,) if known else (0.0, 1.0))
     ]
 
 

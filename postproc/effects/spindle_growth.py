@@ -1,27 +1,38 @@
 """Spindle growth: the spindle and its head grow with speed and time (ISO 230-3).
 
 What bearings turn into heat goes with speed where the load rubs, and with speed to 5/3 where the oil does (Palmgren: torque with
-speed to 2/3).
+speed to 2/3). With the square of the speed the balls of angular contact bearings press outwards and shift the shaft, at once (Abele,
+Altintas and Brecher, Machine tool spindle units, CIRP Annals 59 (2010) 781). Where the head's temperature is recorded, growth may go with it.
 """
 
 from itertools import pairwise
 
 import numpy as np
 
-from postproc.effects import State, along, grid
+from postproc.effects import State, along, begun, grid
 
 PARAMETERS = {
     "um_per_1000_rpm": "um per 1000 rpm, growth when it is warm",
-    "tau_s": "s, the time in which it warms",
+    "um_per_K": "um per K of the recorded temperature of spindle or head",
+    "tau_s": "s, the time in which it warms; 0: by the recorded temperature",
     "housing_um": "um per 1000 rpm, growth of the housing, which follows later",
     "housing_s": "s, the time in which the housing follows; 0, it does not",
+    "shift_um": "um, shift of the shaft at the fastest speed, at once and with the square of the speed",
+    "shift": "1, the shaft shifts; 0, it does not",
     "power": "1, heat goes with speed; 5/3, with that power of it, and um per 1000 rpm holds at the fastest",
     "fastest_rpm": "1/min, the fastest speed",
 }
-OPTIONAL = {"housing_um": 0.0, "housing_s": 0.0, "power": 1.0, "fastest_rpm": 1000.0}
+OPTIONAL = {
+    "um_per_1000_rpm": 0.0, "um_per_K": 0.0, "housing_um": 0.0, "housing_s": 0.0, "shift_um": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0,
+}  # fmt: skip
+PLACES = ("T_spindle_C", "T_head_C", "T_headstock_C")
 # 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do not turn ten times as fast.
 MOST_UM = 300.0  # at the fastest
-PLAUSIBLE = {"um_per_1000_rpm": (-50.0, 50.0), "housing_um": (-50.0, 50.0)}  # beyond, it is something else (unverified)
+LATER = 4.0  # times the spindle's own: in which its housing follows
+# The head that grows by its own temperature is no longer than 1 m of aluminium; a shaft shifts by its bearings' preload (unverified).
+PLAUSIBLE = {  # beyond, it is something else (unverified)
+    "um_per_1000_rpm": (-50.0, 50.0), "housing_um": (-50.0, 50.0), "um_per_K": (-25.0, 25.0), "shift_um": (-50.0, 50.0),
+}  # fmt: skip
 CONTINUOUS = {"tau_s": (200.0, 7200.0), "power": (1.0, 2.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
@@ -34,48 +45,65 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         return []
     fastest = float(state.channels["spindle_rpm"].max())
     several = len(np.unique(state.channels["spindle_rpm"])) > 2  # beside standing still
+    powers = (1.0, 5 / 3) if several else (1.0,)
+    ways = [(v, h, p) for v in grid(300.0, 4800.0, 4) for h in (0.0, LATER * v) for p in powers]
+    if state.channel(*PLACES) is not None:
+        ways.append((0.0, 0.0, 1.0))
     return [
-        {"tau_s": v, "housing_s": h, "power": p, "fastest_rpm": fastest}
-        for v in grid(300.0, 4800.0, 4) for h in ((0.0, 3600.0) if v < 1000 else (0.0,)) for p in ((1.0, 5 / 3) if several else (1.0,))
-    ]  # fmt: skip
+        {"tau_s": v, "housing_s": h, "shift": shift, "power": p, "fastest_rpm": fastest}
+        for v, h, p in ways
+        for shift in (0.0, 1.0)
+    ]
 
 
-def sensible(um_per_1000_rpm: float, housing_um: float, fastest_rpm: float, **_: float) -> bool:
+def sensible(fastest_rpm: float, um_per_1000_rpm: float = 0.0, housing_um: float = 0.0, **_: float) -> bool:
     """Whether it grows by no more than a head can."""
     return max(abs(um_per_1000_rpm), abs(housing_um)) * fastest_rpm / 1000.0 <= MOST_UM
 
 
 def columns(
-    state: State, axis: str, tau_s: float, housing_s: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0
-) -> np.ndarray:
-    rpm, t = state.channels["spindle_rpm"] / 1000.0, state.time
-    rpm = rpm * (1000.0 * rpm / fastest_rpm) ** (power - 1.0) if fastest_rpm > 0 else rpm
+    state: State, axis: str, tau_s: float, housing_s: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0
+) -> np.ndarray:  # fmt: skip
+    rpm = state.channels["spindle_rpm"]
+    share = rpm / fastest_rpm if fastest_rpm > 0 else np.zeros(len(rpm))
+    at_once = [share**2] if shift else []
+    if tau_s == 0:
+        head = state.channel(*PLACES)
+        return along(axis, np.zeros(len(rpm)) if head is None else head - head[begun(state)], *at_once)
+    heat = rpm / 1000.0 * share ** (power - 1.0) if power != 1.0 else rpm / 1000.0
+    warm, later = _warmed(state.time, heat, tau_s, housing_s)
+    return along(axis, warm, *([later] if housing_s > 0 else []), *at_once)
+
+
+def _warmed(t: np.ndarray, heat: np.ndarray, tau_s: float, housing_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """(N,), (N,): heat as it comes through the spindle, and on through its housing; each lasts until the next reading."""
     order = np.argsort(t, kind="stable")
     warm, late = np.zeros(len(t)), np.zeros(len(t))
     level = slow = 0.0
     for before, k in pairwise(order):
         gone = t[k] - t[before]
-        level += (rpm[before] - level) * (1.0 - np.exp(-gone / tau_s))
+        level += (heat[before] - level) * (1.0 - np.exp(-gone / tau_s))
         warm[k] = level
         if housing_s > 0:
             slow += (level - slow) * (1.0 - np.exp(-gone / housing_s))
             late[k] = slow
-    return along(axis, warm, late) if housing_s > 0 else along(axis, warm)
+    return warm, late
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    housing = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {
-        "um_per_1000_rpm": float(coefficients[0]),
-        "housing_um": housing,
-        "power": 1.0,
-        "fastest_rpm": 1000.0,
-    } | shape
+    value = [float(v) for v in coefficients]
+    shifted = value.pop() if shape.get("shift") else 0.0
+    housing = value.pop() if shape.get("housing_s", 0.0) > 0 else 0.0
+    warm = (value[0], 0.0) if shape["tau_s"] > 0 else (0.0, value[0])
+    sizes = {"um_per_1000_rpm": warm[0], "um_per_K": warm[1], "housing_um": housing, "shift_um": shifted}
+    return sizes | {"housing_s": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0} | shape
 
 
 def coefficients(
-    um_per_1000_rpm: float, tau_s: float, housing_um: float = 0.0, housing_s: float = 0.0, power: float = 1.0,
-    fastest_rpm: float = 1000.0,
+    tau_s: float, um_per_1000_rpm: float = 0.0, um_per_K: float = 0.0, housing_um: float = 0.0, housing_s: float = 0.0,
+    shift_um: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    value = np.array([um_per_1000_rpm, housing_um] if housing_s > 0 else [um_per_1000_rpm])
-    return value, {"tau_s": tau_s, "housing_s": housing_s, "power": power, "fastest_rpm": fastest_rpm}
+    shifts = shift or float(shift_um != 0.0)
+    value = [um_per_1000_rpm + um_per_K, *([housing_um] if housing_s > 0 else []), *([shift_um] if shifts else [])]
+    shape = {"tau_s": tau_s, "housing_s": housing_s, "shift": shifts, "power": power, "fastest_rpm": fastest_rpm}
+    return np.array(value), shape

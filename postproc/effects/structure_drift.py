@@ -22,6 +22,7 @@ CYCLES = (
 )  # s: rooms' heating and cooling switch every 10 min to 1 h (ISO/TR 16015: variations of the room)
 CONTINUOUS = {"cycle_s": CYCLES[:2]}
 SWINGS = 1.5  # of a cycle: fewer are a drift
+FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
 CREEPS = (300.0, 3000.0)  # s
 # 2 m of steel grow by 23 um for 1 K, of aluminium by 46; what comes with time is that of some K.
 MOST_K = 50.0  # um per K
@@ -43,7 +44,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     first = float(state.time[begun(state)])
     starts = sorted({float(state.time[state.file == f].min()) for f in files})
     begins = [-1.0, *(t for t in starts if t > first)]
-    ways = [(0.0, -1.0, -1.0)] if state.channel("T_bed_C") is not None else []
+    ways = [(0.0, -1.0, -1.0)] if state.channel(*FRAME) is not None else []
     if state.channel("T_air_C") is not None:
         ways += [(-v, -1.0, -1.0) for v in (1.0, 1000.0, 3000.0, 9000.0)]
     ways += [(v, b, -1.0) for b in begins for v in (900.0, 2700.0, 8100.0, 1e6)]
@@ -71,7 +72,7 @@ def columns(
     if cycle_s > 0:
         angle = 2 * np.pi * state.time / cycle_s
         return along(axis, np.cos(angle) * _timed(state), np.sin(angle) * _timed(state))
-    bed, air = state.channel("T_bed_C"), state.channel("T_air_C")
+    bed, air = state.channel(*FRAME), state.channel("T_air_C")
     if file >= 0:
         own = state.file == file
         t = state.time[own]

@@ -49,10 +49,7 @@ def diagnosed(files: list[str], machine: str, out: Path, *more: str) -> dict:
     [
         "backlash:Z:size_um=9",
         "squareness:XZ:urad=70",
-        pytest.param(
-            "servo_mismatch:XZ:delta_tau_ms=0.8",
-            marks=pytest.mark.xfail(strict=True, reason="named servo_lag the first time, servo_mismatch the second"),
-        ),
+        "servo_mismatch:XZ:delta_tau_ms=0.8",  # circles alone do not part it from the lag of one axis
     ],
 )
 def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path, effect):
@@ -70,7 +67,8 @@ def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path,
         rest = diagnosed(files, found, tmp_path / "b.json")
         assert rest["verdict"] == "nothing-left-out" and not rest["effects"]
     missed = diagnosed(again, str(STUDER), tmp_path / "c.json")
-    assert [e["effect"] for e in missed["effects"]] == [e["effect"] for e in told["effects"]]
+    for was, now in zip(told["effects"], missed["effects"], strict=True):
+        assert was["effect"] in {now["effect"], *(name.partition(":")[0] for name in now["equivalent"])}
 
 
 def written(folder: str) -> list[dict]:
