@@ -61,7 +61,7 @@ def parameters(
     for name, v in value.items():
         low, high = ci95[name]
         fixed = high - low < 1e-12
-        if name == "degree" or (fixed and v == usual.get(name)):
+        if name == "degree" or (v == usual.get(name) and (fixed or v == 0.0)):
             continue
         unit, meaning = _meaning(module.PARAMETERS[name])
         driven = re.search(r"where (?:none|no temperature) is recorded (\S+) (.*)$", module.PARAMETERS[name])

@@ -12,15 +12,15 @@ import numpy as np
 from postproc.effects import State, along, begun, grid
 
 PARAMETERS = {
+    "tau_s": "s, 0: by the recorded temperature, else the time in which it warms",
     "um_per_1000_rpm": "um per 1000 rpm, growth when it is warm",
-    "um_per_K": "um per K of the recorded temperature of spindle or head",
-    "tau_s": "s, the time in which it warms; 0: by the recorded temperature",
+    "um_per_K": "um/K, growth by the recorded temperature of spindle or head",
     "housing_um": "um per 1000 rpm, growth of the housing, which follows later",
     "housing_s": "s, the time in which the housing follows; 0, it does not",
     "shift_um": "um, shift of the shaft at the fastest speed, at once and with the square of the speed",
     "shift": "1, the shaft shifts; 0, it does not",
     "power": "1, heat goes with speed; 5/3, with that power of it, and um per 1000 rpm holds at the fastest",
-    "fastest_rpm": "1/min, the fastest speed",
+    "fastest_rpm": "1/min, the fastest speed, above 0",
 }
 OPTIONAL = {
     "um_per_1000_rpm": 0.0, "um_per_K": 0.0, "housing_um": 0.0, "housing_s": 0.0, "shift_um": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0,
@@ -65,12 +65,12 @@ def columns(
     state: State, axis: str, tau_s: float, housing_s: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0
 ) -> np.ndarray:  # fmt: skip
     rpm = state.channels["spindle_rpm"]
-    share = rpm / fastest_rpm if fastest_rpm > 0 else np.zeros(len(rpm))
+    share = np.abs(rpm) / max(fastest_rpm, 1.0)
     at_once = [share**2] if shift else []
     if tau_s == 0:
         head = state.channel(*PLACES)
         return along(axis, np.zeros(len(rpm)) if head is None else head - head[begun(state)], *at_once)
-    heat = rpm / 1000.0 * share ** (power - 1.0) if power != 1.0 else rpm / 1000.0
+    heat = share**power * fastest_rpm / 1000.0  # rpm / 1000 where power is 1
     warm, later = _warmed(state.time, heat, tau_s, housing_s)
     return along(axis, warm, *([later] if housing_s > 0 else []), *at_once)
 

@@ -3,7 +3,9 @@
 After a long way and one turn it is Dahl's model (A solid friction model, 1968): 1 - 2 exp(-way / length). That is a drive of plays
 (Prandtl-Ishlinskii) whose thresholds r are as frequent as exp(-2 r / length), and such a drive has Masing's rules: every way since a
 turn, until it is as long as the one before, adds its own size * (1 - exp(-way / length)) to what was remembered
-(Al-Bender, Lampaert, Swevers, The generalized Maxwell-slip model, IEEE Trans. Automatic Control 50, 2005).
+(Al-Bender, Lampaert, Swevers, The generalized Maxwell-slip model, IEEE Trans. Automatic Control 50, 2005). A screw is the softer the
+farther the nut is from the end that is held (Altintas and others, Machine tool feed drives, CIRP Annals 60 (2011) 779): then it winds
+up more at one end of the travel.
 """
 
 import numpy as np
@@ -13,9 +15,15 @@ from postproc.effects import UM, State, along, grid
 PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
     "length_mm": "mm, distance over which it builds up",
+    "grows_um": "um, by how much more it is at the high end of the travel than in the middle",
+    "grows": "1, it differs along the travel; 0, it does not",
 }
+OPTIONAL = {"grows_um": 0.0, "grows": 0.0}
 # Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um 2 um.
-PLAUSIBLE = {"size_um": (0.0, 1000.0)}  # beyond, it is something else (unverified: usual belts)
+PLAUSIBLE = {
+    "size_um": (0.0, 1000.0),
+    "grows_um": (-1000.0, 1000.0),
+}  # beyond, it is something else (unverified: usual belts)
 EXPECTED = {"size_um": 1}
 CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
@@ -27,33 +35,43 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"length_mm": v} for v in grid(0.1, 10.0, 9)]
+    return [{"length_mm": v, "grows": g} for v in grid(0.1, 10.0, 9) for g in (0.0, 1.0)]
 
 
-def columns(state: State, axis: str, length_mm: float) -> np.ndarray:
-    if axis not in state.path:  # the last turn alone
-        built = 1 - 2 * np.exp(-state.distance[axis] / length_mm)
-        return along(axis, -state.approach[axis] / 2 * built)
-    ways = state.path[axis]
-    each = np.sign(ways) * -np.expm1(-np.abs(ways) / length_mm)
-    return along(axis, each[0] / 2 - each.sum(axis=0))
+def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
+    """Whether it winds up against its friction everywhere: less than nothing is another effect."""
+    return abs(grows_um) <= size_um
+
+
+def columns(state: State, axis: str, length_mm: float, grows: float = 0.0) -> np.ndarray:
+    if axis in state.path:
+        ways = state.path[axis]
+        each = np.sign(ways) * -np.expm1(-np.abs(ways) / length_mm)
+        wound = each[0] / 2 - each.sum(axis=0)
+    else:  # the last turn alone
+        wound = -state.approach[axis] / 2 * (1 - 2 * np.exp(-state.distance[axis] / length_mm))
+    return along(axis, wound, *([wound * state.share(axis)] if grows else []))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "length_mm": shape["length_mm"]}
+    grows_um = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return {"size_um": float(coefficients[0]), "grows_um": grows_um, "grows": 0.0} | shape
 
 
-def coefficients(size_um: float, length_mm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"length_mm": length_mm}
+def coefficients(
+    size_um: float, length_mm: float, grows_um: float = 0.0, grows: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    grown = grows or float(grows_um != 0.0)
+    return np.array([size_um, grows_um] if grown else [size_um]), {"length_mm": length_mm, "grows": grown}
 
 
-def ramp_mm(size_um: float, length_mm: float) -> float:
+def ramp_mm(size_um: float, length_mm: float, **_: float) -> float:
     """mm of travel after a turn over which a compensator takes it up: 3 lengths, when 0.9 of it has come. Taken up at the turn
     it would be all there before the slide asks for it, and leave twice what it leaves uncorrected."""
     return 3.0 * length_mm
 
 
-def tables(axis: str, travel: tuple[float, float], size_um: float, length_mm: float):
+def tables(axis: str, travel: tuple[float, float], size_um: float, length_mm: float, grows_um: float = 0.0, **_: float):
     """Fully built up; ramp_mm says over which way after a turn."""
-    nodes = np.array(travel)
-    return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]
+    half = np.array([size_um - grows_um, size_um + grows_um]) * UM / 2
+    return [(f"E{axis}", axis, np.array(travel), -half, half)]
