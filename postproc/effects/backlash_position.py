@@ -13,9 +13,9 @@ PARAMETERS = {
     "b5_um": "um, share of its fifth",
     "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
-    "degree": "2 or 6, of the highest polynomial",
+    "degree": "1, 2 or 6, of the highest polynomial",
 }
-OPTIONAL = {"b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
+OPTIONAL = {"b2_um": 0.0, "b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
 SMALL = 0.02  # mm
 # As backlash; what differs along the travel is no more than the whole.
 PLAUSIBLE = {
@@ -34,7 +34,9 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
-    return [{"play_mm": v, "degree": d} for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,)) for d in (2.0, 6.0)]
+    return [
+        {"play_mm": v, "degree": d} for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,)) for d in (1.0, 2.0, 6.0)
+    ]
 
 
 def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) -> np.ndarray:
@@ -44,16 +46,16 @@ def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) 
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    shares = [*(float(c) for c in coefficients), *[0.0] * 4][:7]
+    shares = [*(float(c) for c in coefficients), *[0.0] * 5][:7]
     return {f"b{k}_um": c for k, c in enumerate(shares)} | {"play_mm": shape["play_mm"], "degree": shape["degree"]}
 
 
 def coefficients(
-    b0_um: float, b1_um: float, b2_um: float, b3_um: float = 0.0, b4_um: float = 0.0, b5_um: float = 0.0, b6_um: float = 0.0,
+    b0_um: float, b1_um: float, b2_um: float = 0.0, b3_um: float = 0.0, b4_um: float = 0.0, b5_um: float = 0.0, b6_um: float = 0.0,
     play_mm: float = 0.0, degree: float = 2.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
     shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
-    degree = max(degree, 6.0 if any(shares[3:]) else 2.0)
+    degree = max(degree, 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0)
     return np.array(shares[: int(degree) + 1]), {"play_mm": play_mm, "degree": degree}
 
 

@@ -25,6 +25,7 @@ PLAUSIBLE = {
     "grows_um": (-1000.0, 1000.0),
 }  # beyond, it is something else (unverified: usual belts)
 EXPECTED = {"size_um": 1}
+BUILT_UP = 5.0  # lengths after which less than 1 % is to come
 CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool", "part")
@@ -35,7 +36,11 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"length_mm": v, "grows": g} for v in grid(0.1, 10.0, 9) for g in (0.0, 1.0)]
+    near = float(np.min(state.distance[axis], initial=np.inf)) if axis in state.distance else 0.0
+    lengths = grid(0.1, 10.0, 9)
+    # Where every reading lies so far behind its turn that all is built up, what differs along the travel is backlash_position.
+    told = [v for v in lengths if near < BUILT_UP * v]
+    return [{"length_mm": v, "grows": 0.0} for v in lengths] + [{"length_mm": v, "grows": 1.0} for v in told]
 
 
 def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
