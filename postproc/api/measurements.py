@@ -95,21 +95,27 @@ def diagnose(
     recordings: Sequence[str | Path],
     machine: Machine | str | Path,
     held_out: str = "",
+    compensated: bool = False,
     told: Callable[[str], None] = lambda word: None,
 ) -> Diagnosed:
     """Compare recordings with the machine's model, as `gcomp diagnose`.
 
-    recordings: files of one experiment, of any format. held_out: "run=3", the run that takes no part in naming; told: called
-    with a word on each step, since a search may take a minute. Raises GcompError for what can not be compared.
+    recordings: files of one experiment, of any format. held_out: "run=3", the run that takes no part in naming. compensated:
+    recorded with a corrected program, readings against its nominal targets (a head that says so does without): then what
+    the map has left is looked at. told: called with a word on each step, since a search may take a minute. Raises GcompError
+    for what can not be compared.
     """
     from postproc import recordings as formats
+    from postproc.commands.diagnose import corrected
     from postproc.diagnose import report
     from postproc.diagnose.analysis import Options
     from postproc.diagnose.analysis import diagnose as analysed
+    from postproc.simulate.program import without_errors
 
     model = machine_of(machine)
     sources = [Source(str(path), ports.read_whole(Path(path), LARGEST)) for path in recordings]
     read = [formats.read(source, options=ReadingOptions(strict=False)) for source in sources]
+    model = without_errors(model) if corrected(read, compensated) else model
     found = analysed(read, model, Options(held_out=held_out, told=told))
     found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
     names = tuple(f.block.key for f in found.findings if f.status == "accepted")

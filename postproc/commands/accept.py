@@ -35,7 +35,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness")
     parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
-    parser.add_argument("--page", metavar="FILE.html", help="a page with the curves before and after")
+    parser.add_argument(
+        "--report", "--page", dest="page", metavar="FILE.html", help="a page with the curves before and after"
+    )
     reading_arguments(parser)
 
 

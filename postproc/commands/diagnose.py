@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
         for source in sources:
             told(f"reading {source.name}")
             read.append(formats.read(source, options=lenient))
-        left = _corrected(read, options.compensated)
+        left = corrected(read, options.compensated)
         found = diagnose(
             read, without_errors(machine) if left else machine, Options(held_out=options.holdout, told=told)
         )
@@ -123,7 +123,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _corrected(read: list[Recording], said: bool) -> bool:
+def corrected(read: list[Recording], said: bool) -> bool:
     """Whether the readings hold what a correction has left, so that no map is in them. Raises UsageError where some do."""
     left = [said or (r.head.get("compensated") is True and r.head.get("against") != "commanded") for r in read]
     if any(left) and not all(left):

@@ -141,3 +141,17 @@ def test_iso_and_calibrate_and_recordings_are_the_commands(tmp_path, capfd, monk
     assert {p.name: p.read_text() for p in (tmp_path / "mine").iterdir()} == found.files
     with pytest.raises(gcomp.UsageError, match="there already"):
         found.save(tmp_path / "mine")
+
+
+@pytest.mark.parametrize("compensated", [False, True])
+def test_a_diagnosis_is_the_commands_before_and_after_compensation(tmp_path, capfd, compensated):
+    file = ROOT / "sample_recordings" / "ballbar_xz.csv"
+    rows = file.read_text().splitlines()
+    thin = tmp_path / "thin.csv"
+    head = [r for r in rows if r.startswith("#")]
+    body = rows[len(head) :]
+    thin.write_text("\n".join([*head, body[0], *body[1::25]]) + "\n")
+    words = ["diagnose", str(thin), "--machine", "studer-s36", "--json", "-", "--quiet"]
+    assert main([*words, *["--compensated"] * compensated]) == 0
+    found = gcomp.diagnose([thin], "studer-s36", compensated=compensated)
+    assert json.loads(capfd.readouterr().out) == json.loads(found.to_json())

@@ -56,6 +56,12 @@ def test_a_wide_page_in_light_and_what_can_be_done_on_it(pages, opened):
         page.click("#theme")
         page.click("#theme")
         page.wait_for_function(f"{ink} !== {light!r}")
+        # On paper it is light, whatever the screen is, and dark again after it.
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        page.wait_for_function(f"{ink} === {light!r}")
+        page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+        page.wait_for_function(f"{ink} !== {light!r}")
+        assert page.pdf().startswith(b"%PDF")
 
 
 def test_a_narrow_page_in_dark_and_a_path_in_space(pages, opened):

@@ -95,7 +95,8 @@
       const all = place(path.before, axis, "off", times).concat(path.after.p[axis]);
       return all.reduce((a, b) => Math.max(a, b), -Infinity) - all.reduce((a, b) => Math.min(a, b), Infinity);
     });
-    return Math.round(Math.min(620, Math.max(260, (width - 150) * extent[1] / Math.max(extent[0], 1e-6) + 110)));
+    const beside = gcomp.narrow() ? 210 : 110; // legend above, names below: in a narrow window the legend has four lines
+    return Math.round(Math.min(620, Math.max(beside + 150, (width - 150) * extent[1] / Math.max(extent[0], 1e-6) + beside)));
   }
 
   function draw() {
