@@ -39,6 +39,7 @@ class Calibration:
     diagonals: list[Diagonal]
     measured_at: dict[str, dict[str, float]]
     optics: dict[str, str]
+    circles: list[Recording] = field(default_factory=list)
     squareness: dict[str, Squareness] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
 
@@ -109,7 +110,8 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     refused: list[GcompError] = []
     found: list[Outlier] = []
     told = _state(recordings)
-    for recording in recordings:
+    round_ = [r for r in recordings if r.kind == "ballbar"]
+    for recording in [r for r in recordings if r.kind != "ballbar"]:
         try:
             one = assign(recording)
             axes = [one.letter] if isinstance(one, Series) else list(one.path)
@@ -155,7 +157,7 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
         )
     kept, measured_at, optics, carried = bring_together(kept, options)
     told += [Finding("measured-at", "note", "", text) for text in carried]
-    result = Calibration(options, kept, left_out, refused, found, diagonals, measured_at, optics)
+    result = Calibration(options, kept, left_out, refused, found, diagonals, measured_at, optics, round_)
     square, says = squaring.determine(result)
     result = replace(result, squareness=square, findings=told + says)
     return replace(result, findings=result.findings + _checked(result))

@@ -1,4 +1,4 @@
-"""Which squareness a calibration has, and from what: a stated value, two straightnesses on one reference, diagonals.
+"""Which squareness a calibration has, and from what: a stated value, two straightnesses on one reference, diagonals, circles.
 
 A stated value goes first; what else the recordings say is compared with it and told. Two sources never add up.
 """
@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.calibrate import CalibrationError, Finding, opening, square
+from postproc.calibrate import CalibrationError, Finding, circles, opening, square
 from postproc.calibrate.component import Component
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
+from postproc.errors import Place
 from postproc.machine.chain import XYZ
-from postproc.units import URAD
+from postproc.recordings import Recording
+from postproc.units import UM, URAD
 
 if TYPE_CHECKING:
     from postproc.calibrate.assign import Series
@@ -40,6 +42,10 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
         told += says
         for one in many:
             found.setdefault(one.name, {})["diagonals"] = one
+    many, says = _circles(calibration, axes)
+    told += says
+    for one in many:
+        found.setdefault(one.name, {})["ballbar"] = one
     result: dict[str, Squareness] = {}
     for name, wanted in options.squareness.items():
         if not isinstance(wanted, str):
@@ -51,7 +57,7 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
             there = f"there is {' and '.join(found[name])}" if name in found else "the recordings give none"
             raise CalibrationError(
                 f"squareness {name} can not be had from {wanted}: {there}",
-                "straightness: both axes of the pair against one square, lines taken off; diagonals: two in its plane",
+                "straightness: both axes of the pair against one square, lines taken off; diagonals: two in its plane; ballbar: circles in both senses",
             )
     for name, sources in found.items():
         if name not in result:
@@ -210,6 +216,50 @@ def _diagonals(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Sq
     told.append(Finding("diagonal", "doubt" if doubt else "note", "", text, {"scale_um_per_m": scale / URAD}))
     files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
     return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
+
+
+def _circles(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Squareness], list[Finding]]:
+    """Squareness of each plane in which a ballbar went round, from what the measured components do not explain."""
+    planes: dict[str, list[Recording]] = {}
+    found, told = [], []
+    for recording in calibration.circles:
+        plane = circles.axes_of(recording)
+        if not all(x in axes for x in plane):
+            raise CalibrationError(f"a circle of {plane}, and the chain has {' '.join(axes)}", "--chain names all axes", Place(recording.file, 1))  # fmt: skip
+        planes.setdefault(plane, []).append(recording)
+    for plane, some in planes.items():
+        one = circles.fit(some, [_round(calibration, r, plane) for r in some])
+        name = square.name_for(plane, calibration.options.squareness, axes)
+        files = " and ".join(one.files)
+        found.append(Squareness(name, square.sign(name) * one.square, one.u["square"], f"ballbar, {files}"))
+        for x, play, u in zip(plane, one.play, (one.u["first play"], one.u["second play"]), strict=True):
+            doubt = abs(play) > 2 * u and abs(play) > UM
+            text = f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u = {u / UM:.2f})"
+            told.append(Finding("ballbar", "doubt" if doubt else "note", f"E{x}{x}", text, {"play_um": play / UM}))
+        text = (
+            f"{files}: the scale of {plane[0]} is {one.scale / URAD:+.1f} um/m more than that of {plane[1]} beyond the map (u = "
+            f"{one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um rms are left; of both alike a bar of unknown length says nothing"
+        )
+        doubt = abs(one.scale) > 2 * one.u["scale"] and abs(one.scale) > 2 * URAD
+        told.append(Finding("ballbar", "doubt" if doubt else "note", "", text, {"scale_um_per_m": one.scale / URAD}))
+    return found, told
+
+
+def _round(calibration: Calibration, recording: Recording, plane: str) -> np.ndarray:
+    """(N,) mm: the radial deviation along a circle that the components make."""
+    machine = calibration.machine
+    position = np.zeros((len(machine.letters), len(recording)))
+    approach = np.zeros_like(position)
+    for x in recording.axes:
+        if x in machine.letters:
+            position[machine.letters.index(x)] = recording.position(x)
+    arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in plane])
+    unit = arm / np.hypot(*arm)
+    sense = recording.columns["sense"]
+    for x, way in zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True):
+        approach[machine.letters.index(x)] = way
+    off = machine.deviation(position, approach)
+    return np.asarray(sum(u * off[machine.letters.index(x)] for x, u in zip(plane, unit, strict=True)))
 
 
 def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:

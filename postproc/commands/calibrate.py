@@ -38,7 +38,7 @@ ITS_OWN = {
     "tool": "say where yours ends, [tool] in machine.toml, or in the program",
     "offsets": "say where your zeros lie: --offset, --offsets, or [offsets] in machine.toml",
 }
-SOURCES = ("straightness", "diagonals")
+SOURCES = ("straightness", "diagonals", "ballbar")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "recordings",
         nargs="+",
         metavar="REC",
-        help="recordings of one axis moving, or of diagonals; or a session, measurement.toml",
+        help="recordings of one axis moving, of diagonals, of circles; or a session, measurement.toml",
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
     parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
@@ -89,7 +89,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--keep-lines", action="store_true", help="leave the lines of straightnesses in")
     how.add_argument(
         "--squareness", type=_squareness, action="append", default=[], metavar="B0X=-382.4,2",
-        help="urad and its u, or from what: B0X=straightness, B0X=diagonals",
+        help="urad and its u, or from what: B0X=straightness, B0X=diagonals, B0X=ballbar",
     )  # fmt: skip
     how.add_argument(
         "--square-error",
