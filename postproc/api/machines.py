@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from postproc.commands import reading
@@ -14,14 +16,15 @@ def machines() -> dict[str, Path]:
     return places.every()
 
 
-def load_machine(name: str | Path, temperatures: dict[str, float] | None = None) -> Machine:
+def load_machine(name: str | Path, temperatures: dict[str, float] | None = None, only: Sequence[str] = ()) -> Machine:
     """The machine of a name, or of the folder at a path, as `--machine` takes it.
 
     temperatures: degrees Celsius of scales or screws by axis, and of the work as "work", for machines that state how they
-    grow. Raises UsageError with the names that there are, MachineError with file and line of what is wrong in the folder.
+    grow. only: components (EXX), squareness (C0Y) and effects (backlash:X) of the map that shall be corrected, all where it
+    is empty. Raises UsageError with the names that there are, MachineError with file and line of what is wrong in the folder.
     """
-    machine = reading.with_control_tables(places.load(str(name)))
-    return reading.warmed(machine, dict(temperatures or {}))
+    asked = argparse.Namespace(machine=str(name), temperature=dict(temperatures or {}), only=tuple(only))
+    return reading.machine_of(asked)
 
 
 def machine_of(machine: Machine | str | Path) -> Machine:

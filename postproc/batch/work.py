@@ -44,7 +44,9 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     own.file, own.machine = job.program, job.machine
     own.in_place = own.unbuffered = own.filter_progress = False
     own.verify = bool(options.verify or options.report)
-    done = programs.attempt(Path(job.program), _machine(job.machine, tuple(sorted(options.temperature.items()))), own)
+    done = programs.attempt(
+        Path(job.program), _machine(job.machine, tuple(sorted(options.temperature.items())), options.only), own
+    )
     with done.spool as spool:
         spool.seek(0)
         sha, data = hashlib.sha256(), b""
@@ -59,11 +61,11 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=64)
-def _machine(name: str, temperatures: tuple[tuple[str, float], ...]):
+def _machine(name: str, temperatures: tuple[tuple[str, float], ...], only: tuple[str, ...]):
     """A machine is read once in each process."""
     from postproc.api.machines import load_machine
 
-    return load_machine(name, dict(temperatures))
+    return load_machine(name, dict(temperatures), only)
 
 
 def _page(done, target: Path) -> None:

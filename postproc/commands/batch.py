@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     if not options.machine:
         reading.machine_of(options)  # refuses with the machines that there are
     for name in dict.fromkeys(options.machine):
-        reading.machine_of(argparse.Namespace(machine=name, temperature=options.temperature))
+        reading.machine_of(argparse.Namespace(machine=name, temperature=options.temperature, only=options.only))
     folder = Path(options.output)
     todo = jobs(options.programs, list(dict.fromkeys(options.machine)), folder, options.pattern or PATTERNS)
     told: list[dict[str, Any]] = []

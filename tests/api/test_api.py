@@ -28,7 +28,7 @@ def options() -> dict[str, argparse.Action]:
 
 def test_every_option_of_the_command_line_is_a_setting_and_no_other():
     taken = {OTHERWISE.get(name, name) for name in gcomp.Settings.__annotations__}
-    assert taken == set(options()) - {"machine", "temperature"}  # both are of load_machine
+    assert taken == set(options()) - {"machine", "temperature", "only"}  # all three are of load_machine
     assert set(UNITS) | set(CHOICES) <= set(gcomp.Settings.__annotations__)
 
 
@@ -107,6 +107,13 @@ def test_a_file_that_stands_is_written_over_only_when_asked(tmp_path):
 def test_temperatures_warm_the_machine_or_are_refused():
     with pytest.raises(gcomp.UsageError, match="does not say how"):
         gcomp.load_machine("studer-s36", {"Z": 25.0})
+
+
+def test_a_part_of_the_map_is_the_command_lines(tmp_path):
+    out = tmp_path / "out.nc"
+    assert main(["--machine", "studer-s36", "--only", "EZZ", "--quiet", "-o", str(out), str(SHAFT)]) == 0
+    part = gcomp.load_machine("studer-s36", only=["EZZ"])
+    assert gcomp.compensate(SHAFT, part).program == out.read_bytes() != gcomp.compensate(SHAFT, "studer-s36").program
 
 
 def test_a_machine_there_is_not_is_answered_with_those_there_are():

@@ -200,6 +200,12 @@ def test_two_runs_do_not_write_to_one_folder(place, capfd):
     first.close()
 
 
+def test_options_that_change_the_machine_reach_every_process(place):
+    assert run("in", "--machine", "studer-s36", "--only", "EZZ", "-o", "out", "-j", 2, "--quiet") == 0
+    part = gcomp.load_machine("studer-s36", only=["EZZ"])
+    assert (place / "out" / "p00.nc").read_bytes() == gcomp.compensate(Path("in/p00.nc"), part).program
+
+
 def test_pages_beside_the_results(place):
     assert run("in/p00.nc", "--machine", "studer-s36", "-o", "out", "-j", 1, "--report", "--quiet") == 0
     assert "p00.nc on studer-s36" in Path("out/p00.nc.html").read_text("utf-8")
