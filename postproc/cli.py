@@ -30,8 +30,12 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         command = self.prog if " " in self.prog else f"{self.prog} {DEFAULT}"
-        near = self._near(message.partition("unrecognized arguments: ")[2])
+        unknown = message.partition("unrecognized arguments: ")[2]
+        near = self._near(unknown)
         meant = f"did you mean {near}? " if near else ""
+        if unknown and not unknown.startswith("-") and " " not in self.prog:
+            message = f"one program at a time, and {unknown} is another"
+            meant = "gcomp batch PROGRAM... -o DIR takes many; "
         self.exit(REFUSED, f"gcomp: {message}\n    {meant}{command} --help lists the options\n")
 
     def _near(self, unknown: str) -> str:

@@ -22,6 +22,8 @@ PAGES = ("README.md", "sample_recordings/README.md")
 @pytest.mark.parametrize("words, says", [
     (["machnies"], "did you mean gcomp machines?"), (["diagnos", "a.csv"], "did you mean gcomp diagnose?"),
     (["--machine", "perfect", "--tolernace", "1um", "x.nc"], "did you mean --tolerance?"),
+    (["a.nc", "b.nc", "--machine", "perfect"], "one program at a time, and b.nc is another\n    gcomp batch PROGRAM... -o DIR"),
+    (["a.nc", "--machine", "perfekt"], "(looked in "),
     (["iso", "x.csv", "--figur", "--colour=red"], "--help lists the options"),
 ])  # fmt: skip
 def test_a_near_miss_is_answered_with_what_is_meant(tmp_path, monkeypatch, capfd, words, says):

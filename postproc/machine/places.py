@@ -48,7 +48,8 @@ def folder_of(name: str) -> Path:
     if name not in found:
         raise UsageError(
             f"there is no machine {name!r}",
-            f"machines: {', '.join(found) or 'none'}; or give the path of a machine folder",
+            f"machines: {', '.join(found) or 'none'} (looked in {', '.join(map(str, folders()))}); or give the path of a "
+            "machine folder",
         )
     return found[name]
 
