@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import difflib
 import errno
 import importlib
 import os
@@ -42,8 +41,15 @@ class _Parser(argparse.ArgumentParser):
         """The option that is written almost as the first unknown one; "" where none is."""
         known = [name for action in self._actions for name in action.option_strings]
         word = unknown.split(" ")[0].split("=")[0]
-        found = difflib.get_close_matches(word, known, 1, ALIKE) if word.startswith("--") else []
+        found = alike(word, known) if word.startswith("--") else []
         return found[0] if found else ""
+
+
+def alike(word: str, known: list[str]) -> list[str]:
+    """The one of `known` that is written almost as `word`, or none."""
+    import difflib  # where something is wrong alone: a program is begun without it
+
+    return difflib.get_close_matches(word, known, 1, ALIKE)
 
 
 def commands() -> list[str]:
@@ -162,7 +168,7 @@ def _run(argv: list[str]) -> int:
 
 def _no_slip(word: str) -> None:
     """Raises UsageError for a first word that is no file and almost a command."""
-    near = [] if word.startswith("-") or os.path.exists(word) else difflib.get_close_matches(word, commands(), 1, ALIKE)
+    near = [] if word.startswith("-") or os.path.exists(word) else alike(word, commands())
     if near:
         raise UsageError(f"there is no program and no command {word}", f"did you mean gcomp {near[0]}?")
 

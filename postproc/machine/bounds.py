@@ -60,7 +60,7 @@ class Bounds:
         of its way at most: before the first node, between two, beyond the last. What every place has is in `even`."""
         found = {}
         for letter, nodes in self.machine.knots.items():
-            every = np.unique(np.concatenate(nodes))
+            every = np.array(sorted({float(node) for table in nodes for node in table}))
             middle = np.concatenate([[every[0] - 1.0], (every[1:] + every[:-1]) / 2, [every[-1] + 1.0]])
             total, reach = np.zeros(len(middle)), self.reach(letter)
             for table in (table for x, table in self.machine.every_table if x == letter):

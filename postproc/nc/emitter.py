@@ -375,7 +375,7 @@ class Batch:
         skip, code = w.skip[block], np.where(self.names_code[added], p.code[added], -1)
         lead_of = [(b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)]
         kind = 2 * code + skip
-        for k in np.unique(kind[line]).tolist():
+        for k in sorted(set(kind[line].tolist())):
             which = line & (kind == k)
             self.splice.constants(at[which], at[which], rank[which], lead_of[k + 2])
         for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):

@@ -99,7 +99,7 @@ def refused_groups(b: Batch) -> None:
                     column[harmless] = NONE  # G92 S: a speed limit, no position
             held = hold_last(column, before)
             refused = b.dialect.is_refused[np.maximum(held, 0)] & (held >= 0)
-            for number in np.unique(held[refused]):
+            for number in sorted(set(held[refused].tolist())):
                 b.reason[held == number] = _in_force(b, int(number))
         elif before >= 0 and b.dialect.is_refused[before]:
             b.reason[:] = _in_force(b, before)

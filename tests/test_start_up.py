@@ -1,0 +1,90 @@
+"""What a run on a short program loads: each module costs its time before the first line is read.
+
+Every package outside the standard library that may be loaded is named here, and of the standard
+library what is dear and not needed. Who needs one more says so by adding it, with its milliseconds
+(`python -X importtime`).
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+ALLOWED = {"numpy", "platformdirs", "postproc"}  # platformdirs: where machines that are named lie
+INSTALLED = {"_distutils_hack", "sitecustomize"}  # of the interpreter's own start, not of gcomp
+# numpy.ma: 15 ms, which numpy.unique loads; the others 2 to 20 ms each.
+FORBIDDEN = {
+    "numpy.ma",
+    "numpy.random",
+    "numpy.polynomial",
+    "numpy.fft",
+    "asyncio",
+    "concurrent.futures",
+    "ctypes.util",
+    "decimal",
+    "difflib",
+    "email",
+    "fractions",
+    "http",
+    "importlib.metadata",
+    "json",
+    "logging",
+    "multiprocessing",
+    "socket",
+    "sqlite3",
+    "ssl",
+    "subprocess",
+    "unittest",
+    "xml",
+}
+PROGRAM = """%
+G21 G90 G17 G54 G94
+G0 X10 Y10 Z-5
+G1 X50 Y10 F600
+G2 X90 Y50 I40 J0
+G0 Z0
+M30
+%
+"""
+RUN = """
+import sys
+from postproc.cli import main
+status = main(["--machine", sys.argv[1], sys.argv[2], "-o", sys.argv[3]])
+print(status, *sorted(sys.modules))
+"""
+
+
+def loaded(tmp_path, machine: str) -> set[str]:
+    """Names of the modules after a run of its own."""
+    program = tmp_path / "short.nc"
+    program.write_text(PROGRAM)
+    command = [sys.executable, "-c", RUN, machine, str(program), str(tmp_path / "out.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    status, *modules = done.stdout.split()
+    assert status == "0", done.stderr
+    return set(modules)
+
+
+def test_a_run_loads_no_more_than_it_needs(tmp_path):
+    modules = loaded(tmp_path, "example-mill")
+    packages = {name.partition(".")[0] for name in modules}
+    foreign = packages - set(sys.stdlib_module_names) - ALLOWED - INSTALLED - {"__main__"}
+    assert not {name for name in foreign if not name.startswith("_")}
+    assert not modules & FORBIDDEN
+    commands = {name for name in modules if name.startswith("postproc.commands.")}
+    needed = ("attempts", "compensate", "expansion", "reading", "values")
+    assert commands == {f"postproc.commands.{name}" for name in needed}
+
+
+VERSION = """
+import sys
+from postproc.cli import main
+main(["--version"])
+print("numpy" in sys.modules)
+"""
+
+
+def test_a_look_at_the_version_loads_no_numpy():
+    command = [sys.executable, "-c", VERSION]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.split()[-1] == "False"
