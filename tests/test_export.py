@@ -23,7 +23,8 @@ def gcomp(*words: str) -> int:
 
 
 def export(out: Path, control: str, *more: str) -> int:
-    return gcomp("--machine", STUDER, "--control", control, "-o", out, *more)
+    stated = [w for key in getattr(control_tables.load(control), "STATED", {}) for w in ("--set", f"{key}=-")]
+    return gcomp("--machine", STUDER, "--control", control, "-o", out, *stated, *more)
 
 
 def test_the_table_says_component_nodes_correction_and_what_is_left(tmp_path, capsys):
@@ -95,6 +96,43 @@ def test_fanucs_numbers_are_read_with_their_settings(capsys):
     assert lines[1:3] == ["Y_mm,EYY_um_fwd,EYY_um_rev", "-600,11,13"]
     assert gcomp("--read", pitch, "--control", "fanuc") == 2
     assert "--settings FILE" in capsys.readouterr().err
+
+
+def test_table_7_2_goes_through_the_machine_by_the_commands_of_its_readme(tmp_path, capsys):
+    """Read into a file for each axis, and written again from the machine: the same 82 numbers, byte for byte."""
+    folder = Path(__file__).resolve().parents[1] / "machines" / "mv-1060"
+    pitch, settings = folder / "fanuc_pitch.csv", folder / "fanuc_settings.csv"
+    assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/") == 0
+    assert sorted(p.name for p in (tmp_path / "t").iterdir()) == ["X.csv", "Y.csv", "Z.csv"]
+    assert "-600,11,13" in (tmp_path / "t" / "Y.csv").read_text().splitlines()
+    words = [w for w in (folder / "README.md").read_text().split("gcomp export --machine mv-1060")[1].split("numbers/")[0].split() if w != "\\"]  # fmt: skip
+    assert gcomp("--machine", folder, *words, f"{tmp_path}/n/") == 0
+    assert (tmp_path / "n" / "mv-1060_pitch.csv").read_bytes() == pitch.read_bytes()
+    assert pitch.read_bytes().count(b"\n") == 83
+    assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/") == 2
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_a_sign_that_no_source_gives_has_to_be_said(tmp_path, capsys):
+    assert gcomp("--machine", STUDER, "--control", "siemens-cec", "-o", f"{tmp_path}/c/") == 2
+    assert "is in no source that we know" in capsys.readouterr().err
+    assert not (tmp_path / "c").exists()
+    for sign in "-+":
+        assert (
+            gcomp(
+                "--machine",
+                STUDER,
+                "--control",
+                "siemens-cec",
+                "-o",
+                f"{tmp_path}/c{sign}/",
+                "--set",
+                f"cec_sign={sign}",
+            )
+            == 0
+        )
+    one, other = ((tmp_path / f"c{s}" / "NC_CEC.INI").read_text() for s in "-+")
+    assert one != other and len(one.splitlines()) == len(other.splitlines())
 
 
 def test_a_broken_table_names_file_and_line(tmp_path, capsys):

@@ -43,7 +43,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     what.add_argument("--control", metavar="NAME", help="whose table: gcomp export --list")
     what.add_argument("--machine", metavar="M", help="name or folder of the machine whose map is written")
-    what.add_argument("--read", metavar="FILE", help="the opposite: say what a control's table takes out, as CSV")
+    what.add_argument(
+        "--read",
+        metavar="FILE",
+        help="the opposite: say what a control's table takes out, as CSV (-o writes a file for each axis)",
+    )
     what.add_argument(
         "-o", "--output", metavar="FOLDER", help="where to write: a folder, or a file where it is only one"
     )
@@ -137,8 +141,7 @@ def run(options: argparse.Namespace) -> int:
     if bool(options.read) == bool(options.machine):
         raise UsageError("either --machine M is written, or --read FILE is read", EXAMPLE)
     if options.read:
-        print(read(options, module), end="")
-        return 0
+        return _read(options, module)
     if not options.output:
         raise UsageError("-o is missing: where to write?", "-o FOLDER, or -o FILE where it is only one")
     machine = places.load(options.machine)
@@ -220,6 +223,9 @@ def told_of(options: argparse.Namespace, module: Any, machine: Machine | None = 
                 f"keys: {', '.join(known) or 'none'} (gcomp export --list --control {options.control})",
             )
         extra[key] = value
+    for key, why in getattr(module, "STATED", {}).items():
+        if key not in extra:
+            raise UsageError(f"--set {key}=... is not said, and {options.control} needs it", why)
     if machine is not None:
         slides = "".join(x for x in machine.letters if x in XYZ)
         extra.setdefault("axes", slides)
@@ -318,8 +324,21 @@ def listing(control: str | None) -> str:
     return "\n".join(rows)
 
 
-def read(options: argparse.Namespace, module: Any) -> str:
-    """What a control's table takes out, as axis tables (deviation, um)."""
+def _read(options: argparse.Namespace, module: Any) -> int:
+    """What a control's table takes out, to standard output, or to a file for each axis."""
+    found = read(options, module)
+    if not options.output:
+        print("\n".join(found.values()), end="")
+        return 0
+    folder = options.output.endswith(("/", "\\"))
+    files = {f"{moving}.csv": text.encode() for moving, text in found.items()}
+    for path in write_files(files, Path(options.output), options.force, folder):
+        print(f"wrote {path}")
+    return 0
+
+
+def read(options: argparse.Namespace, module: Any) -> dict[str, str]:
+    """What a control's table takes out: moving axis to its axis table (deviation, um)."""
     source = Source(options.read, ports.read_whole(Path(options.read), LARGEST_FILE))
     tables = module.read(source, told_of(options, module))
     if options.axis:
@@ -330,13 +349,12 @@ def read(options: argparse.Namespace, module: Any) -> str:
         raise UsageError(
             f"{options.read} has no table of {' '.join([*options.axis, *options.component]) or 'any axis'}"
         )
-    parts = []
+    parts = {}
     for moving in dict.fromkeys(t.moving for t in tables):
         group = [t for t in tables if t.moving == moving]
-        parts.append(
-            axis_csv(moving, group, f"# deviation that the table in {options.read} ({options.control}) takes out\n")
-        )
-    return "\n".join(parts)
+        head = f"# deviation that the table in {options.read} ({options.control}) takes out\n"
+        parts[moving] = axis_csv(moving, group, head)
+    return parts
 
 
 def axis_csv(moving: str, tables: list[ErrorTable], head: str = "") -> str:
