@@ -28,6 +28,7 @@ OPTIONAL = {
 PLACES = ("T_spindle_C", "T_head_C", "T_headstock_C")
 # 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do not turn ten times as fast.
 MOST_UM = 300.0  # at the fastest
+ALIKE = 1e-4  # of a time constant
 LATER = 4.0  # times the spindle's own: in which its housing follows
 # The head that grows by its own temperature is no longer than 1 m of aluminium; a shaft shifts by its bearings' preload (unverified).
 PLAUSIBLE = {  # beyond, it is something else (unverified)
@@ -76,17 +77,21 @@ def columns(
 
 
 def _warmed(t: np.ndarray, heat: np.ndarray, tau_s: float, housing_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """(N,), (N,): heat as it comes through the spindle, and on through its housing; each lasts until the next reading."""
+    """(N,), (N,): heat as it comes through the spindle, and on through its housing: two first-order lags, one behind the other, solved
+    from reading to reading, between which the heat stays."""
     order = np.argsort(t, kind="stable")
     warm, late = np.zeros(len(t)), np.zeros(len(t))
+    if housing_s > 0 and abs(housing_s / tau_s - 1.0) < ALIKE:
+        housing_s = tau_s * (1.0 + ALIKE)  # two equal time constants have another solution, and this one is as near
     level = slow = 0.0
     for before, k in pairwise(order):
-        gone = t[k] - t[before]
-        level += (heat[before] - level) * (1.0 - np.exp(-gone / tau_s))
-        warm[k] = level
+        gone, above = t[k] - t[before], level - heat[before]
+        first = np.exp(-gone / tau_s)
         if housing_s > 0:
-            slow += (level - slow) * (1.0 - np.exp(-gone / housing_s))
-            late[k] = slow
+            second = np.exp(-gone / housing_s)
+            through = above * tau_s / (tau_s - housing_s) * (first - second)
+            late[k] = slow = heat[before] + through + (slow - heat[before]) * second
+        warm[k] = level = heat[before] + above * first
     return warm, late
 
 

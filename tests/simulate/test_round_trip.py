@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
+from postproc import effects
 from postproc.simulate import experiments
 from postproc.simulate.timeline import Conditions
 
@@ -112,6 +113,19 @@ def test_windup_builds_up_with_the_way_after_the_turn():
     assert found.columns["reading_um"][back] == approx(5.0 * (1 - 2 * np.exp(-way / 0.5)), abs=1e-3)
 
 
+def test_windup_may_differ_along_the_travel():
+    """Long behind its turn, at the middle of the travel half of 10 um, at its high end half of 10 + 4."""
+    plain = without_tables(STUDER)
+    low, high = plain.axes["X"].travel
+    place, far = np.array([(low + high) / 2, high]), np.full(2, 99.0)
+    state = effects.State({"X": place}, {"X": np.ones(2)}, {"X": (low, high)}, distance={"X": far})
+    windup = effects.load("windup")
+    found = effects.deviation(windup, state, "X", size_um=10.0, length_mm=0.5, grows_um=4.0, grows=1.0)
+    assert found[0] * 1e3 == approx([-5.0, -7.0])
+    (_, _, nodes, forward, backward) = windup.tables("X", (low, high), size_um=10.0, length_mm=0.5, grows_um=4.0)[0]
+    assert list(nodes) == [low, high] and forward * 1e3 == approx([-3.0, -7.0]) and backward == approx(-forward)
+
+
 def test_inertia_shows_the_acceleration():
     t = timed("G0 X0\nG4 P0.5\nG1 X100 F6000\nG4 P0.5\nM2\n", exact(), STRICT)
     found = read("log", real(t, term("inertia", "X", um_per_mm_s2=0.002)), rate="1000")
@@ -147,6 +161,19 @@ def test_spindle_growth_follows_the_spindle_between_two_captures():
     found = read("laser", real(t, growth), dwell="500", along="Z")
     top = 20 * (1 - np.exp(-1))
     assert found.columns["reading_um"] == approx([top, top * np.exp(-1)], rel=1e-2)
+
+
+def test_a_spindle_shifts_at_once_and_its_housing_follows():
+    """At 600 s of 2000 rpm, fastest 4000: the shift is a quarter of 8 um; of the heat 1 - 2/e has come to the housing, as slow as the spindle."""
+    text = "G0 Z0\nG1 Z1 F600\nM3 S2000\nG4 P600\nM5\nG4 P600\nM2\n"
+    t = timed(text, exact(), STRICT)
+    late = {"tau_s": 600.0, "housing_s": 600.0, "fastest_rpm": 4000.0}
+    growth = term("spindle_growth", "Z", um_per_1000_rpm=0.0, housing_um=10.0, shift_um=8.0, **late)
+    found = read("laser", real(t, growth), dwell="500", along="Z")
+    follows = 20 * (1 - 2 * np.exp(-1))  # 1 - (1 + t / tau) exp(-t / tau), of two equal time constants at t = tau
+    assert found.columns["reading_um"][0] == approx(follows + 8.0 / 4, rel=2e-2)
+    # Off for as long again: 20 [(1 + 1) e^-1 - (1 + 2) e^-2] of the step's end, and no shift.
+    assert found.columns["reading_um"][1] == approx(20 * (2 * np.exp(-1) - 3 * np.exp(-2)), rel=2e-2)
 
 
 def test_the_machines_own_effects_act_once_and_an_instruments_only_when_asked():
