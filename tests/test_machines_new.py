@@ -170,3 +170,18 @@ def test_the_examples_hold_nothing_doubtful_and_correct_a_program(name, tmp_path
     program.write_text(f"G21\nG90\n{start}G0 X50 Y50\nG1 X150 F1200\nG1 Y150\nG1 X50\nG1 Y50\n")
     assert gcomp(program, "--machine", name, "--start", "Z0", "--verify", "-o", tmp_path / "b.nc") == 0
     assert "verified: largest deviation" in capsys.readouterr().err
+
+
+def test_a_ballbar_gives_squareness_and_lost_motion(tmp_path, capsys):
+    """Circles on example-router (C0Y -1041.8 urad, 60 and 40 um of lost motion), by the simulator: the same come back."""
+    circle = tmp_path / "xy.csv"
+    words = ("--test", "ballbar:XY,radius=100,feed=600", "--machine", "example-router", "--noise", "0.5", "--quiet")
+    assert gcomp("simulate", *words, "-o", circle) == 0
+    m = new(tmp_path / "m", "--ballbar", circle, "--backlash", "Y=0.041")
+    assert m.square["Y"][2] == approx(-1041.8e-6, abs=2e-6)
+    sizes = {e.axis: e.parameters["size_um"] for e in m.effects}
+    assert sizes["X"] == approx(60, abs=1.0) and sizes["Y"] == 41.0  # what is stated goes first
+    assert "ballbar" in (tmp_path / "m" / "machine.toml").read_text()
+    words = (*ROUTER, "--ballbar", circle, "--drift", "X/Y=0.1,300", "-o", tmp_path / "n")
+    assert gcomp("machines", "new", "n", *words) == 2
+    assert "the squareness of XY is said twice" in capsys.readouterr().err

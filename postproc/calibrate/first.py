@@ -122,7 +122,12 @@ def folder(first: First) -> dict[str, str]:
         comments["limits.max_correction"] = f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
     if first.backlash:
         data["effect"] = [
-            {"name": "backlash", "axis": x, "size_um": round(size / UM, 3), "source": "dial gauge"}
+            {
+                "name": "backlash",
+                "axis": x,
+                "size_um": round(size / UM, 3),
+                "source": "stated by hand, or a ballbar: gcomp machines new",
+            }
             for x, size in first.backlash.items()
         ]
     return {"machine.toml": machine_toml(data, comments)} | files

@@ -8,12 +8,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from postproc.calibrate import CalibrationError, first, square
+import numpy as np
+
+from postproc.calibrate import CalibrationError, circles, first, square
 from postproc.commands import values
+from postproc.commands.recordings import read_files
 from postproc.errors import UsageError
 from postproc.machine import chain as chains
 from postproc.machine.chain import XYZ
 from postproc.nc import dialects
+from postproc.recordings import ReadingOptions, Recording
 from postproc.units import URAD
 
 
@@ -40,6 +44,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument(
         "--drift", action="append", default=[], type=drift, metavar="X/Y=0.05,300",
         help="along a square: X drifts by +0.05 while Y goes +300",
+    )  # fmt: skip
+    new.add_argument(
+        "--ballbar", action="append", default=[], metavar="FILE", help="circles in both senses: squareness and lost motion of their axes"
     )  # fmt: skip
     new.add_argument(
         "--squareness", action="append", default=[], type=angle, metavar="C0Y=120", help="urad, where it is known"
@@ -81,6 +88,7 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     for x in chain.axes:
         if x not in reach:
             raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    _ballbar(options)
     stated = _squareness(options)
     one = first.First(
         Path(options.name).name, options.title or (f"{options.kind}: {kind.title}" if kind else options.name), control, said, reach,
@@ -99,6 +107,24 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
         if not all(x in chain.axes for x in square.pair_of(name)):
             raise UsageError(f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain {said} has not both")  # fmt: skip
     return Path(options.output or f"machines/{one.name}"), first.folder(one)
+
+
+def _ballbar(options: argparse.Namespace) -> None:
+    """Adds what circles tell to the squareness and to the lost motion that is not stated; a lost motion within its own
+    uncertainty is none. Raises UsageError for a file of another kind, CalibrationError for what is no circle."""
+    planes: dict[str, list[Recording]] = {}
+    for one in read_files(options.ballbar, "", ReadingOptions(strict=False)):
+        if one.kind != "ballbar":
+            raise UsageError(f"{one.file} is a {one.kind} recording, no ballbar's", "gcomp calibrate takes it")
+        planes.setdefault(circles.axes_of(one), []).append(one)
+    for plane, some in planes.items():
+        found = circles.fit(some, [np.zeros(len(one)) for one in some])
+        name, files = first.name_of(plane[1], plane[0]), " and ".join(found.files)
+        how = f"ballbar {files}, u = {found.u['square'] / URAD:.1f} urad"
+        options.squareness.append((name, square.sign(name) * found.square, how))
+        for x, play, u in zip(plane, found.play, (found.u["first play"], found.u["second play"]), strict=True):
+            if x not in dict(options.backlash) and abs(play) > 2 * u:
+                options.backlash.append((x, play))
 
 
 def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str]]:
