@@ -28,7 +28,7 @@ from postproc.units import UM
 
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
-MOST_ARCS = 4000
+MOST_ARCS = 2000
 DEFAULTS = Options()
 TOO_LONG = (f"a line of more than {LONGEST_LINE:,} characters", "this is no NC program, or its line ends were lost")
 OWN_OUTPUT = (
@@ -39,7 +39,7 @@ MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
 
 
 def _portions(text: bytes) -> Iterator[bytes]:
-    """Whole lines, all at once or, where there are many arcs, fewer: an arc takes hundreds of samples, and memory shall
+    """Whole lines, all at once or, where there are many arcs, fewer: an arc takes many samples, and memory shall
     stay flat."""
     arcs = max(text.count(letter) for letter in (b"I", b"J", b"K", b"R", b"i", b"j", b"k", b"r"))
     size = len(text) if arcs <= MOST_ARCS else max(1, len(text) * MOST_ARCS // arcs)

@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 from postproc.errors import UsageError
 
-CHUNK = 1 << 19
+CHUNK = 1 << 18
 IN_MEMORY = 1 << 22
 HEAD = 1 << 16
 
