@@ -59,9 +59,21 @@ def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
     assert list(value) == [2.0, -3.0, 7.0] and shape == {"told": 1.0, "by": -2.0}
 
 
-def test_recorded_air_is_what_the_laser_follows():
+def test_recorded_air_stands_beside_air_that_changes_with_the_time():
+    """A thermometer may be late or hang, and nobody records the pressure: two recordings, each with a rate of its own."""
     s = state(T_air_C=np.linspace(20.0, 22.0, 12))
-    assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {1.0, 0.0}
+    assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {1.0, -2.0, 0.0}
+
+
+def test_air_that_nobody_recorded_is_not_offered_by_its_temperature():
+    assert {shape["by"] for shape in effects.load("laser_air").shapes(state(), "")} == {-2.0, 0.0}
+
+
+def test_a_coarse_thermometer_on_the_screw_does_not_hide_its_heat():
+    """Heat that comes with time or travel is offered beside a recorded temperature, cold at the beginning."""
+    s = state(T_screw_Z_C=np.round(np.linspace(20.0, 20.4, 12)))
+    offered = effects.load("screw_heat").shapes(s, "Z")
+    assert {shape["tau_s"] > 0 for shape in offered} == {False, True} and not any(shape["warm"] for shape in offered)
 
 
 def test_a_screw_that_may_have_been_warm_is_offered_only_without_its_temperature():
