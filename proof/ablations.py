@@ -61,7 +61,6 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--only", help="a word of the parts' names")
     options = parser.parse_args(argv)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     work = [(tier, k) for tier, n in TIERS.items() for k in range(max(1, round(n * options.share)))]
     print("| | nulls named | first name right | right, if named | P | R | alien unknown | names an alien | s |")
     print("|---|---|---|---|---|---|---|---|---|")

@@ -10,7 +10,6 @@ not for it. Left out are long traces whose samples the tool averages.
 from __future__ import annotations
 
 import argparse
-import os
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -91,7 +90,6 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seed", default="ceiling")
     parser.add_argument("--count", type=int, default=60)
     options = parser.parse_args(argv)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with ProcessPoolExecutor() as pool:
         found = list(pool.map(partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=2))
     answers = [a for a in found if isinstance(a, Answer)]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import copy
-import os
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -36,7 +35,6 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seed", default="forms")
     parser.add_argument("--count", type=int, default=100)
     options = parser.parse_args(argv)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     said: dict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
     with ProcessPoolExecutor() as pool:
         for found in pool.map(partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=4):

@@ -59,7 +59,6 @@ def main(argv: list[str] | None = None) -> int:
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args(argv)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         freeze = trial_seal.frozen(options.freeze)
         tiers = {t: max(1, round(options.share * n)) for t, n in (SMALL if options.small else TIERS).items()}

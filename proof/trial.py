@@ -188,7 +188,6 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--salt", default="", help="hex; a random one without it")
     parser.add_argument("--page", action="store_true", help="write the table and the figures of docs/PROOF.md anew")
     options = parser.parse_args(argv)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         freeze = trial_seal.frozen(options.freeze)
         tiers = SMALL if options.small else FULL

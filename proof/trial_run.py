@@ -96,7 +96,6 @@ def run(
     if out.exists() and any(out.iterdir()):
         raise FileExistsError(f"{out} holds answers already: a frozen tool has one shot at its cases")
     out.mkdir(parents=True, exist_ok=True)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     chosen = sorted(names) if names is not None else sorted(p.name for p in cases.iterdir() if p.is_dir())
     work = [(cases / n, sorted((follow_up / n).glob("f*.csv")) if follow_up else [], out) for n in chosen]
     with ProcessPoolExecutor(jobs) as pool:
