@@ -76,8 +76,11 @@ def remaining(doubted: dict[int, list[str]], rows: Rows, named: np.ndarray) -> l
     result = []
     for number, sentences in doubted.items():
         which = rows.file == number
+        if not sentences or not named[which].any():  # or all of its readings were left out
+            result += sentences
+            continue
         share, error = _share(replace(rows, y=rows.y - named).pick(which))
-        if not (share > 2.0 * error and abs(share - 1.0) <= max(HALF, 2.0 * error) and named[which].any()):
+        if not (share > 2.0 * error and abs(share - 1.0) <= max(HALF, 2.0 * error)):
             result += sentences
     return result
 

@@ -328,12 +328,14 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                     )
                     result[part], size[part] = np.where(end > 0, end, result[part]), np.where(end > 0, off, size[part])
                 continue
-        y = residual[which].copy()
-        for p in np.unique(place):  # what all runs share at a place is no outlier
-            same = place == p
-            y[same] -= np.median(y[same]) if same.sum() > 2 else 0.0
+        y = residual[which] - np.median(residual[which])  # without its zero: what is shared at a place has none either
+        shared = np.bincount(place)[place] > 2
+        for p in np.unique(place[shared]):  # what all runs share at a place is no outlier
+            y[place == p] -= np.median(y[place == p])
         for k in range(len(which)):
             near = [j for j in range(max(0, k - 3), min(len(which), k + 4)) if j != k and run[j] == run[k]]
+            if not near and not shared[k]:  # nothing to compare with: its zero is no departure
+                continue
             around = float(np.median(y[near])) if near else 0.0
             result[which[k]] = abs(y[k] - around) / sigma[which[k]]
             size[which[k]] = y[k] - around
