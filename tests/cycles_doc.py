@@ -20,7 +20,7 @@ HEAD = f"""{TITLE}
 Generated from the declarations in `postproc/nc/cycles` by `python -m tests.cycles_doc`; `tests/expand/test_words.py` reads
 it. {" ".join(GENERAL)}, comments and `/` mean here what they mean in any block. Every letter that a row does not name
 stops the program by its name, and so does one that stands twice. *Kept*: this cycle has no use for it, one behind it has.
-*Known*: the control has it, nobody follows it, and the sentence says so; *(0)*: unless its value is 0. *axes*: the other
+*Known*: the control has it, nobody follows it, and the sentence says so; *(0)*, *(1)*: unless its value is 0, or 1. *axes*: the other
 axes of the machine, on lathes with U V W H beside them.
 
 | cycle | written | followed | kept | known, refused |
@@ -86,7 +86,9 @@ def _line(row: Row) -> str:
     if form.stays or form.never:
         return f"| {cycles} | | {STAYS if form.stays else 'refused: ' + form.never} | | |\n"
     takes = _meanings(form.takes) + (", *axes*" if form.axes else "")
-    refused = "; ".join(f"{x}{' (0)' * (x in form.zero)}: {m}" for x, m in form.refused.items())
+    refused = "; ".join(
+        f"{x}{' (0)' * (x in form.zero)}{' (1)' * (x in form.one)}: {m}" for x, m in form.refused.items()
+    )
     return f"| {cycles} | {form.name} | {takes} | {_meanings(form.keeps)} | {refused} |\n"
 
 

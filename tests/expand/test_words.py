@@ -193,6 +193,7 @@ class Row(NamedTuple):
     kept: str
     known: str
     zero: str
+    one: str
 
 
 def table() -> list[Row]:
@@ -205,12 +206,12 @@ def table() -> list[Row]:
             continue
         axes = "*axes*" in cells[2]
         kept, known = letters(cells[3]), "".join(re.findall(r"(?:^|; )([A-Z])", cells[4]))
-        zero = "".join(re.findall(r"([A-Z]) \(0\)", cells[4]))
+        zero, one = ("".join(re.findall(rf"([A-Z]) \({n}\)", cells[4])) for n in (0, 1))
         for part in cells[0].split("; "):
             for name in CODE.findall(part):
                 more = "" if not axes else "CUWH" if "lathe" in name else "ABC"
                 rows += [
-                    Row(name, code, cells[1], letters(cells[2]) + more, kept, known, zero)
+                    Row(name, code, cells[1], letters(cells[2]) + more, kept, known, zero, one)
                     for code in part.split()
                     if code[0] == "G"
                 ]
@@ -329,6 +330,8 @@ def test_every_other_letter_is_refused_by_its_name(row):
         assert caught.value.advice and caught.value.place.line and caught.value.place.stop > caught.value.place.start
         if letter in row.zero:
             sample.run(row.name, row.code, add=f"{letter}0")
+        if letter in row.one:
+            sample.run(row.name, row.code, add=f"{letter}1")
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)

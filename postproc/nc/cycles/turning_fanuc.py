@@ -38,11 +38,7 @@ ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
 ESCAPE = {"R": "escape from a cut"}
 ROUGH_FINISH = "the allowance of a rough finishing pass"
 NOT_WRITTEN = {"I": ROUGH_FINISH, "K": ROUGH_FINISH}
-TYPE_II: dict[bool, dict[str, str]] = {
-    True: {"R": "type, 1: a shape that turns back"},
-    False: {},
-}  # whether it is Haas'
-NO_TYPE: dict[bool, dict[str, str]] = {True: {}, False: {"R": "it chooses type II on a Haas"}}
+TYPE_II = {True: {"R": "a type other than 1"}, False: {"R": "it chooses type II on a Haas"}}  # whether it is Haas'
 
 
 @dataclass
@@ -65,10 +61,10 @@ class Repetitive:
             alone = {"I": "as U of the first block", "K": "as W of it", "D": "as R of it"}
             return Form(KIND, whole, name=first, unless="PQ"), Form(KIND, SHAPE | ALLOWANCE | alone, name=second)
         depth = {"U" if role == "rough" else "W": "depth of a cut"}
-        alone = {"D": "depth of a cut"} | TYPE_II[self.haas]
+        alone, one = {"D": "depth of a cut"}, "R" * self.haas
         return (
             Form(KIND, depth | ESCAPE, name=first, unless="PQ"),
-            Form(KIND, SHAPE | ALLOWANCE | alone, refused=NOT_WRITTEN | NO_TYPE[self.haas], name=second),
+            Form(KIND, SHAPE | ALLOWANCE | alone, refused=NOT_WRITTEN | TYPE_II[self.haas], one=one, name=second),
         )
 
     def end(self) -> None:
@@ -109,7 +105,7 @@ class Repetitive:
             raise scene.fault(
                 f"G{code / 10:g} without the number of a block in {letter}",
                 "P and Q name the first and last block of the shape: write both, as whole numbers",
-                word,
+                word or block.word("PQ".replace(letter, "")),
             )
         return int(word.value)
 

@@ -25,7 +25,7 @@ class Form:
     `kind`: what it is, with its article; `name`: which of several ways ("" where there is one).
     `takes`: letter to what is done with it; `keeps`: letter to what a later cycle does with it.
     `refused`: letter to what the control means by it, where nobody follows that; those in `zero`
-    may stand with the value 0. `axes`: words of the machine's other axes say the place too;
+    may stand with the value 0, those in `one` with 1. `axes`: words of the machine's other axes say the place too;
     `increments`: U V W H are distances, each beside its axis' own letter. `unless`: letters
     whose presence says that the block is written another way. `stays`: the block goes to the
     control as it is written; `never`: why it is refused, whatever its words are.
@@ -36,6 +36,7 @@ class Form:
     keeps: Mapping[str, str] = field(default_factory=lambda: NONE)
     refused: Mapping[str, str] = field(default_factory=lambda: NONE)
     zero: str = ""
+    one: str = ""
     axes: bool = False
     increments: bool = False
     name: str = ""
@@ -61,8 +62,12 @@ class Form:
             if meant in seen:
                 raise scene.fault(f"{meant} is named twice in {where}", "which one holds differs: write it once", word)
             seen.add(meant)
-            if word.letter not in letters and not (word.letter in self.zero and word.value == 0):
+            if word.letter not in letters and not self._idle(word):
                 raise self._fault(scene, word, where)
+
+    def _idle(self, word: Word) -> bool:
+        """Whether a word has the value with which it may stand."""
+        return (word.letter in self.zero and word.value == 0) or (word.letter in self.one and word.value == 1)
 
     def _fault(self, scene: Scene, word: Word, where: str) -> Exception:
         meaning = self.refused.get(word.letter)
