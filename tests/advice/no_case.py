@@ -45,7 +45,6 @@ NO_CASE: dict[str, str] = {
     "an arc, and no pole is set": ELSEWHERE,
     "an increment for the bottom of a hole": NO_DIALECT,
     "complete the control structure; blocks with / may have been left out": ADVICE,
-    "give the roughing a shape of its own without it, and G70 the one with it": ADVICE,
     "polar words in G91": ELSEWHERE,
     "polar words without R and H, or beside X and Y": ELSEWHERE,
     "polar words, and no pole is set": ELSEWHERE,
