@@ -12,8 +12,22 @@ import os
 import select
 import sys
 import threading
+import time
 import tty
 from pathlib import Path
+
+
+def taken(printer, data: bytes) -> int:
+    """How many bytes it took. Its write keeps a lock while it waits for room, and a request for a
+    line needs the same lock (virtual.py, write and _triggerResend): neither goes on until write
+    gives up, which then has taken nothing. The bytes wait on the wire meanwhile, as USB has them."""
+    from serial import SerialTimeoutException
+
+    try:
+        return printer.write(data)
+    except SerialTimeoutException:
+        time.sleep(0.01)  # without the lock
+        return 0
 
 
 def main(folder: Path, override: dict) -> None:
@@ -46,7 +60,7 @@ def main(folder: Path, override: dict) -> None:
 
     data = folder / "data"
     data.mkdir(exist_ok=True)
-    printer = Spy(own, Profiles(), str(data), read_timeout=0.05)
+    printer = Spy(own, Profiles(), str(data), read_timeout=0.05, write_timeout=0.05)
     master, slave = os.openpty()
     tty.setraw(slave)
     print(f"port {os.ttyname(slave)}", flush=True)
@@ -71,7 +85,7 @@ def main(folder: Path, override: dict) -> None:
             for line in lines:  # it looks at one line of what is written at once: the next waits for more
                 data_in = line + b"\n"
                 while data_in:
-                    data_in = data_in[printer.write(data_in) :]
+                    data_in = data_in[taken(printer, data_in) :]
     stop.set()
     printer.close()
     os._exit(0)

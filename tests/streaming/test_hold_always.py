@@ -41,8 +41,17 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-def begin(folder, host: PtyHost, *arguments: str, code: str = "", **how) -> subprocess.Popen:
-    """gcomp stream, or the program `code` with the same arguments."""
+def begin(
+    folder, host: PtyHost, *arguments: str, code: str = "", hangup=signal.SIG_DFL, preexec_fn=None, **how
+) -> subprocess.Popen:
+    """gcomp stream, or the program `code` with the same arguments; `hangup` is what SIGHUP does to it
+    when it begins, whatever that is here (the tests themselves may run under nohup)."""
+
+    def before() -> None:
+        signal.signal(signal.SIGHUP, hangup)
+        if preexec_fn is not None:
+            preexec_fn()
+
     run = ["-c", code] if code else ["-m", "postproc"]
     env = {**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
     how = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | how
@@ -50,6 +59,7 @@ def begin(folder, host: PtyHost, *arguments: str, code: str = "", **how) -> subp
         [sys.executable, *run, "stream", *MILL, "--port", host.path, "job.nc", "--check-first", "never", *arguments],
         cwd=folder,
         env=env,
+        preexec_fn=before,
         **how,
     )
 
@@ -130,6 +140,22 @@ def test_every_signal_that_could_end_it_holds_first(place, sign):  # noqa: F811
         return took
 
     often(once, place)
+
+
+def test_under_nohup_a_lost_terminal_ends_nothing(place):  # noqa: F811
+    """Who starts it with SIGHUP ignored wants the job to go on; Ctrl-C holds it as ever."""
+    (place / "job.nc").write_text(program(400, 1500))
+    with PtyHost(model(), speed=2.0) as host:
+        process = begin(place, host, hangup=signal.SIG_IGN)
+        until(lambda: len(sent_rows(host)) > 30, process)
+        process.send_signal(signal.SIGHUP)
+        rows = len(sent_rows(host))
+        until(lambda: len(sent_rows(host)) > rows + 30, process)
+        assert not host.times
+        process.send_signal(signal.SIGINT)
+        at_hold(host)
+        process.kill()
+        process.communicate()
 
 
 def test_nobody_reads_what_it_says(place):  # noqa: F811

@@ -141,7 +141,8 @@ def test_the_states_of_a_hold():
 def test_every_protocol_says_what_its_hold_and_stop_do(name):
     """Bytes are named where there are some, and "no" is said where there are none."""
     protocol = protocols.load(name).PROTOCOL()
-    named = {b"!": "(!)", b"\x18": "Ctrl-X", b"\x04": "Ctrl-D", b"!%": "(!%)", b"\nM410\nM410\n": "M410"}
+    named = {b"!": "(!)", b"\x18": "Ctrl-X", b"\x04": "Ctrl-D", b"!%": "(!%)", b"\nM410\nM410\n": "M410",
+             b"set pause\r\n": "told to pause", b"set abort\r\n": "told to abort"}  # fmt: skip
     for what in ("hold", "stop"):
         data, text = protocol.urgent(what), protocol.does[what]
         assert (named[data] in text) if data else f"no {'feed hold' if what == 'hold' else 'stop'}" in text
