@@ -21,6 +21,7 @@ def mill(dialect: str, before: str, after: str, then: str = "", **options) -> Ca
 
 
 TEXT = [
+    Case("klipper", "G90|G1 X1 Y1 Z1|G1 X2 //abc", "G90|G1 X1 Y1 Z1|G1 X2 ;abc"),
     lathe("G1 X30. %", "G1 X30.|%"),
     lathe("G1 Z30. )", "G1 Z30."),
     lathe("G1 Z30./F10", "/G1 Z30. F10"),

@@ -78,13 +78,13 @@ DRILLING = [
     mill("M3 S9|G41 D1 G1 X5.|G81 Z-5. R2.", "M3 S9|G41 D1 G1 X5.|G40 G1 X9.|G81 Z-5. R2.|G80"),
     mill("M3 S9|G4 P1 G81 Z-5. R2.", "M3 S9|G4 P1|G81 Z-5. R2.|G80"),
     mill("M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3.", "M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3. Z-5.|G80"),
-    lathe("M3 S100|G83 W-5. F.1", "M3 S100|G83 W-5. R-1. F.1|G80"),
     mill("M3 S9|G93 G81 X1. Z-5. R2. F1", "M3 S9|G94 G81 X1. Z-5. R2. F1|G80"),
     Case(M, "M3 S9|F9|G99 G81 X1. Y1. Z-1. R2.|G98 X2.", "M3 S9|F9|G0 Z9.|G99 G81 X1. Y1. Z-1. R2.|G98 X2.|G80", how={**WRITE, "start": {"X": 0.0, "Y": 0.0}}),
     Case(M, "M3 S9|F9|G0 Z50|G43 H1|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G43 H1|G0 Z50|G81 X1. Y1. Z-1. R2.|G80", first={"offsets": {"G54": {}}}, how=WRITE),
     Case(M, "M3 S9|F9|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80", first={"start": NOWHERE}, how=WRITE),
 ]  # fmt: skip
 HAAS_LATHE = [
+    Case("fanuc-lathe", "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. F.1|G80", "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. R-1. F.1|G80", how=WRITE),
     Case(
         "haas-lathe", "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 G42 X40.|N20 G1 G40 Z-5. F.1",
         "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 X40.|N20 G1 Z-5. F.1", how=WRITE,

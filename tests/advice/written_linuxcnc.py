@@ -170,6 +170,7 @@ STATES = [
     words("G20 @5", "G20 G90 @.5 ^30"),
     words("M70|G92 X5|M72", "M70|G92 X5|G92.1|M72"),
     words("M73|G43 H1|M72", "G43 H1"),
+    words("M70|M3 S500|M72", "M5 S100|M70|M3 S500|M72"),
     words("G92 X5|M70|G92.1|M72", "G92 X5|G92.1"),
     words("o1 sub|M73|G92 X5|o1 endsub|o1 call", "o1 sub|G92 X5|o1 endsub|o1 call"),
     Case(C, "@5", "G0 X1 Y1 Z1|@5 ^30", how={**WRITE, "start": NOWHERE}),
