@@ -19,7 +19,7 @@ from postproc.errors import GcompError, UsageError
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
-HELPERS = ("attempts", "expansion", "machine_new", "reading", "residual", "session", "values")
+HELPERS = ("attempts", "expansion", "machine_new", "reading", "residual", "session", "values", "warming")
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 

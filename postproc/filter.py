@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 from postproc import __version__
 from postproc.compensate import Compensator, Options
@@ -25,6 +26,9 @@ from postproc.nc.interpreter import Interpreter, ModalState, Setup
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.units import UM
+
+if TYPE_CHECKING:
+    from postproc.heat.follow import Heat, Warmth
 
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
 LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
@@ -109,7 +113,8 @@ def marker_of(machine: Machine, tolerance: float) -> str:
 
 @dataclass
 class Filter:
-    """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see every batch.
+    """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see every batch; heat: which
+    temperature each block meets, of a machine that grows.
 
     On a fault everything before the faulty block has been handled: the ProgramError carries it as `delivered`.
     """
@@ -122,14 +127,16 @@ class Filter:
     notices: list[Notice] = field(default_factory=list)
     summary: Summary = field(default_factory=Summary)
     watchers: list[Watcher] = field(default_factory=list)
+    heat: Heat | None = None
 
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
         mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
         written_out = self.dialect.holes_written_out
         options = replace(
-            self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes, holes_written_out=written_out
-        )
+            self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes, holes_written_out=written_out,
+            heat_step=tuple(self.heat.step.tolist()) if self.heat else (),
+        )  # fmt: skip
         self.compensator = Compensator(self.machine, options)
         marker = marker_of(self.machine, self.compensator.tolerance)
         if (
@@ -141,6 +148,7 @@ class Filter:
         self.carry = self.compensator.initial(self.interpreter.stands()[0])
         self.written = Written()
         self.contours = Contours()
+        self.warmth: Warmth | None = self.heat.initial() if self.heat else None
         self._rest = b""
         self._numbering = checksums.START
         self._begun = False
@@ -232,6 +240,13 @@ class Filter:
         motions, modal, notices = self.interpreter.run(words, self.modal)
         if words.fault and not modal.ended:
             raise words.fault
+        warmth = None
+        if self.heat and self.warmth:
+            motions, warmth = self.heat.run(words, motions, self.warmth)
+            notices = [
+                *notices,
+                Notice("heat", self.heat.told(warmth), -self.summary.lines - 1, size=1.0 + warmth.ticking.now),
+            ]
         try:
             pieces, carry, more = self.compensator.run(motions, self.carry)
         except MotionFault as fault:
@@ -245,7 +260,7 @@ class Filter:
             self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
         for notice in more:
             self._tell(replace(notice, line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1))
-        self.modal, self.carry, self.written, self.contours = modal, carry, written, contours
+        self.modal, self.carry, self.written, self.contours, self.warmth = modal, carry, written, contours, warmth
         self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks

@@ -133,7 +133,8 @@ class Motions:
     the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
     (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
     correction can not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X Y Z of start and target
-    are places of the tool tip in that frame.
+    are places of the tool tip in that frame. heat (D, N): whole steps of what drives the machine's growth (machine/growth.py) in
+    the middle of each motion; no rows where nobody follows it.
     """
 
     block: np.ndarray
@@ -171,6 +172,7 @@ class Motions:
     lead: np.ndarray = field(default_factory=lambda: np.zeros(0))
     space: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     spaces: list[Space | None] = field(default_factory=lambda: [None])
+    heat: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
     def __len__(self) -> int:
         return len(self.block)

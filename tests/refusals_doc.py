@@ -13,7 +13,7 @@ DOC = ROOT / "docs" / "REFUSALS.md"
 CALLS = {
     "fault": None, "blame": None, "because": None, "bare": None, "BlockFault": None, "MotionFault": None, "ProgramError": None,
     "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
-    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None, "Refusal": None, "wrong": None,
+    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None, "LogError": None, "VolumetricError": None, "Refusal": None, "wrong": None,
 }  # fmt: skip
 PAIRS = (
     "nc/faults",
@@ -34,10 +34,11 @@ CHAPTERS = (
     ("Written out: Sinumerik's control structures", ("nc/expand/siemens",)),
     ("Written out: all languages", ("nc/expand",)),
     ("Machine folders", ("machine", "effects")),
+    ("Heat over time", ("heat", "commands/warming")),
     ("Offset files", ("offsets",)),
     ("Recordings", ("recordings",)),
     ("Tables of the control", ("control_tables",)),
-    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "accept", "diagnose", "simulate")),
+    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "accept", "diagnose", "simulate", "volumetric")),
     ("Streaming", ("streaming", "commands/stream")),
     ("The command line", ("commands", "cli", "ports", "nc/dialects", "verify")),
 )  # fmt: skip

@@ -88,6 +88,7 @@ def repeats(options: argparse.Namespace) -> bool:
 def _settings(options: argparse.Namespace) -> str:
     own = {k: v for k, v in sorted(vars(options).items()) if k not in OWN and not callable(v)}
     own["offsets"] = [_digest(name) for name in options.offsets]
+    own["temperatures"] = options.temperatures and _digest(options.temperatures)
     return json.dumps(own, sort_keys=True, default=str)
 
 

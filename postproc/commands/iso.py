@@ -18,7 +18,7 @@ from postproc.iso import Options, Stated, choose, figure, report
 from postproc.iso.lines import LINES
 from postproc.units import UM, URAD
 
-HELP = "evaluate recordings by ISO 230: positioning, straightness, squareness, diagonals, circles, with uncertainty"
+HELP = "evaluate recordings by ISO 230: positioning, straightness, squareness, diagonals, circles, drift at rest, with uncertainty"
 EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --figure z_axis.svg"
 
 

@@ -79,6 +79,20 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
         help="correct for these components, squareness (C0Y) and effects (backlash:X) of the map alone",
     )  # fmt: skip
     how.add_argument("--cut-rapids", action="store_true", help="cut G0 at the map's nodes too")
+    heat = parser.add_argument_group("how warm it is while it runs")
+    heat.add_argument(
+        "--temperatures", metavar="LOG.csv", help="a log of thermometers: each block meets the temperature of its moment, by the program's own clock"
+    )  # fmt: skip
+    heat.add_argument(
+        "--log-begin", metavar="TIME", help="when in the log the program begins: its seconds, or a date and time (default: its first row)"
+    )  # fmt: skip
+    heat.add_argument(
+        "--pace", metavar="FACTOR", type=values.factor, default=1.0,
+        help="by which factor the machine takes longer than feeds, rapids and dwells say (default: 1)",
+    )  # fmt: skip
+    heat.add_argument(
+        "--hold-temperature", action="store_true", help="hold the log's last row for what is executed behind it, instead of refusing it"
+    )  # fmt: skip
     program = parser.add_argument_group("how the program is read")
     program.add_argument(
         "--dialect",
@@ -248,7 +262,12 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
         options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
         hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis, orientation=options.orientation,
     )  # fmt: skip
-    filter_ = Filter(machine, dialect, setup, how)
+    followed = None
+    if getattr(options, "temperatures", None):
+        from postproc.commands import warming
+
+        machine, followed = warming.of(options, machine, dialect, notices)
+    filter_ = Filter(machine, dialect, setup, how, heat=followed)
     filter_.notices += notices
     return filter_
 

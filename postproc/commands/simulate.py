@@ -26,14 +26,24 @@ if TYPE_CHECKING:
 HELP = "run a program on a machine with all its errors and write what an instrument would have recorded"
 EXAMPLE = "gcomp simulate --test positioning:Z --machine studer-s36 --noise 0.5 --seed 1 -o z.csv"
 LARGEST = 100_000_000  # bytes
-NOT_HERE = ("tolerance", "hole_tolerance", "hysteresis", "reversal", "ramp", "outside", "cut_rapids", "orientation")
+NOT_HERE = (
+    "tolerance",
+    "hole_tolerance",
+    "hysteresis",
+    "reversal",
+    "ramp",
+    "outside",
+    "cut_rapids",
+    "orientation",
+    "temperatures",
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
     parser.add_argument("file", nargs="?", metavar="PROGRAM", help="the program; - is standard input")
     what = parser.add_argument_group("what is run and read")
-    what.add_argument("--test", metavar="NAME:AXES,...", help="a test of gcomp's own in place of PROGRAM: positioning:Z period:Z arms:Z straightness:Z angle:Z diagonal:XZ ballbar:XY staircase:X feeds:X soak:Z; like positioning:Z,step=30,even=1,runs=3,dwell=2,feed=1000")  # fmt: skip
+    what.add_argument("--test", metavar="NAME:AXES,...", help="a test of gcomp's own in place of PROGRAM: positioning:Z period:Z arms:Z straightness:Z angle:Z diagonal:XZ ballbar:XY staircase:X feeds:X soak:Z rest:Z; like positioning:Z,step=30,even=1,runs=3,dwell=2,feed=1000")  # fmt: skip
     what.add_argument("--program-out", metavar="FILE", help="write the test's program there; - is standard output")
     what.add_argument("--instrument", metavar="NAME", help="laser, straightness, angle, ballbar, log or probe (a test brings its own)")  # fmt: skip
     what.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], type=_pair, dest="settings", help="how the instrument is set; --set help=1 lists")  # fmt: skip
@@ -188,7 +198,7 @@ def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str)
     from postproc.simulate.program import Reader
 
     def make(bare: Machine, start: dict[str, float]) -> Filter:
-        again = argparse.Namespace(**(vars(options) | {"start": options.start | start}))
+        again = argparse.Namespace(**(vars(options) | {"start": options.start | start, "temperatures": None}))
         return reading.filter_of(again, bare, text[: ports.HEAD])
 
     reader = Reader(machine, make, name, options.feed / 60.0)

@@ -105,6 +105,14 @@ def size(word: str) -> float:
     return value
 
 
+def factor(word: str) -> float:
+    """A finite number above zero, up to 100."""
+    value = number(word)
+    if not 0 < value <= 100:
+        raise argparse.ArgumentTypeError(f"{word!r} is not a factor like 1.1")
+    return value
+
+
 def seed(word: str) -> int:
     """A whole number of 18 digits at most."""
     if not re.fullmatch(r"[0-9]{1,18}", word):

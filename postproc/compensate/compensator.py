@@ -14,7 +14,7 @@ import numpy as np
 from postproc.compensate import approach, cut, cutter, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.errors import MachineError, MotionFault, Notice
-from postproc.machine import poses, tip
+from postproc.machine import growth, poses, tip
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
@@ -25,6 +25,8 @@ from postproc.units import TICKS_PER_MM
 # mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
 # (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
+HEAT_SHARE = 1 / 8  # of the tolerance, which whole steps of heat may leave (heat/follow.py)
+MOST_KEPT = 200  # machines with a tool, in a space, at a temperature
 FEW = 32  # motions that are worked out at once behind one that is left as it is
 
 
@@ -37,7 +39,7 @@ class Options:
     hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
     least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
     taken up (None: as the machine says); orientation: whether rotary words are corrected for the
-    tool's lean; passes_unknown: whether feeds whose place can not be known are left as they are, and
+    tool's lean; heat_step (D,): unit of the whole steps in which heat is told, of machines that grow; passes_unknown: whether feeds whose place can not be known are left as they are, and
     counted, rather than refused."""
 
     tolerance: float | None = None
@@ -51,6 +53,7 @@ class Options:
     hysteresis: float | None = None
     orientation: bool = False
     passes_unknown: bool = False
+    heat_step: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ class Carry:
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
     position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
     last motion inside it ended; largest: mm, the largest correction so far; told: the space and the
-    tool's length (A,) ticks in which `issued` is told."""
+    tool's length (A,) ticks in which `issued` is told; heat (D,): steps of the machine's growth for which it was."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -68,6 +71,7 @@ class Carry:
     heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
     told: tuple[Space | None, tuple[int, ...]] = (None, ())
+    heat: tuple[int, ...] = ()
 
 
 class Compensator:
@@ -93,12 +97,14 @@ class Compensator:
             if machine.corrected
             else 0.0
         )
-        inner = max(self.tolerance - beyond, self.tolerance / 2)
+        # What heat does between two of its whole steps is paid for out of the tolerance too.
+        kept = HEAT_SHARE * self.tolerance if options.heat_step else 0.0
+        inner = max(self.tolerance - beyond - kept, self.tolerance / 2)
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold, self.inner = self.chord / 2, inner
-        self.by_tool: dict[tuple[Space | None, tuple[int, ...]], Compensator] = {}
+        self.by_tool: dict[tuple[Space | None, tuple[int, ...], tuple[int, ...]], Compensator] = {}
         self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
         self._directions()
 
@@ -145,21 +151,24 @@ class Compensator:
         if self.machine.is_zero:
             return _untouched(motions), carry, []
         turned = self.machine.turns and bool(motions.length.any())
-        if turned or motions.space.any() or carry.told[0] is not None:
+        if turned or motions.space.any() or carry.told[0] is not None or self.machine.growth:
             return self._by_tool(motions, carry)
         return self._run(motions, carry)
 
     def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The same where tools have lengths: every run of motions on the machine with its own tool, in its own space."""
-        both = np.concatenate([motions.length, motions.space[None]])
+        both = np.concatenate([motions.length, motions.space[None], *([motions.heat] if len(motions.heat) else [])])
         edges = [0, *(np.flatnonzero((both[:, 1:] != both[:, :-1]).any(axis=0)) + 1).tolist(), len(motions)]
         parts, notices = [], []
         for first, stop in pairwise(edges):
             one = motions.part(first, stop)
             space, length = one.spaces[int(one.space[0])], one.length[:, 0]
+            heat = tuple(one.heat[:, 0].tolist()) if len(one.heat) else ()
             try:
                 carry = self._retold(carry, space, length)
-                pieces, carry, more = self._of_tool(length, space)._run(one, carry)
+                if carry.heat != heat:  # where the machine stands is no longer what the nominal position needs
+                    carry = replace(carry, heat=heat, sure=False)
+                pieces, carry, more = self._of_tool(length, space, heat)._run(one, carry)
             except MotionFault as fault:
                 fault.motion += first
                 raise
@@ -186,11 +195,17 @@ class Compensator:
         issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
         return replace(carry, issued=issued, told=told, way=np.zeros_like(carry.way), sure=False)
 
-    def _of_tool(self, length: np.ndarray, space: Space | None = None) -> Compensator:
-        """The machine with a tool of this `length` (A,), ticks, in a space."""
-        key = (space, tuple(length.tolist()))
+    def _of_tool(self, length: np.ndarray, space: Space | None = None, heat: tuple[int, ...] = ()) -> Compensator:
+        """The machine with a tool of this `length` (A,), ticks, in a space, as warm as these whole steps (D,) say."""
+        key = (space, tuple(length.tolist()), heat)
         if key not in self.by_tool:
-            machine = tip.seen_by_tip(self.machine, length / TICKS_PER_MM, space, self.options.orientation)
+            machine = self.machine
+            if machine.growth:
+                values = np.array(heat or (0,) * len(machine.growth)) * np.array(self.options.heat_step)
+                machine = growth.grown(machine, machine.growth, values)
+            machine = tip.seen_by_tip(machine, length / TICKS_PER_MM, space, self.options.orientation)
+            while len(self.by_tool) >= MOST_KEPT:  # heat does not come back: memory stays flat
+                del self.by_tool[next(iter(self.by_tool))]
             self.by_tool[key] = Compensator(machine, self.options)
         return self.by_tool[key]
 

@@ -1,6 +1,6 @@
 """Tests of machine tools evaluated as the ISO 230 series does: pure functions of arrays and recordings.
 
-positioning: ISO 230-2; diagonals: ISO 230-6; circles: ISO 230-4; lines and squareness: ISO 230-1; uncertainty: ISO/TR
+positioning: ISO 230-2; drift: ISO 230-3; diagonals: ISO 230-6; circles: ISO 230-4; lines and squareness: ISO 230-1; uncertainty: ISO/TR
 230-9. choose says which of them a recording is for; report and figure show the results.
 Inside mm and rad; deviation = actual - commanded; what is not defined is None (in arrays NaN), never 0.
 """
@@ -72,7 +72,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Result:
-    """One test. test: positioning, rotary, angle, straightness, diagonal, diagonals, squareness, circle; subject: EXX, PPP,
+    """One test. test: positioning, rotary, angle, straightness, diagonal, diagonals, squareness, circle, ETVE, rotating spindle; subject: EXX, PPP,
     C0Y, XY; chosen: why this test; unit: um or urad; noise: mm or rad, for the digits shown; columns: of the table per
     target or per run, name to values; detail: what the figure draws."""
 

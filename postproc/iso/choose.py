@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from postproc.errors import Place
-from postproc.iso import IsoError, Options, Result, ballbar, targets
+from postproc.iso import IsoError, Options, Result, ballbar, drift, targets
 from postproc.iso.assign import Motion, motions
 from postproc.recordings import Recording
 
@@ -16,6 +16,7 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
     left: list[str] = []
     straight: list[tuple[Motion, Result]] = []
     across: list[tuple[Motion, Result]] = []
+    resting: list[drift.Drift] = []
     for recording in recordings:
         for fault in recording.faults:
             left.append(f"{recording.file}:{fault.line}: left out: {fault.message}")
@@ -23,6 +24,10 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
             raise IsoError("there are no rows", "", Place(recording.file, 1))
         if recording.kind == "ballbar":
             out.append(ballbar.result_of(recording, options))
+        elif recording.kind == "targets" and drift.rests(recording):
+            one, result = drift.result_of(recording, options)
+            resting.append(one)
+            out.append(result)
         elif recording.kind == "targets":
             for motion in motions(recording):
                 result = targets.result_of(motion, options)
@@ -35,4 +40,5 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
             left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}")
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
-    return out + targets.diagonals_of(across) + targets.squareness_of(straight, options), left
+    more = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)
+    return out + more, left

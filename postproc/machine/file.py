@@ -30,7 +30,7 @@ KEYS = {
     "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table", "signs", "tool_point", "home"},
     "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat", "left_out"},
     "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
-    "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm"},
+    "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm", "sensors", "work_sensors"},
     "tool": set(XYZ),
     "limits": {"max_correction", "max_slope", "outside", "accept_slope", "hysteresis_um"},
 }  # fmt: skip
@@ -179,7 +179,7 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
         letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
         grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
         uncertainty=uncertainty, left_out=_left_out(toml, name, letter, section),
-        centre_stated=tuple(section.get("centre", {})),
+        centre_stated=tuple(section.get("centre", {})), velocity=toml.number(name, section, "max_velocity", 0.0) / 60.0,
     )  # fmt: skip
 
 
@@ -250,7 +250,26 @@ def _heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
         raise toml.fault(
             name, "heat", f"an expansion of {max(abs(rate), abs(work)):g} um/(m K)", "steel has 11.5: check the unit"
         )
-    return Expansion(rate * PPM, at, work * PPM, work_at, fixed)
+    return Expansion(rate * PPM, at, work * PPM, work_at, fixed, *_sensors(toml, name, heat))
+
+
+def _sensors(toml: TomlFile, name: str, heat: dict) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
+    """`sensors = { T_front_C = 0.0, T_rear_C = 500.0 }`, thermometers of the scale by the slide position at which they sit, or
+    `["T_1_C", "T_2_C"]`, whose mean counts; `work_sensors`, a list."""
+    scale, work = heat.get("sensors", []), heat.get("work_sensors", [])
+    if not isinstance(work, list) or not all(isinstance(c, str) for c in work):
+        raise toml.fault(name, "heat", f"work_sensors = {work!r}", 'columns of a log, like work_sensors = ["T_work_C"]')
+    if isinstance(scale, list) and all(isinstance(c, str) for c in scale):
+        return tuple((c, None) for c in scale), tuple(work)
+    if not isinstance(scale, dict) or not all(_finite(at) for at in scale.values()):
+        raise toml.fault(
+            name, "heat", f"sensors = {scale!r}",
+            'columns of a log, like ["T_1_C", "T_2_C"], or with the mm at which each sits: { T_1_C = 0.0, T_2_C = 500.0 }',
+        )  # fmt: skip
+    placed = sorted(((float(at), c) for c, at in scale.items()))
+    if len({at for at, _ in placed}) < len(placed):
+        raise toml.fault(name, "heat", "two sensors sit at one place", "sensors = [...] takes their mean")
+    return tuple((c, at) for at, c in placed), tuple(work)
 
 
 def _location(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, Axis]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,17 +17,23 @@ from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.machine.tool_point import ToolPoint
 
+if TYPE_CHECKING:
+    from postproc.machine.growth import Driver
+
 
 @dataclass(frozen=True)
 class Expansion:
     """Growth with temperature, linear from the point that does not move. scale, work: 1/K, expansion of the axis' scale (or
-    screw) and of the workpiece; their temperatures, degrees Celsius; fixed: mm, slide position that stays."""
+    screw) and of the workpiece; their temperatures, degrees Celsius; fixed: mm, slide position that stays. sensors: columns of a
+    log for the scale, with mm, the slide position at which each thermometer sits, None: they are averaged; work_sensors: for the work."""
 
     scale: float = 0.0
     scale_at: float = 20.0
     work: float = 0.0
     work_at: float = 20.0
     fixed: float = 0.0
+    sensors: tuple[tuple[str, float | None], ...] = ()
+    work_sensors: tuple[str, ...] = ()
 
     @property
     def rate(self) -> float:
@@ -44,7 +51,7 @@ class Axis:
     lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
     table, None where the folder states none; left_out: components that were measured and are
     within their uncertainty, so that no table holds them; centre_stated: the directions in which
-    the folder states the centre."""
+    the folder states the centre; velocity: mm/s, its fastest, 0: not stated."""
 
     letter: str
     travel: tuple[float, float]
@@ -59,6 +66,7 @@ class Axis:
     uncertainty: AxisUncertainty | None = None
     left_out: tuple[str, ...] = ()
     centre_stated: tuple[str, ...] = ()
+    velocity: float = 0.0
 
     @property
     def bare(self) -> Axis:
@@ -116,7 +124,8 @@ class Machine:
     U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,) mm;
     offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which they
     are stated; signs: "verified" where a measurement after compensation has shown them, "unverified" where it is said that none has, "" where nothing is said; tool_stated:
-    whether the folder states the tool's point; tool_point: how the control follows it."""
+    whether the folder states the tool's point; tool_point: how the control follows it; growth: what moves it from moment to moment
+    (growth.py), empty where nobody follows its temperatures."""
 
     name: str
     title: str
@@ -139,6 +148,7 @@ class Machine:
     tool_stated: bool = False
     tool_point: ToolPoint = field(default_factory=ToolPoint)
     home: dict[str, float] = field(default_factory=dict)
+    growth: tuple[Driver, ...] = ()
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
@@ -223,7 +233,8 @@ class Machine:
     def is_zero(self) -> bool:
         """Whether no correction can ever be needed."""
         exact = all(t.is_zero for t in self.tables.values()) and not any(grid.rows for grid in self.grids)
-        return exact and not self.locations and not self.expansions and not any(e.tables for e in self.effects)
+        still = exact and not self.locations and not self.expansions and not self.growth
+        return still and not any(e.tables for e in self.effects)
 
     @cached_property
     def two_way(self) -> np.ndarray:

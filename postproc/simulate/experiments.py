@@ -297,6 +297,21 @@ def soak(write: Writer, ask: Ask) -> Test:
     return Test(write.text(), "laser", settings, f"warming of {axis}")
 
 
+def rest(write: Writer, ask: Ask) -> Test:
+    """Slides at rest in the middle, read every period: drift of the room, or, with rpm, of the spindle, which turns for the first half
+    (ISO 230-3). hours (4), period s (60), rpm (0)."""
+    axis = ask.axes
+    hours, period, rpm = ask.of("hours", 4.0), ask.of("period", 60.0), ask.of("rpm", 0.0)
+    number = max(2, round(hours * 3600.0 / period))
+    write.begin(f"rest, read along {axis}")
+    write.rest(middle(write.machine), 2000.0)
+    for k in range(number):
+        if rpm > 0 and k in (0, number // 2):
+            write.lines.append("M5" if k else f"M3 S{rpm:g}")
+        write.wait(period)
+    return Test(write.text(), "laser", {"dwell": f"{period:g}", "along": axis}, f"rest, read along {axis}")
+
+
 TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "positioning": (positioning, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "period": (period, 1, ("way", "step", "runs", "dwell", "feed", "at")),
@@ -308,6 +323,7 @@ TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "staircase": (staircase, 1, ("runs", "dwell", "feed", "at")),
     "feeds": (feeds, 1, ("number", "slowest", "fastest", "way", "runs")),
     "soak": (soak, 1, ("hours", "feed", "period")),
+    "rest": (rest, 1, ("hours", "period", "rpm")),
 }
 
 

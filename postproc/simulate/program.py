@@ -15,19 +15,13 @@ from postproc.errors import GcompError, Notice, Place
 from postproc.filter import MARK, Filter
 from postproc.machine.model import Machine
 from postproc.motions import FREE, HOLE, RAPID, THREAD, Arcs, Motions
-from postproc.nc.batch import written_codes
+from postproc.nc import pace
 from postproc.nc.codes import AFTER_MOTION
-from postproc.nc.columns import hold_last, hold_last_float
-from postproc.nc.lexer import KEYWORD_LETTER, Words
+from postproc.nc.columns import hold_last_float
+from postproc.nc.lexer import Words
 from postproc.units import TICKS_PER_MM
 
 HALTS = (0, 1, 2, 3, 4, 5, 6, 19, 30, 60)  # M codes for which the slides come to rest
-SECONDS = {  # dialect (its first word) to the letters of a dwell and the seconds of one unit of each
-    "fanuc": {"P": 1e-3, "X": 1.0, "U": 1.0}, "haas": {"P": 1.0}, "linuxcnc": {"P": 1.0}, "grbl": {"P": 1.0},
-    "grblhal": {"P": 1.0}, "fluidnc": {"P": 1.0}, "marlin": {"P": 1e-3, "S": 1.0}, "reprap": {"P": 1e-3, "S": 1.0},
-    "siemens": {"F": 1.0}, "heidenhain": {"F": 1.0},
-}  # fmt: skip
-PER_TURN, SURFACE = 950, 960
 
 
 @dataclass(frozen=True)
@@ -70,7 +64,7 @@ class Reader:
         self.arcs: list[Arcs] = []
         self.notices: list[Notice] = []
         self.corrected = False
-        self.rpm, self.turning, self.per_turn, self.surface = 0.0, 0, 940, 970
+        self.spoken = pace.Spoken()
 
     def read(self, text: Iterable[bytes], part: int = 1, start: dict[str, float] | None = None) -> dict[str, float]:
         """One part's program; returns where the axes stand behind it. Raises ProgramError and GcompError."""
@@ -96,7 +90,7 @@ class Reader:
         return GcompError(message, advice, Place(self.name, int(line)))
 
     def _batch(self, words: Words, motions: Motions, lines: int) -> None:
-        rpm, feed_mode, surface = self._spindle(words)
+        spindle, self.spoken = pace.spindle(words, self.dialect, self.spoken)
         events = self._events(words)
         if not len(motions) and not events:
             return
@@ -107,10 +101,10 @@ class Reader:
         feed = motions.feed * unit / 60.0
         feed = np.where(np.isnan(feed), self.feed, feed)
         feed = np.where(motions.inverse, motions.feed / 60.0, feed)
-        mode = feed_mode[motions.block] if n else np.zeros(0)
-        turning = rpm[motions.block] if n else np.zeros(0)
-        by_turn = (mode == PER_TURN) & (motions.code != RAPID)
-        for k in np.flatnonzero(by_turn & ((turning == 0) | (surface[motions.block] == SURFACE)))[:1]:
+        mode = spindle.mode[motions.block] if n else np.zeros(0)
+        turning = spindle.rpm[motions.block] if n else np.zeros(0)
+        by_turn = (mode == pace.PER_TURN) & (motions.code != RAPID)
+        for k in np.flatnonzero(by_turn & ((turning == 0) | spindle.surface[motions.block]))[:1]:
             raise self._fault(
                 line[k],
                 "feed per turn (G95), and the spindle's speed is not known",
@@ -138,7 +132,7 @@ class Reader:
             rest = {
                 "end": np.full((a, m), np.nan), "wait": np.array([s for _, _, s in events]), "rapid": np.zeros(m, bool),
                 "feed": np.full(m, np.nan), "inverse": np.zeros(m, bool), "stop": np.ones(m, bool),
-                "line": words.line[at] + lines + 1, "rpm": rpm[at], "arc": np.full(m, -1), "sent": np.zeros(m, bool),
+                "line": words.line[at] + lines + 1, "rpm": spindle.rpm[at], "arc": np.full(m, -1), "sent": np.zeros(m, bool),
                 "length": np.full((a, m), np.nan),
             }  # fmt: skip
             order += [3.0 * block + place for block, place, _ in events]
@@ -161,52 +155,11 @@ class Reader:
             for k in np.flatnonzero(which)[:1]:
                 raise self._fault(line[k], what, advice)
 
-    def _live(self, words: Words) -> int:
-        """The block behind which nothing is read."""
-        m = np.flatnonzero(
-            (words.letter == ord("M")) & np.isin(words.mantissa, self.dialect.ends) & (words.decimals == 0)
-        )
-        return int(words.block[m[0]]) if len(m) else words.blocks
-
-    def _spindle(self, words: Words) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(B,) rpm, code of the feed mode, and code of the spindle mode at each block."""
-        n = words.blocks
-        place = np.flatnonzero((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER))
-        number = written_codes(words, place)
-        number = np.where(number >= 0, self.dialect.meant[np.maximum(number, 0)], -1)
-        mode, surface = np.full(n, -1, np.int64), np.full(n, -1, np.int64)
-        for codes, column in (((930, 940, 950), mode), ((960, 970), surface)):
-            of = np.isin(number, codes)
-            column[words.block[place[of]]] = number[of]
-        mode, surface = hold_last(mode, self.per_turn), hold_last(surface, self.surface)
-        speed = np.full(n, np.nan)
-        turns = np.flatnonzero(words.letter == ord("S"))
-        turns = turns[~np.isin(words.block[turns], words.block[place[number == 40]])]
-        speed[words.block[turns]] = words.mantissa[turns] / 10.0 ** words.decimals[turns]
-        speed = hold_last_float(speed, self.rpm)
-        on = np.full(n, -1, np.int64)
-        for k in np.flatnonzero(words.letter == ord("M")):
-            code = int(words.mantissa[k])
-            if words.decimals[k] == 0 and code in (3, 4, 5):
-                on[words.block[k]] = code != 5
-        on = hold_last(on, self.turning)
-        if n:
-            self.rpm, self.turning, self.per_turn, self.surface = (
-                float(speed[-1]),
-                int(on[-1]),
-                int(mode[-1]),
-                int(surface[-1]),
-            )
-        return np.where((on == 1) & (surface != SURFACE), speed, 0.0), mode, surface
-
     def _events(self, words: Words) -> list[tuple[int, int, float]]:
         """(block, 0 before its motion or 2 behind it, seconds) of everything for which the slides rest."""
         events: list[tuple[int, int, float]] = []
-        live = self._live(words)
-        place = np.flatnonzero(words.letter == ord("G"))
-        dwells = words.block[place[written_codes(words, place) == 40]]
-        for block in dwells.tolist():
-            events.append((block, 2, self._seconds(words, block)))
+        live = pace.live(words, self.dialect)
+        events += [(block, 2, self._seconds(words, block)) for block in pace.dwells(words)]
         for k in np.flatnonzero(words.letter == ord("M")):
             code = int(words.mantissa[k])
             if words.decimals[k] == 0 and code in HALTS:
@@ -215,27 +168,15 @@ class Reader:
 
     def _seconds(self, words: Words, block: int) -> float:
         """How long a G4 block waits."""
-        units = SECONDS.get(self.dialect.name.partition("-")[0], {})
-        low, high = (int(np.searchsorted(words.block, b)) for b in (block, block + 1))
-        for k in range(low, high):
-            letter = chr(words.letter[k])
-            if letter in units:
-                seconds = float(words.mantissa[k]) / 10.0 ** float(words.decimals[k]) * units[letter]
-                if self.dialect.name.startswith("haas") and not words.pointed[k]:
-                    seconds *= 1e-3
-                if letter in "XU" and not words.pointed[k] and self._in_increments:
-                    seconds *= 1e-3
-                if seconds < 0 or seconds > 1e7:
-                    raise self._fault(words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?")
-                return seconds
-        raise self._fault(
-            words.line[block] + 1, f"G4 without a time that {self.dialect.title} knows",
-            f"letters: {', '.join(units) or 'not known for this control'}",
-        )  # fmt: skip
-
-    @property
-    def _in_increments(self) -> bool:
-        return self.dialect.integers == "least increments"
+        seconds = pace.seconds(words, block, self.dialect)
+        if seconds < 0 or seconds > pace.LONGEST:
+            raise self._fault(words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?")
+        if np.isnan(seconds):
+            letters = ", ".join(pace.letters_of_dwell(self.dialect)) or "not known for this control"
+            raise self._fault(
+                words.line[block] + 1, f"G4 without a time that {self.dialect.title} knows", f"letters: {letters}"
+            )
+        return seconds
 
     def steps(self, rest: dict[str, float]) -> Steps:
         """All that was read. rest: mm, where an axis stands that the program never places."""

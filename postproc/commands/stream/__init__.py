@@ -28,6 +28,10 @@ EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
+    parser.add_argument(
+        "--live-temperatures", action="store_true",
+        help="the log of --temperatures goes on while the job runs: its newest row counts when a line is prepared, not the clock",
+    )  # fmt: skip
     link = parser.add_argument_group("the link")
     link.add_argument(
         "--port",
@@ -214,6 +218,11 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
         raise UsageError("LinuxCNC takes its program as a whole, and a pipe has no end yet", "name a file")
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
+    if options.live_temperatures and (options.resume_from or not options.temperatures):
+        raise UsageError(
+            "--live-temperatures reads the newest row of --temperatures LOG.csv, and knows no earlier one for --resume-from",
+            "--temperatures LOG.csv; for --resume-from without --live-temperatures",
+        )
     if options.on_error == "ask" and not _keys(options):
         raise UsageError(
             "--on-error ask asks on a terminal, and standard input is none"

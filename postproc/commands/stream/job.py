@@ -169,7 +169,7 @@ def prepare(
     name = options.file if is_file(options.file) else "<stdin>"
 
     def fresh() -> Filter:
-        filter_ = Filter(base.machine, base.dialect, setup, base.options, name)
+        filter_ = Filter(base.machine, base.dialect, setup, base.options, name, heat=base.heat)
         lives.stand(filter_, live)
         return filter_
 
@@ -284,7 +284,7 @@ def with_hint(error: ProgramError, job: Job) -> ProgramError:
         options.dialect = name
         other = reading.filter_of(options, mine.machine)
         setup = replace(other.setup, offsets=mine.setup.offsets)
-        filter_ = type(mine)(other.machine, other.dialect, setup, other.options, mine.name)
+        filter_ = type(mine)(other.machine, other.dialect, setup, other.options, mine.name, heat=other.heat)
         lives.stand(filter_, job.live)
         with whole.opened() as stream:
             try:

@@ -1,0 +1,180 @@
+"""Slides at rest: how far heat moves the tool while nothing moves (ISO 230-3).
+
+With the spindle still it is the test of environmental temperature variation error (ETVE); with the spindle turning, the test of
+distortion by a rotating spindle, which is told for the first hour and for the whole period. Two pickups of one direction, so far
+apart as their heads say (arm_mm), tell a tilt. Readings stand as they were taken: no trend is taken out, and the range of their own
+noise is in the range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.errors import Place
+from postproc.iso import IsoError, Options, Parameter, Result, Term
+from postproc.iso.chance import student
+from postproc.recordings import Recording
+from postproc.units import UM
+
+SAME = 1e-3  # mm: slides that moved by less are at rest
+HOUR = 3600.0
+PARTS = 40  # of the time, whose means are compared
+LEAST = 60.0  # s: a shorter recording at rest is no test of heat
+ABOUT = {("Z", "X"): "B", ("Z", "Y"): "A", ("X", "Y"): "C", ("X", "Z"): "B", ("Y", "Z"): "A", ("Y", "X"): "C"}
+
+
+@dataclass(frozen=True)
+class Drift:
+    """One pickup. letter: direction; time (N,) s; reading (N,) mm; spindle: whether it turned; arm: mm along `tool`, nan where the
+    head says none; tool: the axis along which arms are counted."""
+
+    recording: Recording
+    letter: str
+    time: np.ndarray
+    reading: np.ndarray
+    spindle: bool
+    arm: float
+    tool: str
+
+
+def rests(recording: Recording) -> bool:
+    """Whether this is a test of slides at rest: nothing moves, and time goes on."""
+    still = all(float(np.ptp(recording.position(x))) <= SAME for x in recording.axes)
+    time = recording.columns.get("t_s")
+    return still and recording.quantity == "displacement" and time is not None and float(np.ptp(time)) >= LEAST
+
+
+def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
+    """Range over the whole test and in its worst hour, what stays at the end, and how it goes with temperatures. Raises IsoError."""
+    d = _drift(recording)
+    hours = (d.time[-1] - d.time[0]) / HOUR
+    device = options.budget.device if options.budget.device is not None else recording.u
+    U = 2 * np.sqrt(2) * device if device is not None else None
+
+    def of(name: str, value: float, means: str, at: str = "") -> Parameter:
+        return Parameter(name, value, means, at, U)
+
+    head = f"d{d.letter}" if d.spindle else f"ETVE_{d.letter}"
+    whole, where = _range(d.time, d.reading)
+    parameters = [of(head, whole, f"range over {hours:.1f} h", where)]
+    if d.spindle:
+        early = d.time <= d.time[0] + HOUR
+        parameters.append(of(f"{head},60", _range(d.time[early], d.reading[early])[0], "range in the first 60 min"))
+    if hours > 1:
+        size, at = _worst_hour(d.time, d.reading)
+        parameters.append(of(f"{head},1h", size, "largest range within any hour", at))
+    parameters.append(of("end", float(d.reading[-1] - d.reading[0]), "last reading less the first"))
+    terms: tuple[Term, ...] = ()
+    if device is not None:
+        said = f"{device / UM:.3g} um a reading, times the root of 2 for a difference"
+        terms = (Term("device", device * np.sqrt(2), frozenset(p.name for p in parameters), said),)
+    warm, notices = _temperatures(d)
+    if not d.spindle and hours < 4:
+        notices.append(f"{hours:.1f} h: a room has its day, and the test is meant to last 4 h at least, better 24 h")
+    if device is None:
+        notices.append("the uncertainty of a reading is not stated (--device): U is not known")
+    why = (
+        f"no axis moves for {hours:.1f} h, "
+        + ("the spindle turns" if d.spindle else "the spindle is still")
+        + f", displacement is read along {d.letter}"
+    )
+    noise = float(np.median(np.abs(np.diff(d.reading)))) / (0.6745 * np.sqrt(2)) if len(d.reading) > 3 else 0.0
+    return d, Result(
+        "rotating spindle" if d.spindle else "ETVE", "ISO 230-3", f"{head}", why, "um", (recording.file,),
+        (*parameters, *warm), terms, (*recording.notices, *notices), noise,
+    )  # fmt: skip
+
+
+def tilts_of(found: list[Drift]) -> list[Result]:
+    """The tilt that two pickups of one direction tell, so far apart as their heads say."""
+    out = []
+    for i, one in enumerate(found):
+        for other in found[i + 1 :]:
+            apart = other.arm - one.arm
+            same = one.letter == other.letter and one.spindle == other.spindle and one.tool == other.tool
+            if not same or not abs(apart) > SAME or (one.tool, one.letter) not in ABOUT:
+                continue
+            low, high = max(one.time[0], other.time[0]), min(one.time[-1], other.time[-1])
+            time = one.time[(one.time >= low) & (one.time <= high)]
+            if len(time) < 2:
+                continue
+            angle = (np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)) / apart
+            name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
+            u = [r.u for r in (one.recording, other.recording)]
+            U = 2 * np.sqrt(2) * float(np.hypot(*u)) / abs(apart) if None not in u else None  # type: ignore[arg-type]
+            size, at = _range(time, angle)
+            out.append(Result(
+                "tilt at rest", "ISO 230-3", name, f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}", "urad",
+                (one.recording.file, other.recording.file), (Parameter(name, size, "range of the tilt", at, U),),
+            ))  # fmt: skip
+    return out
+
+
+def _drift(recording: Recording) -> Drift:
+    large = {x: v for x, v in recording.sensitive.items() if abs(v) > 0.999}
+    if len(large) != 1:
+        raise IsoError(
+            f"at rest, and read along {recording.sensitive}", "a test of drift reads along one axis: sensitive = { Z = 1.0 }", Place(recording.file, 1)
+        )  # fmt: skip
+    letter, sign = next(iter(large.items()))
+    order = np.argsort(recording.columns["t_s"], kind="stable")
+    rpm = recording.columns.get("spindle_rpm", np.zeros(1))
+    arm = recording.head.get("arm_mm", float("nan"))
+    return Drift(
+        recording, letter, recording.columns["t_s"][order], float(np.sign(sign)) * recording.reading[order],
+        bool(np.nanmax(np.abs(rpm)) > 0), float(arm) if isinstance(arm, int | float) else float("nan"),
+        str(recording.head.get("arm_along", "Z")),
+    )  # fmt: skip
+
+
+def _range(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
+    high, low = int(np.argmax(reading)), int(np.argmin(reading))
+    return float(np.ptp(reading)), f"from {min(time[high], time[low]):.0f} s to {max(time[high], time[low]):.0f} s"
+
+
+def _worst_hour(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
+    """mm, and from when: the largest range within any hour that begins at a reading."""
+    stop = np.searchsorted(time, time + HOUR, "right")
+    ranges = np.array([np.ptp(reading[i:k]) for i, k in enumerate(stop)])
+    worst = int(np.argmax(ranges))
+    return float(ranges[worst]), f"from {time[worst]:.0f} s"
+
+
+def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
+    """Drift per kelvin of each thermometer that changed, with the U of its line; what makes such a number poor, in words."""
+    parameters, notices = [], []
+    order = np.argsort(d.recording.columns["t_s"], kind="stable")
+    for name, column in d.recording.columns.items():
+        if not (name.startswith("T_") and name.endswith("_C")):
+            continue
+        warm = column[order]
+        known = np.isfinite(warm)
+        spread = float(np.ptp(warm[known])) if known.sum() > 2 else 0.0
+        if spread < 0.1:
+            notices.append(f"{name} changed by {spread:.2f} K: nothing per kelvin is told by it")
+            continue
+        slope, u, share = _per_kelvin(warm[known], d.reading[known])
+        said = f"{name} changed by {spread:.1f} K and goes with {100 * share:.0f} % of it, from one of {PARTS} parts of the time to the next"
+        parameters.append(Parameter(f"per K of {name}", slope, said, "", 2 * u))
+    return parameters, notices
+
+
+def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, float]:
+    """mm/K, its standard uncertainty, and the share of the changes that goes with the temperature.
+
+    Told by the changes from one part of the time to the next: what drifts for another reason wanders, and two wanders that have nothing
+    to do with each other go along a line together; their changes do not (Granger and Newbold, J. Econometrics 2 (1974) 111).
+    """
+    parts = np.array_split(np.arange(len(warm)), min(PARTS, len(warm)))
+    x = np.diff([warm[p].mean() for p in parts])
+    y = np.diff([reading[p].mean() for p in parts])
+    square = float(x @ x)
+    if square == 0 or len(x) < 3:
+        return 0.0, float("nan"), 0.0
+    slope = float(x @ y) / square
+    left = y - slope * x
+    total = float(y @ y)
+    share = max(0.0, 1 - float(left @ left) / total) if total > 0 else 0.0
+    return slope, student(len(x) - 1) / 2 * float(np.sqrt(left @ left / (len(x) - 1) / square)), share

@@ -1,0 +1,176 @@
+"""What heat does to a machine from moment to moment: drivers (a thermometer, a spindle that turns) and by how much each moves an axis.
+
+A driver is one number of the moment times a shape along one axis. Shapes are tables with nodes, so a machine at one moment is an
+ordinary machine with one more table an axis, and cuts, bounds and inverses need not know of heat.
+
+A scale or screw with thermometers at several places has, between two of them, the temperature that lies on the line between
+theirs, and grows by the integral of it from the point that does not move; beyond the first and the last it is as warm as there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Axis, EffectTerm, Expansion, Machine
+from postproc.machine.tables import AxisTable
+from postproc.units import UM
+
+REFERENCE = 20.0  # degrees Celsius (ISO 1)
+PARTS = 32  # of a travel: the integral of a straight line bends by dT alpha L / 8 at most, a thousandth of that is left
+SPINDLE = ("T_spindle_C", "T_head_C", "T_headstock_C")
+FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
+WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
+
+
+@dataclass(frozen=True)
+class Driver:
+    """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a spindle's own turns; zero:
+    degrees Celsius at which it does nothing, nan: what it was when the program began; nodes (K,) mm and unit (K,) mm per K, or
+    mm per um of a spindle's growth; spindle: parameters of spindle_growth."""
+
+    name: str
+    letter: str
+    column: str
+    zero: float
+    nodes: np.ndarray
+    unit: np.ndarray
+    spindle: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def most(self) -> float:
+        """mm per unit, where it moves the axis most."""
+        return float(np.abs(self.unit).max())
+
+
+def drivers(
+    machine: Machine, columns: Collection[str], spindles: bool
+) -> tuple[tuple[Driver, ...], list[str], list[str]]:
+    """What moves the machine by these columns of a log, and by the spindle where its turns are known; names of columns that the
+    machine asks for and the log lacks; what stays out, in words."""
+    found: list[Driver] = []
+    lacking: list[str] = []
+    out: list[str] = []
+    for x, axis in machine.axes.items():
+        if axis.expansion is not None and x in XYZ:
+            of_scale, of_work = _scale(axis, columns, lacking), _work(axis, columns, lacking)
+            found += of_scale + of_work
+            if axis.expansion.scale and not of_scale:
+                out.append(f"no column for the scale of {x}: it stays at {axis.expansion.scale_at:g} C")
+            if axis.expansion.work and not of_work:
+                out.append(f"no column for the work: along {x} it stays at {axis.expansion.work_at:g} C")
+    for term in machine.effects:
+        by = _of_effect(machine, term, columns, spindles)
+        found += by
+        if not by and term.name in ("spindle_growth", "screw_heat", "structure_drift"):
+            out.append(f"{term.name} of {term.axis} is not followed: no column of the log says what drives it")
+    return tuple(found), lacking, out
+
+
+def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> Machine:
+    """The machine at one moment: values (D,) of its drivers. What they do takes the place of the stated temperatures."""
+    terms = []
+    for letter in dict.fromkeys(driver.letter for driver in moving):
+        own = [(d, float(v)) for d, v in zip(moving, values, strict=True) if d.letter == letter and v]
+        if own:
+            nodes = np.unique(np.concatenate([d.nodes for d, _ in own]))
+            both = np.zeros((6, len(nodes)))
+            both[XYZ.index(letter)] = sum((v * np.interp(nodes, d.nodes, d.unit) for d, v in own), np.zeros(len(nodes)))
+            terms.append(EffectTerm("heat", letter, {}, None, (AxisTable(letter, nodes, both, both),)))
+    return replace(machine, effects=machine.effects + tuple(terms), growth=())
+
+
+def following(machine: Machine, moving: tuple[Driver, ...]) -> Machine:
+    """The machine with its drivers, and without the constant growth that they stand for."""
+    axes = dict(machine.axes)
+    for x, axis in machine.axes.items():
+        e = axis.expansion
+        if e is not None:
+            by = {d.name.split()[0] for d in moving if d.letter == x}
+            scale_at = REFERENCE if "scale" in by else e.scale_at
+            work_at = REFERENCE if "work" in by else e.work_at
+            axes[x] = replace(axis, expansion=replace(e, scale_at=scale_at, work_at=work_at))
+    names = " ".join(f"{d.name} {d.column}" for d in moving)
+    digest = hashlib.sha256(f"{machine.digest} {names}".encode()).hexdigest()[:8]
+    return replace(machine, axes=axes, growth=moving, digest=digest)
+
+
+def _linear(name: str, axis: Axis, column: str, rate: float) -> Driver:
+    """One temperature of the whole scale or part."""
+    assert axis.expansion is not None
+    nodes = np.array(axis.travel)
+    return Driver(name, axis.letter, column, REFERENCE, nodes, rate * (nodes - axis.expansion.fixed))
+
+
+def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driver]:
+    growth = axis.expansion
+    assert growth is not None
+    x = axis.letter
+    if not growth.scale:
+        return []
+    if not growth.sensors:
+        own = next((c for c in (f"T_scale_{x}_C", f"T_screw_{x}_C") if c in columns), "")
+        return [_linear(f"scale of {x}", axis, own, growth.scale)] if own else []
+    lacking += [c for c, _ in growth.sensors if c not in columns]
+    if any(at is None for _, at in growth.sensors):
+        share = growth.scale / len(growth.sensors)
+        return [_linear(f"scale of {x}", axis, c, share) for c, _ in growth.sensors if c in columns]
+    places = np.array([at for _, at in growth.sensors if at is not None])
+    return [
+        Driver(f"scale of {x}", x, column, REFERENCE, *_grown_by(axis, growth, places, k))
+        for k, (column, _) in enumerate(growth.sensors)
+        if column in columns
+    ]
+
+
+def _grown_by(axis: Axis, growth: Expansion, places: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed point on."""
+    low, high = axis.travel
+    inner = places[(places > low) & (places < high)]
+    nodes = np.unique(np.concatenate([np.linspace(low, high, PARTS + 1), inner]))
+    share = np.eye(len(places))[k]
+    edges = np.unique(np.concatenate([nodes, places, [growth.fixed]]))
+    value = np.interp(edges, places, share)  # a straight line between edges: the trapezium is exact
+    total = np.concatenate([[0.0], np.cumsum((value[1:] + value[:-1]) / 2 * np.diff(edges))])
+    total -= total[int(np.searchsorted(edges, growth.fixed))]
+    return nodes, growth.scale * total[np.searchsorted(edges, nodes)]
+
+
+def _work(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driver]:
+    growth = axis.expansion
+    assert growth is not None
+    if not growth.work:
+        return []
+    if growth.work_sensors:
+        lacking += [c for c in growth.work_sensors if c not in columns]
+        share = -growth.work / len(growth.work_sensors)
+        return [_linear("work", axis, c, share) for c in growth.work_sensors if c in columns]
+    own = next((c for c in WORK if c in columns), "")
+    return [_linear("work", axis, own, -growth.work)] if own else []
+
+
+def _of_effect(machine: Machine, term: EffectTerm, columns: Collection[str], spindles: bool) -> list[Driver]:
+    """What goes with a temperature above that at the beginning, or with the spindle's turns."""
+    x, p = term.axis, term.parameters
+    if x not in machine.axes or x not in XYZ:
+        return []
+    nodes = np.array(machine.axes[x].travel)
+
+    def by(column: str, unit: np.ndarray) -> list[Driver]:
+        return [Driver(f"{term.name} of {x}", x, column, np.nan, nodes, unit * UM)] if column else []
+
+    if term.name == "spindle_growth":
+        if p["tau_s"] > 0:
+            told = tuple(sorted(p.items()))
+            return [Driver(f"{term.name} of {x}", x, "", 0.0, nodes, np.full(2, UM), told)] if spindles else []
+        return by(next((c for c in SPINDLE if c in columns), ""), np.full(2, p["um_per_K"]))
+    if term.name == "screw_heat" and p["tau_s"] == 0:
+        own = next((c for c in (f"T_screw_{x}_C", f"T_scale_{x}_C") if c in columns), "")
+        return by(own, p["alpha_ppm_K"] * (nodes - p["held_at_mm"]) * 1e-3 + p["fixed_um_K"])
+    if term.name == "structure_drift" and p["tau_s"] == 0 and not p["cycle_s"] and not p["creep"]:
+        return by(next((c for c in FRAME if c in columns), ""), np.full(2, p["size_um"]))
+    return []

@@ -1,0 +1,316 @@
+"""`--temperatures`: the clock by hand, growth by hand and by another road, the batch law, and what is refused."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import cli, effects
+from postproc.commands import reading, warming
+from postproc.effects import State
+from postproc.errors import GcompError, Notice
+from postproc.heat import clock, log
+from postproc.heat.follow import _spun
+from postproc.machine import growth
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from postproc.nc.lexer import lex
+
+ROOT = Path(__file__).resolve().parents[2]
+TOML = """format = "gcomp-machine/1"
+name = "warm"
+control = "linuxcnc"
+chain = "w-X-Y-b-Z-t"
+[axes.X]
+travel = [-10.0, 610.0]
+least_increment = 0.0001
+max_velocity = 12000.0
+heat = {{ scale_um_m_K = 10.0, work_um_m_K = 20.0, fixed_mm = 100.0{more} }}
+[axes.Y]
+travel = [-10.0, 410.0]
+least_increment = 0.0001
+max_velocity = 12000.0
+[axes.Z]
+travel = [-10.0, 410.0]
+least_increment = 0.0001
+max_velocity = 6000.0
+[offsets]
+G54 = {{ X = 0.0, Y = 0.0, Z = 0.0 }}
+{effects}
+"""
+SPINDLE = """
+[[effect]]
+name = "spindle_growth"
+axis = "Z"
+tau_s = 600.0
+um_per_1000_rpm = 5.0
+um_per_K = 0.0
+housing_um = 2.0
+housing_s = 2400.0
+"""
+
+
+def machine(tmp_path, more: str = "", effects: str = "") -> Path:
+    (tmp_path / "warm").mkdir(exist_ok=True)
+    (tmp_path / "warm" / "machine.toml").write_text(TOML.format(more=more, effects=effects))
+    return tmp_path / "warm"
+
+
+def written(tmp_path, *rows: str) -> Path:
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    return tmp_path / "log.csv"
+
+
+def gcomp(*words) -> int:
+    return cli.main([*map(str, words)])
+
+
+def options(folder, *words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    reading.arguments(parser)
+    return parser.parse_args(["--machine", str(folder), *map(str, words)])
+
+
+def filter_of(folder, *words: str):
+    asked = options(folder, *words)
+    return reading.filter_of(asked, reading.machine_of(asked))
+
+
+def times(filter_, text: str) -> tuple[clock.Times, clock.Ticking]:
+    words = lex(text.encode(), filter_.dialect.grammar, False)
+    motions, _, _ = filter_.interpreter.run(words, filter_.modal)
+    return clock.run(words, motions, filter_.heat.rates, clock.Ticking())
+
+
+def test_the_clock_by_hand(tmp_path):
+    """X 12000, Z 6000 mm/min at rapid: 100 mm of X are 0.5 s, with 100 mm of Z beside it 1 s; 100 mm at F600 10 s; a quarter of
+    R 60 at F600 pi * 30 / 10 s; G93 F2 half a minute; an inch at F60 inch/min 1 s; 50 mm at G95 F0.5 with 600 rpm 10 s."""
+    folder = machine(tmp_path)
+    f = filter_of(folder, "--temperatures", written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20"))
+    text = (
+        "G21 G90 G54\nG0 X0 Y0 Z0\nG0 X100\nG0 X200 Z100\nG4 P7\nG1 X300 F600\nG17 G2 X360 Y-60 I0 J-60\n"
+        "G93 G1 X400 F2\nG94 G20 F60\nG1 X16.7480314961\nG21 M3 S600\nG95 G1 Z50 F0.5\n"
+    )
+    found, ticking = times(f, text)
+    took = (found.end - found.begin) / clock.MICRO
+    by_hand = [0.0, 0.5, 1.0, 10.0, np.pi * 30 / 10, 30.0, 1.0, 10.0]
+    assert took == pytest.approx(by_hand, abs=2e-6)
+    assert ticking.now / clock.MICRO == pytest.approx(sum(by_hand) + 7.0, abs=1e-5)
+    assert (found.begin[3] - found.end[2]) / clock.MICRO == pytest.approx(7.0)
+
+
+def test_growth_by_hand(tmp_path, capsys):
+    """The scale of X goes from 20 to 30 degrees in 1000 s, the work stays at 22: e = 10e-6 * (T - 20) * (x - 100) - 20e-6 * 2 * (x - 100).
+    At F60 from 0 to 500 the block takes 500 s, so that its middle is at 250 s, 22.5 degrees: 25 - 40 = -15 um/m of 400 mm are
+    -6.0 um, which the command makes up for. The next one, 60 mm at F60, ends at 560 s; its middle is at 530 s: (53 - 40) um/m * 460."""
+    folder = machine(tmp_path)
+    record = written(tmp_path, "t_s,T_scale_X_C,T_work_C", "0,20,22", "1000,30,22")
+    program = tmp_path / "a.nc"
+    program.write_text("G21 G90 G54\nG1 X0 Y0 Z0 F60\nX500\nX560\nM2\n")
+    assert (
+        gcomp(
+            program,
+            "--machine",
+            folder,
+            "--temperatures",
+            record,
+            "-o",
+            tmp_path / "b.nc",
+            "--verify",
+            "--tolerance",
+            "1um",
+        )
+        == 0
+    )
+    lines = (tmp_path / "b.nc").read_text().splitlines()
+    ends = [float(line[1:]) for line in lines if line.startswith("X")]
+    first = next(end for end in ends if end > 400)
+    assert first == pytest.approx(500 + 0.0060, abs=1.3e-4 + 5e-5)  # an eighth of the tolerance, half an increment
+    assert ends[-1] == pytest.approx(560 - 0.00598, abs=1.3e-4 + 5e-5)
+    said = capsys.readouterr().err
+    assert "by its own clock the program takes 560 s" in said
+    # 5 um/m/s half of 500 s long: 250 s * 0.1 um/m/s * 510 mm, the farthest from the fixed point
+    assert "heat moves it by 12.75 um at most within one block" in said
+
+
+def test_a_log_that_never_changes_is_a_stated_temperature(tmp_path, capsys):
+    folder = machine(tmp_path)
+    program = ROOT / "sample_programs" / "pocket_mill.ngc"
+    record = written(tmp_path, "t_s,T_scale_X_C,T_work_C", "0,27,21", "99999,27,21")
+    both = []
+    for name, more in (("b", ("--temperatures", record)), ("c", ("--temperature", "X=27,work=21"))):
+        words = (
+            "--machine",
+            folder,
+            "-o",
+            tmp_path / name,
+            "--tolerance",
+            "1um",
+            "--verify",
+            "--offset",
+            "G54=X200,Y100,Z100",
+        )
+        assert gcomp(program, *words, *more) == 0
+        both.append([line for line in (tmp_path / name).read_text().splitlines() if "GCOMP" not in line])
+    one, other = both
+    assert len(one) == len(other)
+    numbers = [
+        [float(w[1:]) for line in text for w in line.split() if w[0] in "XYZ" and w[1:2] in "-.0123456789"]
+        for text in both
+    ]
+    assert np.abs(np.subtract(*numbers)).max() <= 2.6e-4
+    capsys.readouterr()
+
+
+PROGRAM = "".join(
+    f"G1 X{300 + 200 * np.cos(k / 3):.3f} Y{200 + 150 * np.sin(k / 2):.3f} Z{100 + 90 * np.sin(k / 5):.3f} F{500 + 37 * k}\n"
+    + ("G4 P30\n" if k % 11 == 5 else "")
+    + ("G0 Z300\n" if k % 17 == 3 else "")
+    for k in range(60)
+)
+LOG = ["t_s,T_front_C,T_rear_C,T_work_C"] + [
+    f"{60 * k},{20 + 6 * (1 - np.exp(-k / 8)):.3f},{20 + 3 * (1 - np.exp(-k / 15)):.3f},{20 + 0.05 * k:.3f}"
+    for k in range(60)
+]
+TWO = ", sensors = { T_front_C = 0.0, T_rear_C = 600.0 }"
+
+
+def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tolerance(tmp_path, capsys):
+    folder = machine(tmp_path, TWO, SPINDLE)
+    record = written(tmp_path, *LOG)
+    text = ("G21 G90 G54 M3 S8000\nG0 X0 Y0 Z300\n" + PROGRAM + "M2\n").encode()
+    whole = filter_of(folder, "--temperatures", record, "--tolerance", "1um")
+    wanted = whole.feed(text) + whole.finish()
+    for size in (1, 7, 100, 1000):
+        f = filter_of(folder, "--temperatures", record, "--tolerance", "1um")
+        got = b"".join(f.feed(text[i : i + size]) for i in range(0, len(text), size)) + f.finish()
+        assert got == wanted
+    (tmp_path / "a.nc").write_bytes(text)
+    words = ("--machine", folder, "--temperatures", record, "--tolerance", "1um", "--verify", "-o", tmp_path / "b.nc")
+    assert gcomp(tmp_path / "a.nc", *words) == 0
+    said = capsys.readouterr().err
+    after = float(said.split("nominal path ")[1].split(" um")[0])
+    before = float(said.split("uncorrected ")[1].split(" um")[0])
+    assert before > 20 and after < 1.3, said
+
+
+def test_two_thermometers_are_the_integral_of_a_line(tmp_path):
+    """T = 24 at 0 and 21 at 600: from the fixed point 100 on, 10e-6 * integral of (T(s) - 20), by hand 3.5 s - s^2 / 400 ... here
+    (4 - s / 200) integrated: 4 (x - 100) - (x^2 - 100^2) / 400."""
+    m = read_machine(machine(tmp_path, TWO))
+    found, lacking, _ = growth.drivers(m, ["T_front_C", "T_rear_C"], spindles=False)
+    assert not lacking and len(found) == 2
+    warm = growth.grown(growth.following(m, found), found, np.array([4.0, 1.0]))
+    x = np.linspace(-10, 600, 41)
+    q = np.zeros((3, 41))
+    q[0] = x
+    s = np.maximum(x, 0.0)  # before the first thermometer it is as warm as there
+    by_hand = 10e-6 * (4 * (s - 100) - (s**2 - 100**2) / 400 + 4 * np.minimum(x, 0))
+    assert warm.deviation(q, 0 * q)[0] == pytest.approx(by_hand, abs=2e-8 + 10e-6 * (3 / 600) * (620 / 32) ** 2 / 8)
+
+
+def test_a_spindle_warms_as_the_effect_says():
+    """The same turns, told to `spindle_growth` as a recording and to the clock motion by motion."""
+    module = effects.load("spindle_growth")
+    rng = np.random.default_rng(4)
+    t = np.cumsum(rng.uniform(1, 200, 300))
+    rpm = np.repeat(rng.choice([0.0, 3000.0, 12000.0], 30), 10)
+    p = {name: 0.0 for name in module.PARAMETERS} | {
+        "tau_s": 700.0, "um_per_1000_rpm": 4.0, "housing_um": 2.5, "housing_s": 2800.0, "power": 5 / 3, "fastest_rpm": 12000.0,
+        "shift_um": 3.0, "shift": 1.0,
+    }  # fmt: skip
+    found, _ = _spun(p, t, rpm, (0.0, 0.0, float(t[0])))
+    # The effect lets the turns of a row hold until the next one, the clock those of a motion since the one before.
+    turns = np.append(rpm[1:], rpm[-1])
+    state = State({"Z": t * 0}, {"Z": t * 0}, {"Z": (0.0, 1.0)}, time=t, run=t * 0, channels={"spindle_rpm": turns})
+    wanted = effects.deviation(module, state, "Z", **p)[2] / 1e-3
+    shift = 3.0 * ((rpm / 12000) ** 2 - (turns / 12000) ** 2)
+    assert found == pytest.approx(wanted + shift, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words", "says"),
+    [
+        (["t_s,T_scale_X_C", "0,20", "100,21"], (), "log.csv ends 100 s after the program begins, and this block ends after 500 s"),
+        (["t_s,T_scale_X_C", "0,68", "900,171"], (), "T_scale_X_C goes from 68 to 171"),
+        (["t_s,T_oil_C", "0,20", "900,21"], (), "nothing in warm grows by one of its columns (T_oil_C)"),
+        (["t_s,T_scale_X_C", "0,20", "0,21"], (), "not later than the one before"),
+        (["t_s,T_scale_X_C", "noon,20", "later,21"], (), "'noon' is no time"),
+        (["t_s,T_scale_X_C", "0,20", "900,21"], ("--log-begin", "1000"), "the log"),
+        (["t_s,T_scale_X_C", "0,20", "900,21"], ("--temperature", "X=21"), "both say how warm it is"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(tmp_path, capsys, rows, words, says):
+    program = tmp_path / "a.nc"
+    program.write_text("G21 G90 G54\nG1 X0 Y0 Z0 F60\nX500\nM2\n")
+    folder = machine(tmp_path)
+    assert (
+        gcomp(program, "--machine", folder, "--temperatures", written(tmp_path, *rows), "-o", tmp_path / "b", *words)
+        == 2
+    )
+    assert says in capsys.readouterr().err
+    assert not (tmp_path / "b").exists()
+
+
+def test_a_column_that_the_machine_names_is_needed_and_the_last_row_may_be_held(tmp_path, capsys):
+    program = tmp_path / "a.nc"
+    program.write_text("G21 G90 G54\nG1 X0 Y0 Z0 F60\nX500\nM2\n")
+    words = (program, "-o", tmp_path / "b", "--machine")
+    record = written(tmp_path, "t_s,T_front_C", "0,20", "900,21")
+    assert gcomp(*words, machine(tmp_path, TWO), "--temperatures", record) == 2
+    assert "asks for T_rear_C" in capsys.readouterr().err
+    short = written(tmp_path, "t_s,T_scale_X_C", "0,20", "100,21")
+    assert gcomp(*words, machine(tmp_path), "--temperatures", short, "--hold-temperature") == 0
+
+
+def test_dates_gaps_and_decimal_commas(tmp_path):
+    text = "time;T_scale_X_C\n2026-11-23T08:00:00;20,5\n2026-11-23T08:01:00;\n2026-11-23T08:02:00;21,5\n"
+    found = log.read("l.csv", text.encode())
+    assert found.time.tolist() == [0.0, 60.0, 120.0]
+    assert found.columns["T_scale_X_C"].tolist() == [20.5, 21.0, 21.5]
+    assert found.moment("2026-11-23T08:01:30") == 90.0
+    with pytest.raises(GcompError, match="no time"):
+        found.moment("half past eight")
+
+
+def test_a_log_that_goes_on_is_read_anew(tmp_path):
+    """While a job is streamed the newest whole row counts, whatever the clock says."""
+    folder = machine(tmp_path)
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "10,21")
+    asked = options(folder, "--temperatures", record)
+    asked.live_temperatures = True
+    f = reading.filter_of(asked, reading.machine_of(asked))
+    ends = []
+    for row in ("", "20,25\n", "30,3"):
+        with open(record, "a") as file:
+            file.write(row)
+        out = f.feed(b"G21 G90 G54\nG1 X0 Y0 Z0 F60\nX600\nX500\n").decode()
+        ends.append(float(out.splitlines()[-1].split("X")[-1]))
+    assert ends == pytest.approx([500 - 0.004, 500 - 0.020, 500 - 0.020], abs=1.3e-4)
+
+
+def test_pace_and_begin(tmp_path):
+    """Twice as slow and begun 100 s into the log: a block in the middle of 20 s of words meets 100 + 2 * 10 s."""
+    folder = machine(tmp_path)
+    record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "1000,30")
+    f = filter_of(folder, "--temperatures", record, "--log-begin", "100", "--pace", "2")
+    words = lex(b"G21 G90 G54\nG1 X0 Y0 Z0 F600\nX200\n", f.dialect.grammar, False)
+    motions, _, _ = f.interpreter.run(words, f.modal)
+    values, _ = f.heat.values(words, motions, f.heat.initial())
+    assert values[0, 1] == pytest.approx((100 + 2 * 10) * 0.01, abs=1e-6)
+
+
+def test_notices_say_what_was_taken(tmp_path):
+    folder = machine(tmp_path, "", SPINDLE)
+    asked = options(folder, "--temperatures", written(tmp_path, "t_s,T_scale_X_C", "0,20", "9000,21"))
+    notices: list[Notice] = []
+    m = read_machine(folder)
+    grown, _ = warming.of(asked, replace(m), dialects.load("linuxcnc"), notices)
+    told = " ".join(n.message for n in notices)
+    assert "scale of X by T_scale_X_C" in told and "spindle_growth of Z by the turns" in told
+    assert "no column for the work: along X it stays at 20 C" in told and "up to 9000 s lie between two rows" in told
+    assert grown.growth and not grown.is_zero
