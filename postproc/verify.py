@@ -9,14 +9,13 @@ Ends of rapids count, their ways do not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from postproc.compensate.arcs import points
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
-from postproc.machine import growth
 from postproc.machine.model import Machine
 from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, seen_by_tip, tool_directions
@@ -31,6 +30,7 @@ from postproc.spaces import Space
 from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM, UM, URAD
 from postproc.verify_cutter import CentreVerifier
+from postproc.verify_heat import Warm
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
@@ -87,13 +87,7 @@ class Verifier:
         self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
-        self.heat = filter_.heat
-        self.warmth = (
-            [filter_.heat.initial() for _ in range(2)] if filter_.heat else []
-        )  # of the nominal program, of the output
-        self.warm: dict[int, np.ndarray] = {}  # of the motions at hand: (D, N) drivers
-        self.grown: list[Machine] = _alone(self.machine)
-        self.within = 0.0  # mm: by how much heat moves the machine within one block, at most
+        self.warm = Warm(filter_)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
@@ -127,8 +121,7 @@ class Verifier:
                 self._near(words, motions, pieces, int(differ[0]) if len(differ) else most, first_line),
             )
         self.tips |= bool(motions.space.any())
-        if self.heat:
-            self._warm(words, motions, again, back)
+        self.warm.see(words, motions, again, back)
         if len(motions):
             self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
         self.motions_in += len(motions)
@@ -299,18 +292,8 @@ class Verifier:
         result = np.zeros_like(command)
         for machine, of in self._machines(run, row):
             result[:, of] = machine.deviation(command[:, of], weight[:, of])
-        for alone, value in zip(self.grown, self.warm.get(id(run), ()), strict=False):
-            result += value[row] * alone.deviation(command, weight)
+        result += self.warm.deviation(run, row, command, weight)
         return result
-
-    def _warm(self, words: Words, motions: Motions, again: Words, back: Motions) -> None:
-        """The drivers of both programs, each by its own clock, as they are and not in steps."""
-        assert self.heat is not None
-        before = self.warmth
-        nominal, first = self.heat.values(words, motions, before[0])
-        own, second = self.heat.values(again, back, before[1])
-        self.warm, self.warmth = {id(motions): nominal, id(back): own}, [first, second]
-        self.within = max(self.within, self.heat.within(words, motions, before[0]))
 
     def _machines(self, run: Motions, row: np.ndarray) -> Iterator[tuple[Machine, np.ndarray]]:
         """The machine with each tool, in each space, and (K,) bool which of the motions `row` (K,) it runs."""
@@ -403,7 +386,7 @@ class Verifier:
         which no take-up can bring about in the same moment; and what heat does within one block."""
         axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
         beyond = 1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
-        return self.tolerance + float(beyond) + self.within + self.grid / 2 + 1e-9
+        return self.tolerance + float(beyond) + self.warm.within + self.grid / 2 + 1e-9
 
     @property
     def passed(self) -> bool:
@@ -432,7 +415,7 @@ class Verifier:
             f"largest deviation from the nominal path {after / UM:.2f} um (line {self.corrected.line}), "
             f"uncorrected {before / UM:.2f} um (line {self.uncorrected.line}){ratio}{self._lost_motion()}; "
             f"tolerance {self.tolerance / UM:g} um; {self.motions_in} motions in, {self.motions_out} out"
-            f"{self._of_holes()}{self._beside()}{self._of_lean()}{self._of_heat()}; {self.map.report()}"
+            f"{self._of_holes()}{self._beside()}{self._of_lean()}{self.warm.report()}; {self.map.report()}"
         )
 
     def _lost_motion(self) -> str:
@@ -455,10 +438,6 @@ class Verifier:
             f"uncorrected {before.lean / URAD:.0f}{how}"
         )
 
-    def _of_heat(self) -> str:
-        """What heat does while one block lasts, where temperatures are followed."""
-        return f"; heat moves it by {self.within / UM:.2f} um at most within one block" if self.heat else ""
-
     def _of_holes(self) -> str:
         """What bends in holes, where the tolerance of holes was used."""
         said = ""
@@ -469,10 +448,3 @@ class Verifier:
                     f"(line {off.line}; tolerance of holes {self.hole_tolerance / UM:g} um)"
                 )
         return said
-
-
-def _alone(machine: Machine) -> list[Machine]:
-    """For each driver of a machine's growth the machine that has nothing else, moved by one unit of it."""
-    nothing = replace(machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=())
-    every = np.eye(len(machine.growth))
-    return [growth.grown(nothing, machine.growth, one) for one in every]

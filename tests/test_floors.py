@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "postproc"
 FLOOR = {
     "accept": 3,
     "units": 0, "spaces": 0, "errors": 0, "motions": 0, "pieces": 0, "nc": 1, "machine": 1, "effects": 1, "compensate": 3, "filter": 4, "heat": 3, "volumetric": 3,
-    "offsets": 1, "recordings": 1, "control_tables": 2, "iso": 2, "calibrate": 3, "streaming": 4, "diagnose": 3, "simulate": 4, "slides": 4, "verify": 4, "trace": 4, "pages": 4, "verify_cutter": 4, "commands": 5, "api": 5, "batch": 5, "hooks": 2, "cli": 5, "ports": 5, "__main__": 5, "__init__": 0,
+    "offsets": 1, "recordings": 1, "control_tables": 2, "iso": 2, "calibrate": 3, "streaming": 4, "diagnose": 3, "simulate": 4, "slides": 4, "verify": 4, "trace": 4, "pages": 4, "verify_cutter": 4, "verify_heat": 4, "commands": 5, "api": 5, "batch": 5, "hooks": 2, "cli": 5, "ports": 5, "__main__": 5, "__init__": 0,
 }  # fmt: skip
 STRANGERS = {
     ("nc", "machine"),

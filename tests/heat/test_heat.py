@@ -170,11 +170,11 @@ PROGRAM = "".join(
     f"G1 X{300 + 200 * np.cos(k / 3):.3f} Y{200 + 150 * np.sin(k / 2):.3f} Z{100 + 90 * np.sin(k / 5):.3f} F{500 + 37 * k}\n"
     + ("G4 P30\n" if k % 11 == 5 else "")
     + ("G0 Z300\n" if k % 17 == 3 else "")
-    for k in range(60)
+    for k in range(36)
 )
 LOG = ["t_s,T_front_C,T_rear_C,T_work_C"] + [
     f"{60 * k},{20 + 6 * (1 - np.exp(-k / 8)):.3f},{20 + 3 * (1 - np.exp(-k / 15)):.3f},{20 + 0.05 * k:.3f}"
-    for k in range(60)
+    for k in range(36)
 ]
 TWO = ", sensors = { T_front_C = 0.0, T_rear_C = 600.0 }"
 
@@ -185,7 +185,7 @@ def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tole
     text = ("G21 G90 G54 M3 S8000\nG0 X0 Y0 Z300\n" + PROGRAM + "M2\n").encode()
     whole = filter_of(folder, "--temperatures", record, "--tolerance", "1um")
     wanted = whole.feed(text) + whole.finish()
-    for size in (1, 7, 100, 1000):
+    for size in (7, 333):
         f = filter_of(folder, "--temperatures", record, "--tolerance", "1um")
         got = b"".join(f.feed(text[i : i + size]) for i in range(0, len(text), size)) + f.finish()
         assert got == wanted
