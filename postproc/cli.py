@@ -12,14 +12,17 @@ import signal
 import sys
 from typing import NoReturn, TextIO
 
-from postproc import __version__
+from postproc import __version__, colour
 from postproc.errors import GcompError, UsageError
 
 # numpy's own threads serve nothing here, and cost start-up time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
-HELPERS = ("attempts", "expansion", "machine_new", "reading", "residual", "session", "values", "warming")
+HELPERS = (
+    "as_json", "attempts", "expansion", "machine_facts", "machine_new", "reading", "residual", "session", "values",
+    "warming",
+)  # fmt: skip
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
@@ -61,9 +64,13 @@ def commands() -> list[str]:
 
 def main(argv: list[str] | None = None) -> int:
     """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
+    plain = sys.stderr
+    if colour.wanted(plain):
+        sys.stderr = colour.Painted(plain)
     try:
         return _answered(argv)
     finally:
+        sys.stderr = plain if isinstance(sys.stderr, colour.Painted) else sys.stderr
         for stream in (sys.stdout, sys.stderr):
             _let_go(stream)
 
@@ -150,7 +157,7 @@ def _run(argv: list[str]) -> int:
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
         prog="gcomp" if name == DEFAULT else f"gcomp {name}", description=module.HELP,
-        epilog=f"example: {example}" if example else None,
+        epilog=f"example: {example}" if example else None, formatter_class=colour.formatter(sys.stdout),
     )  # fmt: skip
     module.arguments(parser)
     handed_on = None
@@ -175,8 +182,9 @@ def _no_slip(word: str) -> None:
 
 def _overview(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
-        prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs"
-    )
+        prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs",
+        formatter_class=colour.formatter(sys.stdout if argv else sys.stderr),
+    )  # fmt: skip
     parser.add_argument("--version", action="store_true", help="say which gcomp this is")
     sub = parser.add_subparsers(metavar="COMMAND")
     for name in commands():

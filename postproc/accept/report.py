@@ -1,8 +1,7 @@
-"""Before and after for a person, as data (format gcomp-accept/1), and as a page with its curves."""
+"""Before and after for a person, and as data (format gcomp-accept/1)."""
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -13,8 +12,6 @@ from postproc.iso import Parameter
 from postproc.units import UM, URAD
 
 FORMAT = "gcomp-accept/1"
-WIDTH, HEIGHT, EDGE = 760, 260, 46  # of a figure, pixels
-COLOURS = {"before +": "#c0392b", "before -": "#e59866", "after +": "#1f5fa8", "after -": "#7fb3d5"}
 
 
 def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
@@ -22,7 +19,7 @@ def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     lines = [line for one in outcomes for line in _faults(one)]
     judged = [(one, r) for one in outcomes for r in one.ratios]
     good = sum(r.verdict == "good" for _, r in judged)
-    small = [f"{one.subject} {r.of} ({_ratio(r)})" for one, r in judged if r.verdict == "undecided" and r.U is not None]
+    small = [f"{one.subject} {r.of} ({ratio(r)})" for one, r in judged if r.verdict == "undecided" and r.U is not None]
     if not lines and good:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")
         if machine and not small:
@@ -48,7 +45,7 @@ def _faults(one: Outcome) -> list[str]:
     for kind, advice in ADVICE.items():
         mine = [r for r in one.ratios if r.verdict == kind]
         if mine:
-            said = "; ".join(f"{r.of} {_ratio(r)}" for r in mine)
+            said = "; ".join(f"{r.of} {ratio(r)}" for r in mine)
             lines.append(f"{VERDICTS[kind]}: {one.subject}: {said}; {_turned(one) if kind == 'turned' else advice}")
     return lines
 
@@ -70,12 +67,12 @@ def text(outcomes: Sequence[Outcome], machine: str) -> str:
     return "\n\n".join([*parts, "\n".join(["verdict", *(f"  {line}" for line in verdict(outcomes, machine))])])
 
 
-def _unit(one: Outcome) -> float:
+def unit_of(one: Outcome) -> float:
     return URAD if one.unit == "urad" else UM
 
 
 def _lines(one: Outcome) -> list[str]:
-    unit = _unit(one)
+    unit = unit_of(one)
     out = [f"{one.before.test}  {one.subject}", f"  {one.before.recording.file} -> {one.after.recording.file}", ""]
     rows = [["", f"before, {one.unit}", "U (k=2)", "after", "U (k=2)", "less by", ""]]
     rows += [_row(change, unit) for change in one.changes]
@@ -83,8 +80,8 @@ def _lines(one: Outcome) -> list[str]:
     for r in rows:
         cells = [c.ljust(w) if i in (0, 6) else c.rjust(w) for i, (c, w) in enumerate(zip(r, widths, strict=True))]
         out.append(("  " + "  ".join(cells)).rstrip())
-    out += ["", *(f"  {r.of}: {_ratio(r)}: {VERDICTS[r.verdict]}" for r in one.ratios)]
-    out += [f"  {line}" for line in _rest(one, unit)]
+    out += ["", *(f"  {r.of}: {ratio(r)}: {VERDICTS[r.verdict]}" for r in one.ratios)]
+    out += [f"  {line}" for line in rest(one, unit)]
     return out + [f"  note: {n}" for n in one.notices]
 
 
@@ -107,13 +104,14 @@ def reduction(change: Change) -> str:
     return f"{100 * change.reduction:.0f} % ({low:.0f} to {high:.0f})"
 
 
-def _ratio(ratio: Ratio) -> str:
-    if ratio.U is None:
+def ratio(one: Ratio) -> str:
+    """What of a deviation is there after, in words."""
+    if one.U is None:
         return "no deviation to judge by"
-    return f"{ratio.value + 0.0:.2f} +- {ratio.U:.2f} of it is there after"
+    return f"{one.value + 0.0:.2f} +- {one.U:.2f} of it is there after"
 
 
-def _rest(one: Outcome, unit: float) -> list[str]:
+def rest(one: Outcome, unit: float) -> list[str]:
     """How much of what is left the scatter of the runs makes, and what no map takes out."""
     out = [
         f"left: {one.left / unit:.2f} {one.unit} rms about {'its line' if one.before.test == 'straightness' else 'its mean'}"
@@ -136,7 +134,7 @@ def as_json(outcomes: Sequence[Outcome], machine: str) -> dict[str, Any]:
 
 
 def _object(one: Outcome) -> dict[str, Any]:
-    unit = _unit(one)
+    unit = unit_of(one)
 
     def sized(value: float | None) -> float | None:
         return None if value is None else value / unit
@@ -160,44 +158,3 @@ def _object(one: Outcome) -> dict[str, Any]:
         "repeatability": sized(one.repeat),
         "notices": list(one.notices),
     }  # fmt: skip
-
-
-def page(outcomes: Sequence[Outcome], machine: str) -> str:
-    """One HTML file that needs nothing beside it."""
-    head = f"Acceptance{f' of {machine}' if machine else ''}: before and after compensation"
-    parts = [f"<h1>{html.escape(head)}</h1>", "<ul>"]
-    parts += [f"<li>{html.escape(line)}</li>" for line in verdict(outcomes, machine)] + ["</ul>"]
-    for one in outcomes:
-        lines = "\n".join(_lines(one))
-        parts += [f"<h2>{html.escape(one.subject)}</h2>", _figure(one), f"<pre>{html.escape(lines)}</pre>"]
-    style = "body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}pre{overflow:auto;background:#f6f6f6;padding:1em}"
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(head)}</title>'
-        f"<style>{style}</style></head><body>\n" + "\n".join(parts) + "\n</body></html>\n"
-    )
-
-
-def _figure(one: Outcome) -> str:
-    """The means over the targets, before and after, each about its mean, as SVG."""
-    x = [v for v in one.curves["target"] if v is not None]
-    values = [v / _unit(one) for name in COLOURS for v in one.curves[name] if v is not None]
-    low, high = min(values), max(values)
-    high, low = (high, low) if high > low else (high + 1.0, low - 1.0)
-    across, up = (WIDTH - 2 * EDGE) / max(x[-1] - x[0], 1e-9), (HEIGHT - 2 * EDGE) / (high - low)
-
-    def at(q: float, v: float) -> str:
-        return f"{EDGE + (q - x[0]) * across:.1f},{HEIGHT - EDGE - (v - low) * up:.1f}"
-
-    out = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="deviation before and after">']
-    for name, colour in COLOURS.items():
-        pairs = [(q, v / _unit(one)) for q, v in zip(x, one.curves[name], strict=True) if v is not None]
-        if pairs:
-            out.append(f'<polyline fill="none" stroke="{colour}" stroke-width="1.6" points="{" ".join(at(*p) for p in pairs)}"/>')  # fmt: skip
-    for i, (name, colour) in enumerate(COLOURS.items()):
-        out.append(f'<text x="{EDGE + 150 * i}" y="16" font-size="12" fill="{colour}">{name}</text>')
-    unit = "urad" if one.unit == "urad" else "um"
-    out += [
-        f'<text x="2" y="{y}" font-size="11">{v:.1f} {unit}</text>' for v, y in ((high, EDGE), (low, HEIGHT - EDGE))
-    ]
-    out += [f'<text x="{px}" y="{HEIGHT - 12}" font-size="11">{q:g}</text>' for q, px in ((x[0], EDGE), (x[-1], WIDTH - EDGE - 20))]  # fmt: skip
-    return "".join([*out, "</svg>"])

@@ -86,9 +86,9 @@ class Diagnosed:
 
     def save_report(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write the page with figures that `gcomp diagnose --report` writes."""
-        from postproc.diagnose.page import page
+        from postproc.pages import diagnosis
 
-        return results.write(path, page(self.details).encode("utf-8"), overwrite)
+        return results.write(path, diagnosis.html(self.details).encode("utf-8"), overwrite)
 
 
 def diagnose(

@@ -170,7 +170,7 @@ def _component(component: Component, why: str | None) -> dict[str, Any]:
         "written": why is None, "left_out": why, "two_way": component.two_way,
         f"nodes_{place_name(component.letter)}": component.nodes.tolist(),
         "value": column(component.value / one), "mean": column(component.cells.mean / one),
-        "s": column(component.cells.s / one), "n": column(component.cells.n.astype(float)), "u": column(component.u / one),
+        "s_each": column(component.cells.s / one), "n": column(component.cells.n.astype(float)), "u_each": column(component.u / one),
         "coverage_factor_of_u": 2.0,
         "t_factor_in_u": float(t_factor(dof)) / 2 if math.isfinite(dof) else 1.0,
         "slope": component.slope / one, "line_removed": component.lined, "datum": component.datum,

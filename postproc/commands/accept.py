@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import io
-import json
-import sys
 from pathlib import Path
 
 from postproc import ports
 from postproc.accept import judge, pairing, report
+from postproc.commands import as_json
 from postproc.commands.recordings import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options
@@ -34,7 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="readings after are against what the corrected program commands, not its nominal targets (of gcomp simulate its files say so)",
     )
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness")
-    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    as_json.argument(parser, report.FORMAT)
     parser.add_argument(
         "--report", "--page", dest="page", metavar="FILE.html", help="a page with the curves before and after"
     )
@@ -53,13 +52,10 @@ def run(options: argparse.Namespace) -> int:
         for one, other in pairing.pairs(before, after, options.commanded)
     ]
     name = machine.name if machine else ""
-    print(report.text(found, name), file=sys.stderr if options.json == "-" else sys.stdout)
+    print(report.text(found, name), file=as_json.beside(options.json))
     if options.page:
-        ports.replace_file(Path(options.page), io.BytesIO(report.page(found, name).encode()), backup=False)
-    if options.json:
-        data = (json.dumps(report.as_json(found, name), indent=1, allow_nan=False) + "\n").encode()
-        if options.json == "-":
-            ports.write_standard(data)
-        else:
-            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+        from postproc.pages import accepted
+
+        ports.replace_file(Path(options.page), io.BytesIO(accepted.html(found, name).encode()), backup=False)
+    as_json.put(options.json, report.as_json(found, name))
     return 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
-import json
 import os
 import sys
 import time
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from postproc import ports
-from postproc.commands import reading
+from postproc.commands import as_json, reading
 from postproc.errors import UsageError
 
 HELP = "correct many programs or whole folders, in several processes or on a Dask cluster"
@@ -46,7 +45,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="do again what is done, and write over files that gcomp batch did not write")  # fmt: skip
     parser.add_argument("--verify", action="store_true", help="replay each result on its machine's model; the table has the deviations")  # fmt: skip
     parser.add_argument("--report", action="store_true", help="a page beside each result (verifies too)")
-    parser.add_argument("--json", metavar="FILE", help="everything as JSON; - for standard output")
+    as_json.argument(parser, FORMAT)
     parser.add_argument("--quiet", action="store_true", help="no progress, no table; refusals are still told")
     reading.arguments(parser, several=True)
 
@@ -178,7 +177,7 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
     """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for another reason."""
     counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
     before = sum(bool(one.get("before")) for one in told)
-    out = sys.stderr if options.json == "-" else sys.stdout
+    out = as_json.beside(options.json)
     if not options.quiet:
         shown = told if len(told) <= SHOWN else [one for one in told if one["status"] != "done"]
         rows = [("", *COLUMNS[1:-1]), *((row(one)[0], *row(one)[1:-1]) for one in shown)]
@@ -194,13 +193,8 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
         )
         said += "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
         print(f"{said}; all in {folder / TABLE}", file=out)
-    if options.json:
-        data = {"format": FORMAT, "counts": counts, "programs": [{k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told]}  # fmt: skip
-        text = (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
-        if options.json == "-":
-            ports.write_standard(text)
-        else:
-            ports.replace_file(Path(options.json), io.BytesIO(text), backup=False)
+    programs = [{k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told]
+    as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
     return 1 if counts["failed"] else 2 if counts["refused"] else 0
 
 

@@ -6,10 +6,8 @@ import argparse
 import contextlib
 import hashlib
 import io
-import json
 import os
 import shutil
-import sys
 import tempfile
 import tomllib
 from pathlib import Path
@@ -18,7 +16,7 @@ from typing import Any
 from postproc import ports
 from postproc.calibrate import LINES, STEEL, CalibrationError, Options, figure, folder, report, square
 from postproc.calibrate.calibration import Calibration, calibrate
-from postproc.commands import session, values
+from postproc.commands import as_json, session, values
 from postproc.commands.recordings import files_of, read_files, reading_arguments, reading_options
 from postproc.errors import MachineError, UsageError
 from postproc.machine import chain as chains
@@ -50,7 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
     parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
-    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    as_json.argument(parser, report.FORMAT)
     parser.add_argument("--figure", metavar="FILE", help="draw the components with their uncertainty (.png .svg .pdf)")
 
     parser.add_argument(
@@ -141,7 +139,7 @@ def run(options: argparse.Namespace) -> int:
         _figure(options.figure, calibration)
     if options.report:
         _page(options.report, calibration, str(head["name"]))
-    told = sys.stderr if options.json == "-" else sys.stdout
+    told = as_json.beside(options.json)
     print(report.table(calibration), file=told)
     for fault in [f"{r.file}:{f.line}: left out: {f.message}" for r in read for f in r.faults]:
         print(fault, file=told)
@@ -152,8 +150,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""), file=told)
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
-    if options.json:
-        _json(options.json, report.data(calibration) | {"sha256": digests})
+    as_json.put(options.json, report.data(calibration) | {"sha256": digests})
     return 0
 
 
@@ -392,11 +389,3 @@ def _figure(name: str, calibration: Calibration) -> None:
     if kind not in figure.FORMATS:
         raise UsageError(f"--figure {name}: a picture ends in one of {', '.join(figure.FORMATS)}")
     ports.replace_file(Path(name), io.BytesIO(figure.draw(calibration, kind)), backup=False)
-
-
-def _json(name: str, data: dict[str, Any]) -> None:
-    text = (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
-    if name == "-":
-        ports.write_standard(text)
-    else:
-        ports.replace_file(Path(name), io.BytesIO(text), backup=False)

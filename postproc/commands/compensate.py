@@ -153,12 +153,9 @@ def _put_page(done: attempts.Attempt, name: str) -> None:
 
 def _put_json(done: attempts.Attempt, name: str) -> None:
     from postproc.api.programs import result
+    from postproc.commands import as_json
 
-    data = (result(done, b"").to_json() + "\n").encode()
-    if name == "-":
-        ports.write_standard(data)
-    else:
-        ports.replace_file(Path(name), io.BytesIO(data), backup=False)
+    as_json.put(name, result(done, b"").as_dict())
 
 
 def summary(filter_: Filter) -> str:

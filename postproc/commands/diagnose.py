@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import io
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postproc import ports
-from postproc.commands import reading
+from postproc.commands import as_json, reading
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "recordings", nargs="+", metavar="REC", help="recordings of one experiment (gcomp recordings --list: formats)"
     )
     parser.add_argument("--machine", metavar="NAME", help="the machine whose model is to be judged")
-    parser.add_argument("--json", metavar="FILE", help="the answer for other programs; - for standard output")
+    as_json.argument(parser, "gcomp-diagnosis/1")
     parser.add_argument("--residuals", metavar="FILE", help="every reading before and after, as CSV")
     parser.add_argument("--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects")
     parser.add_argument("--report", metavar="FILE", help="the answer as a page with figures, HTML")
@@ -103,15 +102,13 @@ def run(options: argparse.Namespace) -> int:
         if found.unknown:
             _write(str(Path(options.write_machine) / f"{report.map_name(found)}.csv"), report.unknown_csv(found))
     if options.report:
-        from postproc.diagnose.page import page
+        from postproc.pages import diagnosis
 
         told("drawing")
-        _write(options.report, page(found))
+        _write(options.report, diagnosis.html(found))
         told("")
-    if options.json == "-":
-        print(json.dumps(answer, indent=1))
-    elif options.json:
-        _write(options.json, json.dumps(answer, indent=1) + "\n")
+    if options.json:
+        as_json.put(options.json, answer)
     else:
         print(report.as_text(found))
     if left and not options.quiet:

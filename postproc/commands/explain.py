@@ -8,11 +8,12 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
 from postproc import ports
-from postproc.commands import expansion, reading
+from postproc.commands import as_json, expansion, reading
 from postproc.machine.model import Machine
 from postproc.machine.tip import TipMachine, seen_by_tip
 from postproc.machine.uncertainty import MapUncertainty, micrometres
@@ -24,10 +25,12 @@ from postproc.units import TICKS_PER_MM, UM
 HELP = "say in words what each block does and what is changed in it"
 EXAMPLE = "gcomp explain part.nc --machine studer-s36"
 SMALLEST_UM = 0.05
+FORMAT = "gcomp-explain/1"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
+    as_json.argument(parser, FORMAT)
     parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
 
 
@@ -44,21 +47,46 @@ def run(options: argparse.Namespace) -> int:
         if options.expand:
             written = expansion.written_out(filter_, source, options)
             lines = (line for portion in written for line in portion.splitlines(keepends=True))
+        told = []
         for number, line in enumerate(lines, 1):
-            told = len(filter_.notices)
+            said = len(filter_.notices)
             output = filter_.feed(line) if line.endswith(b"\n") else filter_.feed(line) + filter_.finish()
-            print(f"{number:>5}  {line.decode('latin-1').rstrip()}")
-            for words, motions, pieces in seen:
-                for block in range(words.blocks):
-                    for sentence in _block(filter_, known, words, motions, pieces, block):
-                        print(f"       | {sentence}")
-            if seen and output != line:
-                text = output.decode("latin-1").rstrip().splitlines()
-                print("       > " + "\n       > ".join(text))
-            for notice in filter_.notices[told:]:
-                print(f"       ! {notice.message}")
+            sentences = [
+                sentence
+                for words, motions, pieces in seen
+                for block in range(words.blocks)
+                for sentence in _block(filter_, known, words, motions, pieces, block)
+            ]
+            became = _lines(output) if seen and output != line else None
+            one = {
+                "line": number, "text": line.decode("latin-1").rstrip(), "says": sentences, "becomes": became,
+                "notices": [notice.message for notice in filter_.notices[said:]],
+            }  # fmt: skip
             seen.clear()
+            if options.json:
+                told.append(one)
+            if options.json != "-":
+                _print(one)
+        as_json.put(
+            options.json,
+            {"format": FORMAT, "program": name, "machine": machine.name, "map": machine.digest, "lines": told},
+        )
     return 0
+
+
+def _lines(output: bytes) -> list[str]:
+    return output.decode("latin-1").rstrip().splitlines()
+
+
+def _print(one: dict[str, Any]) -> None:
+    """A line for a person."""
+    print(f"{one['line']:>5}  {one['text']}")
+    for sentence in one["says"]:
+        print(f"       | {sentence}")
+    if one["becomes"] is not None:
+        print("       > " + "\n       > ".join(one["becomes"]))
+    for notice in one["notices"]:
+        print(f"       ! {notice}")
 
 
 def _block(filter_, known: MapUncertainty, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 import io
-import json
 import math
 import re
-import sys
 from pathlib import Path
 
 from postproc import ports
-from postproc.commands import values
+from postproc.commands import as_json, values
 from postproc.commands.recordings import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options, Stated, choose, figure, report
@@ -24,7 +22,7 @@ EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --fig
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows")
-    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    as_json.argument(parser, report.FORMAT)
     parser.add_argument("--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib")
     parser.add_argument("--report", metavar="FILE.html", help="a page with every result drawn")
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness and squareness (least-squares)")  # fmt: skip
@@ -61,19 +59,14 @@ def run(options: argparse.Namespace) -> int:
     read = read_files(options.files, options.format, reading_options(options))
     results, left = choose.results(read, Options(options.line, dict(options.lead), _stated(options)))
     picture = figure.draw(results, Path(options.figure).suffix[1:].lower()) if options.figure else b""
-    print(report.text(results, left), file=sys.stderr if options.json == "-" else sys.stdout)
+    print(report.text(results, left), file=as_json.beside(options.json))
     if options.report:
         from postproc.pages import measured
 
         ports.replace_file(Path(options.report), io.BytesIO(measured.html(results, left).encode("utf-8")), backup=False)
     if options.figure:
         ports.replace_file(Path(options.figure), io.BytesIO(picture), backup=False)
-    if options.json:
-        data = (json.dumps(report.as_json(results, left), indent=1, allow_nan=False) + "\n").encode()
-        if options.json == "-":
-            ports.write_standard(data)
-        else:
-            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+    as_json.put(options.json, report.as_json(results, left))
     return 0
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import io
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from postproc import ports
-from postproc.commands import machine_new
+from postproc.commands import as_json, machine_facts, machine_new
 from postproc.errors import GcompError, UsageError
 from postproc.machine import places
 from postproc.machine.chain import ROTARY, XYZ
@@ -18,7 +19,7 @@ from postproc.machine.file import read_machine
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import COMPONENTS
-from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
+from postproc.machine.uncertainty import micrometres
 from postproc.units import UM, URAD
 
 HELP = "list the machines, show one, make a new one, or check one: gcomp machines show NAME"
@@ -32,6 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report", metavar="FILE.html", help="with show: a page with every table, the squareness and the volume"
     )
+    as_json.argument(parser, machine_facts.FORMAT)
     machine_new.arguments(parser)
 
 
@@ -46,22 +48,29 @@ def run(options: argparse.Namespace) -> int:
             from postproc.pages import machine as page
 
             ports.replace_file(Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False)
-        print(show(machine))
+        print(show(machine), file=as_json.beside(options.json))
+        as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
         return 0
     if options.what == "check":
         if not options.name:
             raise UsageError("which machine?", "gcomp machines check NAME")
-        return _check(places.load(options.name))
+        machine = places.load(options.name)
+        as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
+        return _check(machine, as_json.beside(options.json))
     if options.report:
         raise UsageError("--report draws one machine", "gcomp machines show NAME --report FILE.html")
     found = places.every()
     width = max((len(name) for name in found), default=0)
+    rows = []
     for name, path in found.items():
+        fault = None
         try:
             title = read_machine(path).title
         except GcompError as error:
-            title = f"can not be used: {error.message}"
-        print(f"{name:<{width}}  {title}  [{path}]")
+            title, fault = f"can not be used: {error.message}", error.message
+        rows.append({"name": name, "title": None if fault else title, "path": str(path), "fault": fault})
+        print(f"{name:<{width}}  {title}  [{path}]", file=as_json.beside(options.json))
+    as_json.put(options.json, machine_facts.document(rows))
     return 0
 
 
@@ -71,23 +80,31 @@ def _new(options: argparse.Namespace) -> int:
     path, texts = machine_new.made(options)
     backup = write_folder(path, texts, options.force)
     machine = read_machine(path)
-    print(show(machine))
+    out = as_json.beside(options.json)
+    print(show(machine), file=out)
+    as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     kept = f" (the old one is {backup})" if backup else ""
-    print(f"\nwritten: {path}{kept}; next: gcomp job.nc --machine {path if options.output else options.name} --verify")
+    print(
+        f"\nwritten: {path}{kept}; next: gcomp job.nc --machine {path if options.output else options.name} --verify",
+        file=out,
+    )
     return 0
 
 
-def _check(machine: Machine) -> int:
+def _check(machine: Machine, out: TextIO) -> int:
     """What is doubtful, then what nobody measured. Returns DOUBTFUL where something is in doubt."""
     doubtful = doubts(machine)
     for text in doubtful:
-        print(f"in doubt: {text}")
+        print(f"in doubt: {text}", file=out)
     for text in lacks(machine):
-        print(f"not in this map: {text}")
+        print(f"not in this map: {text}", file=out)
     if not machine.offsets:
-        print("to know: no work offsets are stated: --offset G54=X..,Y..,Z.. says them, or [offsets] in machine.toml")
+        print(
+            "to know: no work offsets are stated: --offset G54=X..,Y..,Z.. says them, or [offsets] in machine.toml",
+            file=out,
+        )
     if not doubtful:
-        print(f"{machine.name}: nothing in it is doubtful")
+        print(f"{machine.name}: nothing in it is doubtful", file=out)
     return DOUBTFUL if doubtful else 0
 
 
@@ -95,7 +112,7 @@ def show(machine: Machine) -> str:
     """What a machine is, for a person."""
     lines = [
         f"{machine.name}: {machine.title}",
-        f"control {machine.control}, chain {'-'.join(_chain(machine))}, map {machine.digest}",
+        f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map {machine.digest}",
     ]
     if machine.diameter:
         lines.append(f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius")
@@ -163,9 +180,9 @@ def show(machine: Machine) -> str:
         f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}, hysteresis {limits.hysteresis / UM:g} um"
     )
     if not machine.is_zero:
-        lines.append(f"largest deviation on its nodes: {_largest(machine) / UM:.1f} um")
+        lines.append(f"largest deviation on its nodes: {machine_facts.largest(machine) / UM:.1f} um")
         lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
-    lines.append(_known(machine))
+    lines.append(machine_facts.known(machine))
     lines += [f"in doubt: {text}" for text in doubts(machine)]
     lines += [f"not in this map: {text}" for text in lacks(machine)]
     return "\n".join(lines)
@@ -184,39 +201,3 @@ def _largest_u(axis: Axis) -> list[str]:
         for i, v in sizes
     ]
     return [f"  known to +- (95 %, at most): {', '.join(says)}"]
-
-
-def _known(machine: Machine) -> str:
-    """How well the whole map is known, and of what nothing is stated."""
-    known = MapUncertainty(machine)
-    if not known.parts:
-        return "the map's own uncertainty is not stated"
-    grid = _grid(machine)
-    worst = max(float(known.length(grid, np.full_like(grid, s)).max()) for s in (-1.0, 1.0))
-    return f"the map itself is known to +- {micrometres(worst)} um (95 %) on its nodes{unstated(known.missing)}"
-
-
-def _chain(machine: Machine) -> list[str]:
-    axes = list(machine.chain.axes)
-    return ["w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t"]
-
-
-def _largest(machine: Machine) -> float:
-    """mm: largest deviation vector over the grid of all nodes, both ways."""
-    grid = _grid(machine)
-    return max(float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max()) for s in (-1.0, 1.0))
-
-
-def _grid(machine: Machine) -> np.ndarray:
-    """(A, N) mm: all nodes, or some of them."""
-    nodes = [_some(machine, x) for x in machine.letters]
-    return np.stack([g.ravel() for g in np.meshgrid(*nodes, indexing="ij")])
-
-
-def _some(machine: Machine, letter: str) -> np.ndarray:
-    """Nodes of an axis: all of them, but where several axes make that too many, nine places spread over a turn or travel."""
-    nodes = machine.tables[letter].nodes if letter in machine.tables else np.zeros(1)
-    if letter in ROTARY and nodes[-1] - nodes[0] > 360.0:
-        nodes = np.arange(0.0, 360.0, 45.0)
-    most = 1000 if len(machine.letters) < 4 else 9
-    return nodes if len(nodes) <= most else nodes[np.linspace(0, len(nodes) - 1, most).astype(int)]

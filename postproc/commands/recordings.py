@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from postproc import ports
-from postproc.commands import session, values
+from postproc.commands import as_json, session, values
 from postproc.errors import GcompError, UsageError
 from postproc.recordings import AXES, ReadingOptions, Recording, Source, contract, format_of, load, names, read_all
 from postproc.recordings import _units as units
 
 HELP = "show what recordings of instruments hold, and convert them: gcomp recordings FILE..."
 EXAMPLE = "gcomp recordings z.rtl --axis Z --as z.csv"
+FORMAT = "gcomp-recordings/1"
 LARGEST = 400_000_000  # bytes
 SHOWN = 5  # rows left out that are listed one by one
 
@@ -29,6 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--session", metavar="FILE.toml", help="write a first session (measurement.toml) of these files"
     )
+    as_json.argument(parser, FORMAT)
     parser.add_argument("--as", dest="as_", metavar="FILE.csv", help="write it as a gcomp recording")
     reading_arguments(parser)
 
@@ -109,12 +111,14 @@ def run(options: argparse.Namespace) -> int:
     if options.session:
         return _session(options, how)
     found: list[Recording] = []
-    status = 0
+    told: list[dict[str, Any]] = []
+    status, out = 0, as_json.beside(options.json)
     for path in options.files:
         if session.is_session(path):
             for one in read_files([path], options.format, how):
-                print(("\n" if found else "") + show(one, f"as {path} says"))
+                print(("\n" if found else "") + show(one, f"as {path} says"), file=out)
                 found.append(one)
+                told.append(facts(one, None))
             continue
         source = Source(path, ports.read_whole(Path(path), LARGEST))
         try:
@@ -123,15 +127,34 @@ def run(options: argparse.Namespace) -> int:
             if len(options.files) == 1:
                 raise
             print(f"gcomp: {error}", file=sys.stderr)
+            told.append({"file": path, "fault": error.message, "advice": error.advice})
             status = 2
             continue
         name = options.format or format_of(source, how)
         for recording in recordings:
-            print(("\n" if found else "") + show(recording, name))
+            print(("\n" if found else "") + show(recording, name), file=out)
             found.append(recording)
+            told.append(facts(recording, name))
     if options.as_ and not status:
-        print("\n" + _write(found, options.as_, options.files))
+        print("\n" + _write(found, options.as_, options.files), file=out)
+    as_json.put(options.json, {"format": FORMAT, "recordings": told})
     return status
+
+
+def facts(recording: Recording, format: str | None) -> dict[str, Any]:
+    """What a recording holds, for other programs. format: None where a session says how it is read."""
+    units = {"angle": "urad"}.get(recording.quantity, "um") if recording.kind in ("targets", "ballbar") else None
+    reading = recording.reading / recording.unit if units else np.zeros(0)
+    moved = {x: recording.position(x) for x in recording.axes} if recording.kind != "features" else {}
+    return {
+        "file": recording.file, "read_as": format, "kind": recording.kind, "rows": len(recording), "machine": recording.head.get("machine") or None,
+        "component": recording.head.get("component") or None, "unit": units,
+        "readings": {"least": float(reading.min()), "largest": float(reading.max())} if len(reading) else None,
+        "axes": {x: {"from": float(p.min()), "to": float(p.max()), "places": len(np.unique(p))} for x, p in moved.items() if len(p)},
+        "runs": len(np.unique(recording.columns["run"])) if "run" in recording.columns else None,
+        "left_out": [{"line": f.line, "column": f.column or None, "message": f.message} for f in recording.faults],
+        "notices": list(recording.notices),
+    }  # fmt: skip
 
 
 def _session(options: argparse.Namespace, how: ReadingOptions) -> int:

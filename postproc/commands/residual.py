@@ -15,12 +15,12 @@ import numpy as np
 from postproc import control_tables, ports
 from postproc.control_tables import ErrorTable, Export, ExportOptions
 from postproc.errors import GcompError, UsageError
-from postproc.machine import places
+from postproc.machine import edit, places
 from postproc.machine.model import Machine
-from postproc.machine.write import entry
 from postproc.recordings import Source
 from postproc.units import UM
 
+NOTE = "What the control takes out by itself: the map was measured without it, and a program is corrected for the rest."
 ALIKE = 0.01 * UM  # a nanometre of rounding in either direction, of several tables
 
 
@@ -40,16 +40,9 @@ def held(control: str, machine: Machine, export: Export, told: ExportOptions, ta
 def write(control: str, machine: Machine, folder: str, target: Path, export: Export, found: Held, force: bool) -> str:
     """Writes the folder; returns what it is, for a person. Raises UsageError for a file that has its name already."""
     sections, means = found
-    text = "".join(
-        "\n[[control_table]]\n" + "\n".join(entry(k, v, "") for k, v in section.items()) + "\n"
-        for section, _ in sections
-    )
-    name = target.name
-    note = "\n# What the control takes out by itself: the map above was measured without it, and a program is corrected for the rest.\n"
 
     def change(toml: str) -> str:
-        lines = [f'name = "{name}"' if line.split("=")[0].strip() == "name" else line for line in toml.splitlines()]
-        return "\n".join(lines) + "\n" + note + text.lstrip("\n")
+        return edit.with_sections(toml, target.name, "control_table", [(section, "") for section, _ in sections], NOTE)
 
     files = {section["file"]: export.files[section["file"]] for section, _ in sections}
     taken = [n for n in files if (places.folder_of(folder) / n).exists()]

@@ -82,7 +82,8 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     state = search.run()
     options.told("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
-    said = evidence.explained(evidence.learn(state.fit.chosen, None, state.fit.on, STEPS))
+    last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
+    said = evidence.explained(last)
     alone = evidence.explained(evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():
@@ -94,6 +95,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
         before = before + columns @ search.null().fit.mean[own]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
+    places = locate.measured(places, rows, before)
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
@@ -101,7 +103,7 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
         usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence), *_leaning(rows, evidence, found)],
-        doubts=likeness.remaining(doubted, rows, _formed(rows, found)),
+        doubts=likeness.remaining(doubted, rows, _formed(rows, found)), scatter=evidence.scatter(last, said),
     )  # fmt: skip
     diagnosis.unknown = judge.judged(diagnosis, search, state)
     options.told("forces and currents")

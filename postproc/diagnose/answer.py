@@ -17,7 +17,8 @@ from postproc.recordings import Recording
 
 @dataclass
 class Finding:
-    """One accepted effect."""
+    """One accepted effect. names: how probable it and each name that explains the readings as well is, by what the readings
+    tell and what is believed beforehand, if it is one of these; they sum to 1."""
 
     block: Block
     value: dict[str, float]
@@ -30,13 +31,15 @@ class Finding:
     text: str = ""  # where the effect's own sentence would say too little
     next_test: str = ""
     foretells: bool = True  # whether a curve says what targets read that took no part in its fit
+    names: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass
 class Diagnosis:
     """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
     mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
-    line, what, mm); noise (N,) mm: standard deviation of a reading by white noise, wander and zeros of runs; unknown: None or what is left; drives: what forces and currents ask for."""
+    line, what, mm); noise (N,) mm: standard deviation of a reading by white noise, wander and zeros of runs; unknown: None or what is left; drives: what
+    forces and currents ask for; scatter (N,) mm: the noise of these readings themselves."""
 
     machine: Machine
     recordings: list[Recording]
@@ -57,6 +60,7 @@ class Diagnosis:
     notices: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     drives: list[drive.Drive] = field(default_factory=list)
+    scatter: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def verdict(self) -> str:
@@ -75,5 +79,5 @@ def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
 
 
 def floor(d: Diagnosis) -> np.ndarray:
-    """(N,) mm: the noise of single readings."""
-    return d.noise
+    """(N,) mm: the noise of single readings, as they have it."""
+    return d.scatter if len(d.scatter) else d.noise

@@ -358,6 +358,16 @@ class Evidence:
             result[part.whole.rows] = part.whole.r * np.sqrt(old.sigma2)
         return result
 
+    def scatter(self, fit: Fit, said: dict[str, np.ndarray]) -> np.ndarray:
+        """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and what zeros of runs did in each
+        unit, not what they do in others. said: of `explained`."""
+        result = self.white(fit)
+        moved = sum((said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(self.y)))
+        for part in self.parts:
+            own = part.whole.rows
+            result[own] = np.hypot(result[own], float(np.std(moved[own])))
+        return result
+
     def drawn(self, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
         """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs' zeros, the map's error."""
         z = self.shared.shape[1]

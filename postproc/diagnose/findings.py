@@ -31,9 +31,11 @@ def of_jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, hel
     fall = float(np.sum((contribution[~held] / sigma[~held]) ** 2))
     score = fall - columns.shape[1] * float(np.log((~held).sum()))
     first, second = (Path(rows.files[rows.file[rows.signal == p.signal][0]]).name for p in (jump.first, jump.second))
+    causes = shared_jump.causes(jump)
     return Finding(
-        Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, shared_jump.causes(jump),
+        Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, causes,
         text=shared_jump.words(jump, (first, second)), next_test=shared_jump.next_test(jump, machine.name),
+        names={cause: 1 / len(causes) for cause in causes},
     )  # fmt: skip
 
 
@@ -56,9 +58,18 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
         alike.insert(0, "delay:")  # of a log that is late by more than a control's cycle nobody can tell
     alike = alike + [n for n in unrecorded.names(search.rows, block, contribution) if n not in alike]
+    less = {name: max(0.0, enough + LIKELY - others[name].score) if name in others else 0.0 for name in alike}
     power, along = search.evidence.beside(state.fit, block.columns, but=k)
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
-    return Finding(block, named, ci, contribution, own, fall, alike)
+    return Finding(block, named, ci, contribution, own, fall, alike, names=probable(block.key, less))
+
+
+def probable(own: str, less: dict[str, float]) -> dict[str, float]:
+    """Names to probabilities. less: by how much less each other name's score is, beyond what errors of form may make of it; a
+    score is twice the logarithm of a probability, and what no reading parts is as probable."""
+    weight = {own: 1.0} | {name: float(np.exp(-fall / 2)) for name, fall in less.items()}
+    whole = sum(weight.values())
+    return {name: w / whole for name, w in sorted(weight.items(), key=lambda item: -item[1])}
 
 
 def _needless(search: Search, rest: Found, other: int, k: int, own: float) -> bool:

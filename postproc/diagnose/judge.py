@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.diagnose.answer import Diagnosis, Finding, floor
+from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.search import Found, Search
 from postproc.diagnose.unknown import Unknown, mapped
@@ -91,7 +91,7 @@ def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float
 
 def _borne_out(d: Diagnosis) -> None:
     """A name is tentative where runs that took no part are no better off with it, though it is larger there than their noise."""
-    ground = float(np.sqrt(np.mean(floor(d)[d.held] ** 2))) if d.held.any() else 0.0
+    ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)
         if f.block.name in NOT_FORETOLD or not own.any() or float(np.std(f.contribution[own])) < ground:

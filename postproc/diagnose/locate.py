@@ -2,12 +2,13 @@
 
 Every signal is cut into cells along position, by direction of approach, and along time; the window of cells whose mean
 departs most from zero is found, and the chance that noise alone makes one as large is counted on draws of the noise and of
-the nuisances (Kulldorff's scan statistic, in one dimension).
+the nuisances (Kulldorff's scan statistic, in one dimension). A stretch of the way is narrowed to a stretch of the time where
+that is told by more than noise would: what comes with heat stands out at one place, and not always.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,8 +27,8 @@ TIE = 1e-3  # of the highest score
 @dataclass(frozen=True)
 class Place:
     """One region of one signal: file, axis, from, to mm; approach "+", "-" or "both"; runs, times and lines of its rows;
-    rms and peak in mm; p; program: first and last line of the
-    program, where it was recorded."""
+    rms and peak of the readings there in mm; p; program: first and last line of the
+    program, where it was recorded; timed: whether it stands out then, and not at other times at the same place."""
 
     file: int
     signal: int
@@ -42,6 +43,7 @@ class Place:
     peak: float
     p: float
     program: tuple[int, int] | None = None
+    timed: bool = False
 
 
 def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> list[Place]:
@@ -61,13 +63,20 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         axis = axis_of(rows, which)
         place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
         cell, along = _cells(place, side)
-        windows = _windows(along, int(cell.max()) + 1)
-        value, at, nulls = _scan(projector, evidence, which, cell, windows)
-        p = (1 + int((nulls >= value).sum())) / (DRAWS + 1)
+        own, value, nulls = _scan(projector, evidence, which, cell, _windows(along, int(cell.max()) + 1))
+        later, worth, chances = _in_time(projector, evidence, which, rows.state.time[which])
+        p = (1 + int((np.maximum(nulls, chances) >= max(value, worth)).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
-        inside = which[windows[at][cell]]
-        sides = np.unique(side[windows[at][cell]])
+        timed = bool(worth - value > np.quantile(chances - nulls, 1 - SIGNIFICANT))
+        if timed:
+            own = later
+        else:
+            short, more, most = _in_time(projector, evidence, which[own], rows.state.time[which[own]])
+            if timed := bool(more - value > np.quantile(most - nulls, 1 - SIGNIFICANT)):
+                own = own[short]
+        inside = which[own]
+        sides = np.unique(side[own])
         approach = "both" if len(np.unique(side)) == 1 or len(sides) > 1 else "-" if sides[0] < 0 else "+"
         pick = rows.state.position[axis][inside]
         found.append(
@@ -76,7 +85,7 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
                 tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
                 (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
                 (int(rows.line[inside].min()), int(rows.line[inside].max())), float(np.sqrt(np.mean(left[inside] ** 2))),
-                float(np.abs(left[inside]).max()), p, _program(rows, inside),
+                float(np.abs(left[inside]).max()), p, _program(rows, inside), timed,
             )
         )  # fmt: skip
     return sorted(found, key=lambda f: -f.rms)
@@ -94,9 +103,35 @@ def axis_of(rows: Rows, which: np.ndarray) -> str:
     return own if reads.max() > OWN and went.get(own, 0.0) > FAR * went[most] else most
 
 
+def inside(place: Place, rows: Rows) -> np.ndarray:
+    """(N,) bool: the readings of a region."""
+    at, side, time = rows.state.position[place.axis], np.sign(rows.state.approach[place.axis]), rows.state.time
+    own = (rows.signal == place.signal) & (at >= place.low) & (at <= place.high)
+    own &= (time >= place.times[0]) & (time <= place.times[1])
+    return own if place.approach == "both" else own & ((side >= 0) == (place.approach == "+"))
+
+
+def measured(places: list[Place], rows: Rows, before: np.ndarray) -> list[Place]:
+    """Regions with the rms and the peak that readings have there without any effect, (N,) mm, the largest first."""
+    found = []
+    for place in places:
+        off = before[inside(place, rows)]
+        found.append(replace(place, rms=float(np.sqrt(np.mean(off**2))), peak=float(np.abs(off).max())))
+    return sorted(found, key=lambda f: -f.rms)
+
+
+def _in_time(projector: Projector, evidence: np.ndarray, which: np.ndarray, time: np.ndarray):
+    """As `_scan`, of stretches of the time."""
+    edges = np.unique(np.quantile(time, np.linspace(0, 1, CELLS + 1)))
+    cell = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, max(len(edges) - 2, 0))
+    n = int(cell.max()) + 1
+    windows = np.stack([(np.arange(n) >= a) & (np.arange(n) < b) for a in range(n) for b in range(a + 1, n + 1)])
+    return _scan(projector, evidence, which, cell, windows)
+
+
 def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows: np.ndarray):
-    """The highest score of a window, which it is, and the highest of each draw: by how much chi squared falls if the window
-    had a mean of its own, beside all nuisances."""
+    """Which of the rows are in the window with the highest score, that score, and the highest of each draw: by how much chi squared
+    falls if the window had a mean of its own, beside all nuisances."""
     n = windows.shape[1]
     member = np.zeros((len(evidence), n))
     member[which, cell] = 1.0
@@ -109,7 +144,7 @@ def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: n
     most = float(score[:, 0].max())
     alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
     size = (windows[alike] @ member.sum(axis=0)).astype(int)
-    return most, int(alike[np.argmin(size)]), score[:, 1:].max(axis=0)
+    return np.flatnonzero(windows[alike[np.argmin(size)]][cell]), most, score[:, 1:].max(axis=0)
 
 
 def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:

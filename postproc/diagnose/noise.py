@@ -336,10 +336,21 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
             near = [j for j in range(max(0, k - 3), min(len(which), k + 4)) if j != k and run[j] == run[k]]
             if not near and not shared[k]:  # nothing to compare with: its zero is no departure
                 continue
-            around = float(np.median(y[near])) if near else 0.0
-            result[which[k]] = abs(y[k] - around) / sigma[which[k]]
-            size[which[k]] = y[k] - around
+            around = [float(np.median(y[near])) if near else 0.0, *_went_on(y, np.flatnonzero(place == place[k]), k)]
+            off = min((y[k] - level for level in around), key=abs)
+            result[which[k]] = abs(off) / sigma[which[k]]
+            size[which[k]] = off
     return result, np.abs(size)
+
+
+def _went_on(y: np.ndarray, same: np.ndarray, k: int) -> list[float]:
+    """mm that reading k would have as the others at its place go on in time: between those before and behind it, and on the line of
+    the two before or behind. What warms up is no outlier, however few readings it takes to."""
+    at = int(np.searchsorted(same, k))
+    before, behind = y[same[max(at - 2, 0) : at]], y[same[at + 1 : at + 3]]
+    levels = [float(before[-1] + behind[0]) / 2] if len(before) and len(behind) else []
+    levels += [float(2 * before[1] - before[0])] if len(before) == 2 else []
+    return levels + ([float(2 * behind[0] - behind[1])] if len(behind) == 2 else [])
 
 
 def _elsewhere(rows: Rows, residual: np.ndarray, which: np.ndarray, part: np.ndarray, place: np.ndarray) -> np.ndarray:

@@ -89,11 +89,12 @@ def worth(d: Diagnosis, f: Finding) -> str:
 
 
 def where(d: Diagnosis, place) -> str:
-    """One region in which the mismatch stands out, before any effect was taken into account."""
+    """One region in which the mismatch stands out, before any effect was taken into account; sizes are those of --residuals."""
     way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[place.approach]
     signal = d.rows.signals[place.signal]
     part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
+    at += f", from {place.times[0]:.0f} to {place.times[1]:.0f} s" if place.timed else ""
     scale, unit = scaled(d, place.signal)
     return (
         f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * scale:.1f} {unit} rms off there, "

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,8 @@ from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
 from postproc.effects import sizes
 from postproc.errors import UsageError
+from postproc.machine import edit, effect_file
+from postproc.machine.model import Machine
 
 FORMAT = "gcomp-diagnosis/1"
 SHORTEST = 1.0  # mm: of a range
@@ -86,6 +88,7 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
         "evidence": {"delta_chi2": rounded(f.delta_chi2), "score": rounded(f.score), "threshold": rounded(d.least)},
         "equivalent": f.equivalent,
+        "names": {name: rounded(p, 3) for name, p in f.names.items()},
         "next_test": next_test(d, f),
         "text": f.text or module.TEXT,
     }  # fmt: skip
@@ -253,16 +256,22 @@ def _half_widths(f: Finding) -> dict[str, float]:
     return found
 
 
-def _range(d: Diagnosis, f: Finding) -> list[str]:
-    """From where to where of its axis readings told an effect that is a curve over it."""
+def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
+    """mm: from where to where of its axis readings told an effect that is a curve over it."""
     module = f.block.module
     if not hasattr(module, "tables") or "degree" not in module.PARAMETERS:
-        return []  # a line, a gap, a wave go on as they are
+        return None  # a line, a gap, a wave go on as they are
     moving = module.moving(f.block.axis, **f.value) if module.PER == "pair" else f.block.axis
     told = np.any(f.block.columns != 0, axis=1) & ~d.held
     place = d.rows.state.position[moving][told]
-    low, high = float(place.min()), float(place.max())
-    return [f"measured_mm = [{low:.4f}, {high:.4f}]"] if high - low > SHORTEST else []
+    low, high = round(float(place.min()), 4), round(float(place.max()), 4)
+    return (low, high) if high - low > SHORTEST else None
+
+
+def with_effects(d: Diagnosis, accept: tuple[str, ...] = ()) -> Machine:
+    """The machine that `effects_toml` writes: the one that was judged, with the effects that go into it."""
+    terms = [effect_file.term(f.block.name, f.block.axis, dict(f.value), d.machine.axes, _range(d, f)) for f in written(d, accept)[0]]  # fmt: skip
+    return replace(d.machine, effects=(*d.machine.effects, *terms))
 
 
 def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Callable[[str], str]:
@@ -270,20 +279,16 @@ def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Calla
     machine that is told apart from others (or in accept). Instruments' and data's effects are none of it."""
     sections = []
     for f in written(d, accept)[0]:
-        lines = ["", "[[effect]]", f'name = "{f.block.name}"', f'axis = "{f.block.axis}"']
-        lines += [f"{key} = {value!r}" for key, value in f.value.items()]
-        lines += [f"u_{key} = {u!r}" for key, u in _half_widths(f).items()]
-        lines += _range(d, f)
-        files = ", ".join(Path(r.file).name for r in d.recordings)
-        lines.append(f'source = "diagnosed from {files}"')
-        if f.equivalent:
-            lines.append(
-                f"# not told apart from {', '.join(f.equivalent)}: run the test that parts them before a part is cut"
+        section: dict[str, Any] = {"name": f.block.name, "axis": f.block.axis, **f.value}
+        section |= {f"u_{key}": u for key, u in _half_widths(f).items()}
+        if measured := _range(d, f):
+            section["measured_mm"] = list(measured)
+        section["source"] = f"diagnosed from {', '.join(Path(r.file).name for r in d.recordings)}"
+        names = ", ".join(f.equivalent)
+        sections.append(
+            (
+                section,
+                f"not told apart from {names}: run the test that parts them before a part is cut" if names else "",
             )
-        sections.append("\n".join(lines))
-
-    def changed(text: str) -> str:
-        renamed = re.sub(r'(?m)^name(\s*)=(\s*)"[^"\n]*"', lambda m: f'name{m[1]}={m[2]}"{name}"', text, count=1)
-        return renamed.rstrip("\n") + "\n" + "\n".join(sections) + ("\n" if sections else "")
-
-    return changed
+        )
+    return lambda text: edit.with_sections(text, name, "effect", sections)

@@ -47,7 +47,9 @@ def names() -> list[str]:
 
 
 def load(name: str) -> ModuleType:
-    """The hook of a program. Raises UsageError with those that there are."""
+    """The hook of a program, by its name or the begin of it. Raises UsageError with those that there are."""
+    begun = [known for known in names() if name and known.startswith(name)]
+    name = begun[0] if len(begun) == 1 else name
     if name not in names():
         raise UsageError(f"there is no hook for {name!r}", f"hooks: {', '.join(names())}; gcomp hook list says more")
     return importlib.import_module(f"{__name__}.{name}")

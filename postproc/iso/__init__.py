@@ -74,7 +74,7 @@ class Parameter:
 class Result:
     """One test. test: positioning, rotary, angle, straightness, diagonal, diagonals, squareness, circle, ETVE, rotating spindle; subject: EXX, PPP,
     C0Y, XY; chosen: why this test; unit: um or urad; noise: mm or rad, for the digits shown; columns: of the table per
-    target or per run, name to values; detail: what the figure draws."""
+    target or per run, name to values; detail: what the figure draws; causes: of a circle, what makes it out of round."""
 
     test: str
     standard: str
@@ -88,6 +88,7 @@ class Result:
     noise: float = 0.0
     columns: dict[str, list[Any]] = field(default_factory=dict)
     detail: Any = None
+    causes: Any = None
 
     def __getitem__(self, name: str) -> Parameter:
         return next(p for p in self.parameters if p.name == name)

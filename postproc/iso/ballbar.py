@@ -9,6 +9,7 @@ import numpy as np
 from postproc.errors import Place
 from postproc.iso import IsoError, Options, Parameter, Result, Term, circles
 from postproc.iso.assign import LINEAR
+from postproc.iso.causes import causes
 from postproc.iso.chance import student
 from postproc.iso.circles import Pair, Trace
 from postproc.iso.uncertainty import combined, missing, terms_of
@@ -122,7 +123,7 @@ def result_of(recording: Recording, options: Options) -> Result:
     why = f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs, {b}{a} back, {len(back)} runs"
     return Result(
         "circle", "ISO 230-4", subject, why, "um", (recording.file,), tuple(parameters), terms,
-        (*recording.notices, *notices), _noise(recording), _columns(axes, found), found,
+        (*recording.notices, *notices), _noise(recording), _columns(axes, found), found, causes(axes, found, feed),
     )  # fmt: skip
 
 

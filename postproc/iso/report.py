@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from postproc.iso import Result
+from postproc.iso.causes import Causes
 from postproc.units import UM, URAD
 
+FORMAT = "gcomp-iso/1"
 MOST = 4  # digits after the point
 WORDS = {"target", "n +", "n -", "run", "samples"}
 CHUNK = 400  # rows of a table per target that are printed
@@ -24,7 +26,7 @@ def text(results: Sequence[Result], left: Sequence[str] = ()) -> str:
 
 def as_json(results: Sequence[Result], left: Sequence[str] = ()) -> dict[str, Any]:
     """The results as plain dictionaries: numbers in the unit that a key names, null where not defined."""
-    return {"format": "gcomp-iso/1", "results": [_object(r) for r in results], "left_out": list(left)}
+    return {"format": FORMAT, "results": [_object(r) for r in results], "left_out": list(left)}
 
 
 def decimals(result: Result) -> int:
@@ -67,9 +69,26 @@ def _lines(result: Result) -> list[str]:
         out += _table(rows, left=(0, 2))
     if result.columns:
         out += ["", *_table(_cells(result, digits), left=())]
+    if result.causes:
+        out += [
+            "",
+            "  what makes it out of round, of each alone; % of the sum",
+            *_table(cause_rows(result.causes), left=(0, 3)),
+        ]
     if result.notices:
         out += ["", *(f"  note: {n}" for n in result.notices)]
     return out
+
+
+def cause_rows(causes: Causes) -> list[list[str]]:
+    """Name, um, percent, and size with U of each cause, the largest first; then what none explains."""
+    rows = [
+        [c.name, f"{c.range / UM:.2f}", f"{100 * c.share:.0f} %", f"{c.size:+.4g} +- {c.U:.2g} {c.unit}"] for c in causes.ranked
+    ]  # fmt: skip
+    return [
+        *rows,
+        ["rms before, rms that none of these explains", f"{causes.whole / UM:.2f}", f"{causes.left / UM:.2f}", "um"],
+    ]
 
 
 def _acts(of: frozenset[str], result: Result) -> str:
@@ -114,4 +133,9 @@ def _object(result: Result) -> dict[str, Any]:
         "terms": [{"name": t.name, "u": sized(t.u), "of": sorted(t.of), "said": t.said} for t in result.terms],
         "columns": {n: [v if not isinstance(v, float) or math.isfinite(v) else None for v in c] for n, c in result.columns.items()},
         "notices": list(result.notices),
+        "causes": None if result.causes is None else {
+            "ranked": [{"name": c.name, "size": c.size, "U": c.U, "unit": c.unit, "range_um": c.range / UM, "U_range_um": c.U_range / UM, "share": c.share}
+                       for c in result.causes.ranked],
+            "left_rms_um": result.causes.left / UM, "rms_um": result.causes.whole / UM,
+        },
     }  # fmt: skip

@@ -39,14 +39,21 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         toml.check_keys("effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i)
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
-        measured = _measured(toml, entry, i)
-        found = _applied(module, axis, axes, parameters)
-        term = EffectTerm(
-            name, axis, parameters, module, tuple(_held(t, measured) for t in found[0]), found[1], measured=measured
-        )
-        spread = [_spread(toml, entry, i, term, axes, p) for p in sizes if f"u_{p}" in entry]
-        terms.append(replace(term, spread=tuple(spread)))
+        made = term(name, axis, parameters, axes, _measured(toml, entry, i))
+        spread = [_spread(toml, entry, i, made, axes, p) for p in sizes if f"u_{p}" in entry]
+        terms.append(replace(made, spread=tuple(spread)))
     return tuple(terms)
+
+
+def term(
+    name: str, axis: str, parameters: dict[str, float], axes: dict[str, Axis], measured: tuple[float, float] | None
+) -> EffectTerm:
+    """An effect with the tables that it adds to a machine with these axes; its U is not stated. measured mm: where it was
+    read."""
+    module = effects.load(name)
+    found = _applied(module, axis, axes, parameters)
+    tables = tuple(_held(t, measured) for t in found[0])
+    return EffectTerm(name, axis, parameters, module, tables, found[1], measured=measured)
 
 
 def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:

@@ -65,6 +65,34 @@ def figure(
     }  # fmt: skip
 
 
+def lying(
+    name: str, caption: str, labels: list[str], groups: list[tuple[str, str, list[float]]], x: str, **more: Any
+) -> Figure:
+    """Lying bars: (name, role, lengths) for each group, a label for each bar; more: entries of each group's bars."""
+    data = [
+        bars(column(sizes, 3), labels, said, role, orientation="h", text=[f"{v:.3g}" for v in sizes], textposition="outside",
+             cliponaxis=False, hovertemplate=f"%{{y}}: %{{x:.3g}}<extra>{said}</extra>", **more)
+        for said, role, sizes in groups
+    ]  # fmt: skip
+    height = 110 + (26 + 16 * (len(groups) - 1)) * len(labels)
+    return figure(
+        name, caption, data, x, "", height, yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"}, bargap=0.25,
+        xaxis={"rangemode": "tozero"}, showlegend=len(groups) > 1,
+    )  # fmt: skip
+
+
+def polar(axes: list[str], radii: list[float], labels: list[float]) -> dict:
+    """The layout of a polar figure: rings at radii with labels in um, the axes' own names around."""
+    return {
+        "bgcolor": "rgba(0,0,0,0)",
+        "radialaxis": {"tickvals": column(radii, 4), "ticktext": [f"{v:+g}" if v else "0" for v in labels],
+                       "range": [0, round(max(radii) * 1.04, 4)], "gridcolor": "@grid", "angle": 22.5,
+                       "tickfont": {"size": 10, "color": "@muted"}, "linecolor": "@rule"},
+        "angularaxis": {"tickvals": [0, 90, 180, 270], "ticktext": [f"+{axes[0]}", f"+{axes[1]}", f"-{axes[0]}", f"-{axes[1]}"],
+                        "gridcolor": "@grid", "linecolor": "@rule"},
+    }  # fmt: skip
+
+
 def um(values: Any, digits: int = 3) -> list[float | None]:
     """mm as um."""
     return column(np.asarray(values, float) * 1000.0, digits)

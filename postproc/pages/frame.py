@@ -22,7 +22,7 @@ LARGEST = 3_000_000  # bytes of a page
 @dataclass
 class Page:
     """title; headline: the answer in one sentence, with mood good, bad, open or ""; subject: rows (name, value) of what this
-    is about; blocks: in order. A block is a dict with a kind that the template knows: text, tiles, table, list, figure, path."""
+    is about; blocks: in order. A block is a dict with a kind that the template knows: text, tiles, table, list, figure, row, path."""
 
     title: str
     headline: str
@@ -54,9 +54,13 @@ class Page:
     def figure(self, figure: dict[str, Any]) -> None:
         self.blocks.append({"kind": "figure", "figure": figure})
 
+    def figures(self, *figures: dict[str, Any]) -> None:
+        """Figures side by side, one below the other on a narrow screen."""
+        self.blocks.append({"kind": "row", "figures": figures})
+
     def html(self, *scripts: str) -> str:
         """The file's text. scripts: of the page's own, in templates/. Raises UsageError where a library is missing."""
-        figures = [b["figure"] for b in self.blocks if b["kind"] == "figure"]
+        figures = [f for b in self.blocks for f in b.get("figures", (b["figure"],) if "figure" in b else ())]
         data = json.dumps({"figures": figures, **self.data}, allow_nan=False, separators=(",", ":"))
         return _environment().get_template("page.html").render(
             page=self, version=__version__, css=(HERE / "page.css").read_text("utf-8"), light=style.variables(style.LIGHT),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from postproc.iso import Result
+from postproc.iso.causes import Causes
 from postproc.iso.circles import Trace
 from postproc.iso.figure import about_centre, round_down
 from postproc.iso.positioning import Positioning
@@ -16,10 +17,12 @@ from postproc.iso.report import decimals, number, scale
 from postproc.iso.straightness import NAMES, Straightness
 from postproc.pages import charts
 from postproc.pages.frame import Page
+from postproc.units import UM
 
 SIDE = 0.86  # of the width; beside it stand the widths E, M and A
 ROLES = {1: "plus", -1: "minus"}
 FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
+LEAST = 0.005  # of the sum: a cause of less is not drawn
 MOST_READINGS, MOST_POINTS = 4000, 2500  # of a figure
 
 
@@ -40,6 +43,8 @@ def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
             made.figure(_along(result, f"test-{k}"))
         elif isinstance(result.detail, list) and result.detail:
             made.figure(_circle(result, f"test-{k}"))
+        if result.causes:
+            _causes(made, result.causes, f"test-{k}-causes")
         _parameters(made, result)
         made.listing([f"{text}." for text in result.notices])
     if left:
@@ -178,6 +183,25 @@ def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trac
     return data
 
 
+def _causes(made: Page, causes: Causes, name: str) -> None:
+    """What makes a circle out of round, ranked."""
+    told = [c for c in causes.ranked if c.share >= LEAST]
+    said = (
+        f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none of these explains"
+    )
+    bars = charts.lying(
+        name, f"What makes it out of round, of each cause alone, with U (95 %); {said}.", [c.name for c in told],
+        [("range round the circle", "command", [c.range / UM for c in told])], "um",
+        error_x={"type": "data", "array": charts.um([c.U_range for c in told], 2), "thickness": 1},
+    )  # fmt: skip
+    made.figure(bars)
+    rows = [
+        (c.name, f"{c.range / UM:.2f}", f"{c.U_range / UM:.2f}", f"{100 * c.share:.0f}", f"{c.size:+.4g} {c.unit}", f"{c.U:.2g} {c.unit}")
+        for c in causes.ranked
+    ]  # fmt: skip
+    made.table(("cause", ">um", ">U (95 %)", ">% of the sum", ">its size", ">U (95 %)"), rows)
+
+
 # -- circles -----------------------------------------------------------------------------------------------------------
 
 
@@ -211,12 +235,5 @@ def _circle(result: Result, name: str) -> charts.Figure:
     rings = division * np.arange(-edge, edge + 1)
     return charts.figure(
         name, f"About the least-squares centre, deviations {times:g} times larger; one ring is {division * 1000:g} um.", data,
-        "", "", 560, polar={
-            "bgcolor": "rgba(0,0,0,0)",
-            "radialaxis": {"tickvals": charts.column(nominal + times * rings, 4), "ticktext": [f"{v * 1000:+g}" if v else "0" for v in rings],
-                           "range": [0, round(nominal + times * division * edge * 1.02, 4)], "gridcolor": "@grid", "angle": 22.5,
-                           "tickfont": {"size": 10, "color": "@muted"}, "linecolor": "@rule"},
-            "angularaxis": {"tickvals": [0, 90, 180, 270], "ticktext": [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
-                            "gridcolor": "@grid", "linecolor": "@rule"},
-        },
+        "", "", 560, polar=charts.polar(list(plane), list(nominal + times * rings), list(rings * 1000)),
     )  # fmt: skip

@@ -16,8 +16,10 @@ from postproc.accept import judge, pairing
 from postproc.iso import Options, Parameter
 from postproc.machine.file import read_machine
 from postproc.recordings import Recording, contract
+from tests.api.schemas import held
 from tests.calibrate.seed import SEED
 from tests.calibrate.simulation import recording, two_axes
+from tests.pages import drawn
 
 ROOT = Path(__file__).resolve().parents[2]
 THESIS = ROOT / "machines" / "studer-s36-thesis"
@@ -57,6 +59,7 @@ def test_the_loop_closes(loop, capsys):
     out = capsys.readouterr().out
     assert "all signs that can be told are right (6 of 6)" in out and 'signs = "verified"' in out
     data = json.loads((place / "r.json").read_text())
+    held(data)
     for one in data["results"]:
         assert one["taken_out_of_the_map"] == approx(1.0, abs=0.02)
         assert one["left_rms"] < 0.3
@@ -66,7 +69,12 @@ def test_the_loop_closes(loop, capsys):
     assert diagonal["before"]["value"] == approx(86.6, abs=1.0)  # machines/studer-s36/README.md
     assert diagonal["reduction"] > 0.97
     page = (place / "p.html").read_text()
-    assert page.count("<svg") == 2 and "all signs that can be told are right" in page
+    assert "All signs that can be told are right (6 of 6)." in page and drawn.outside(page) == []
+    curves = drawn.curves(page, "curves-1")
+    assert max(curves["before, approached in +"]["y"]) - min(curves["before, approached in +"]["y"]) > 60
+    assert max(map(abs, curves["after, approached in +"]["y"])) < 1.0
+    bars = drawn.curves(page, "parameters-1")
+    assert bars["before"]["y"][bars["before"]["x"].index("E")] == approx(diagonal["before"]["value"], abs=1e-3)
 
 
 def test_a_map_with_its_sign_turned_is_named_and_called_the_maps(loop, capsys):

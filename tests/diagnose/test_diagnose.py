@@ -220,14 +220,6 @@ def test_practice_cases(case):
         assert told["verdict"] == "nothing-left-out"
 
 
-def test_the_page_has_the_text_and_pictures(tmp_path):
-    pytest.importorskip("matplotlib")
-    files = simulate(tmp_path, ("backlash:Z:size_um=7",), tests=("positioning:Z",))
-    assert main(["diagnose", *files, "--machine", STUDER, "--report", str(tmp_path / "p.html"), "--quiet"]) == 0
-    text = (tmp_path / "p.html").read_text()
-    assert "backlash of Z" in text and text.count("<svg") >= 1
-
-
 def test_scipy_is_loaded_only_where_it_is_needed():
     import subprocess
     import sys

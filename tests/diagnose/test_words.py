@@ -6,14 +6,12 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from postproc import effects, recordings
 from postproc.cli import main
-from postproc.diagnose import plots, prose, words
+from postproc.diagnose import prose, words
 from postproc.diagnose.analysis import diagnose
-from postproc.diagnose.page import page
 from postproc.machine.file import read_machine
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -129,37 +127,6 @@ def test_the_text_says_what_where_how_large_how_sure_and_what_next(found):
     for word in ("WHERE: ", "HELD OUT: ", "NEXT: ", "noise alone reaches", "Can not be seen in these recordings: "):
         assert word in text
     assert not re.search(r"play|= -1\b|: ,|:\s*$|\bnan\b|:\.|  um", text.replace("\n", "|\n"))
-
-
-def test_the_page_is_whole_and_asks_no_network(found):
-    pytest.importorskip("matplotlib")
-    html = page(found)
-    assert html.startswith("<!doctype html>") and html.endswith("</html>\n")
-    fetched = re.findall(r"""(?:src|href)=["']?(https?:[^"' >]+)|@import|<script|<link""", html)
-    assert not fetched
-    captions = re.findall(r"<figcaption>(.*?)</figcaption>", html)
-    assert sum("along the position" in c for c in captions) == 2
-    assert any(c.startswith("Held out") for c in captions) and any(
-        c.startswith("What each effect explains") for c in captions
-    )
-    for label in ("position of Z, mm", "time, s", "direction of Z", "measured - model, um", "stands out", "held out"):
-        assert label in html
-
-
-def test_a_page_without_matplotlib_says_how_to_have_figures(found, monkeypatch):
-    def missing(d):
-        raise ImportError("matplotlib")
-
-    monkeypatch.setattr(plots, "figures", missing)
-    html = page(found)
-    assert "gcomp[figures]" in html and "<svg" not in html and "backlash of Z" in html
-
-
-def test_a_trace_is_thinned_and_says_so():
-    which, said = plots._thin(np.arange(10 * plots.DRAWN))
-    assert len(which) == plots.DRAWN and which[0] == 0 and which[-1] == 10 * plots.DRAWN - 1
-    assert f"{plots.DRAWN} of {10 * plots.DRAWN}" in said
-    assert plots._thin(np.arange(9))[1] == ""
 
 
 def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):

@@ -18,6 +18,8 @@ pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from postproc.recordings import ReadingOptions, Source, contract  # noqa: E402
 from postproc.streaming import journal  # noqa: E402
+from tests.api.schemas import held  # noqa: E402
+from tests.pages import drawn  # noqa: E402
 from tests.streaming.bench import Faults  # noqa: E402
 from tests.streaming.grbl_model import GrblModel  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
@@ -91,8 +93,16 @@ def running(place: Path, host: PtyHost, after: int, *arguments: str):
 
 def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
     with PtyHost(model(), speed=4.0) as host:
-        status, out, err = stream(place, host, "job.nc", "--record", "run.csv")
+        status, out, err = stream(
+            place, host, "job.nc", "--record", "run.csv", "--report", "run.html", "--json", "run.json"
+        )
     assert status == 0, err
+    told, page = json.loads((place / "run.json").read_text()), (place / "run.html").read_text("utf-8")
+    held(told)
+    assert told["outcome"] == "done" and told["answered"] == told["sent"] == told["lines"]
+    curves = drawn.curves(page, "lines")
+    assert curves["answered"]["y"] == sorted(curves["answered"]["y"]) and drawn.outside(page) == []
+    assert f"{told['sent']} lines sent and accepted" in page
     assert sent_rows(host) == wire_rows(place)
     assert host.model.dropped == 0 and host.model.state == "Idle"
     lines = [json.loads(line) for line in out.splitlines()]

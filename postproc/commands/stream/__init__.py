@@ -98,9 +98,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
     job.add_argument(
         "--report",
-        metavar="FILE",
-        help="write what became of the job, one JSON object: times, lines, holds, how it ended",
+        metavar="FILE.html",
+        help="write what became of the job as a page: times, lines, holds, how it ended, how it went on",
     )
+    job.add_argument("--json", metavar="FILE", help="the same as one JSON object (gcomp-run/1)")
     job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
     job.add_argument("--no-journal", action="store_true", help="keep no journal")
     job.add_argument(
@@ -137,13 +138,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from postproc.commands.stream import job as jobs
-    from postproc.commands.stream import ports_found
+    from postproc.commands.stream import ports_found, told
     from postproc.commands.stream.port import Port
     from postproc.commands.stream.signals import Interrupted, Signals
 
     if options.list_ports:
         print(ports_found.listed())
         return 0
+    told.refuse(options)
     frame = _line(options)
     _refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
@@ -339,7 +341,7 @@ def _stream(
     options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import handed, loop
+    from postproc.commands.stream import handed, loop, told
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -388,13 +390,12 @@ def _stream(
             show.tell(
                 f"notice: {options.file} was changed while the job ran; what was sent is the program as it was when the job began"
             )
-        if options.report and not dry:
+        if (options.report or options.json) and not dry:
             about = {
                 "program": job.name, "sha256": job.copy.digest if job.copy else None, "machine": machine.name, "map": machine.digest,
                 "controller": f"{controller.name} {controller.version}", "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             }  # fmt: skip
-            with open(options.report, "w", encoding="utf-8") as file:
-                file.write(show.report(outcome, time.monotonic(), about))
+            told.write(options, show.report(outcome, time.monotonic(), about), show.history)
         show.end(outcome)
     if prefetch.fault is not None:
         return outcome.exit_status or REFUSED

@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from postproc.commands.stream.outlets import Outlet
+from postproc.commands.stream.told import History
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.rates import Clock
 from postproc.streaming.sender import Sender
@@ -30,6 +31,7 @@ class Show:
         self._rates: tuple[float, ...] = ()
         self._live: Any = None
         self._events: list[dict[str, Any]] = []
+        self.history = History()
         self.out = Outlet(sys.stdout)
         self.err = Outlet(sys.stderr, self._draw if self.terminal else None, self._above)
 
@@ -41,6 +43,8 @@ class Show:
         self._looked = now
         if self.sender.status and self.sender.status.rates:
             self._rates = self.sender.status.rates
+        if self.history.due(now):
+            self.history.add(now, self.state(now))
         if self.quiet or now < self._next:
             return
         self._next = now + EVERY["terminal" if self.terminal else "lines"]
@@ -149,10 +153,10 @@ class Show:
             )  # fmt: skip
         self.out.close()
 
-    def report(self, outcome: Outcome, now: float, about: dict[str, Any]) -> str:
-        """The run in one JSON object. about: what else is known of it."""
+    def report(self, outcome: Outcome, now: float, about: dict[str, Any]) -> dict[str, Any]:
+        """The run, format gcomp-run/1. about: what else is known of it."""
         tally, begun = self.sender.tally, now if self._begun is None else self._begun
-        fields = {
+        return {
             "format": "gcomp-run/1", **about, "outcome": outcome.kind, "exit_status": outcome.exit_status, "message": outcome.message,
             "seconds": round(now - begun, 2), "held_s": round(self.clock.held, 2) if self.clock else None,
             "expected_s": round(self.clock.expected, 2) if self.clock else None, "lines": self.total or None, "sent": tally.sent,
@@ -160,7 +164,6 @@ class Show:
             "refused": [{"source_line": line.source, "text": line.text.decode("ascii", "replace"), "words": words} for line, words in tally.rejected],
             "at_source_line": outcome.at.source if outcome.at else None, "events": self._events,
         }  # fmt: skip
-        return json.dumps(fields, indent=1) + "\n"
 
     def close(self) -> None:
         """Give the terminal back."""

@@ -1,0 +1,36 @@
+"""`--json`: what a command reports, for other programs; one format with a name and a schema (postproc/schemas) each."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from pathlib import Path
+from typing import Any, TextIO
+
+from postproc import ports
+
+SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
+
+
+def argument(parser: argparse.ArgumentParser, format: str) -> None:
+    """The option."""
+    parser.add_argument("--json", metavar="FILE", help=f"all of it as JSON ({format}); - for standard output")
+
+
+def beside(path: str | None) -> TextIO:
+    """Where words for a person go: standard output, unless the JSON is there."""
+    return sys.stderr if path == "-" else sys.stdout
+
+
+def put(path: str | None, data: dict[str, Any]) -> None:
+    """Write it, whole or not at all; nothing where none was asked for."""
+    if not path:
+        return
+    import json
+
+    text = (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+    if path == "-":
+        ports.write_standard(text)
+    else:
+        ports.replace_file(Path(path), io.BytesIO(text), backup=False)

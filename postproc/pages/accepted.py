@@ -1,0 +1,109 @@
+"""The page of an acceptance: each line of targets before and after compensation, and whether every sign is right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from postproc.accept import VERDICTS, Change, Outcome, report
+from postproc.iso import Parameter
+from postproc.pages import charts
+from postproc.pages.frame import Page
+
+CURVES = (
+    ("before +", "before", "solid"), ("before -", "before", "dash"), ("after +", "after", "solid"), ("after -", "after", "dash"),
+)  # fmt: skip
+MOODS = {"turned": "bad", "too much": "bad", "nothing": "open", "between": "open"}
+
+
+def html(outcomes: Sequence[Outcome], machine: str) -> str:
+    """The file's text of `page`."""
+    return page(outcomes, machine).html()
+
+
+def page(outcomes: Sequence[Outcome], machine: str) -> Page:
+    """The page of all pairs of measurements."""
+    said = report.verdict(outcomes, machine)
+    moods = [MOODS[r.verdict] for one in outcomes for r in one.ratios if r.verdict in MOODS]
+    mood = "bad" if "bad" in moods else "open" if moods else "good"
+    of = f" of {machine}" if machine else ""
+    made = Page(f"Acceptance{of}: before and after compensation", f"{said[0][:1].upper()}{said[0][1:]}.", mood)
+    made.subject = [("lines of targets", ", ".join(dict.fromkeys(o.subject for o in outcomes)))]
+    if machine:
+        made.subject.insert(0, ("machine", machine))
+    made.listing([f"{text}." for text in said[1:]])
+    made.tiles(*_tiles(outcomes))
+    for k, one in enumerate(outcomes):
+        _outcome(made, k, one)
+    return made
+
+
+def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
+    """The first parameter of each line of targets, before and after."""
+    tiles = []
+    for one in outcomes[:6]:
+        change = next((c for c in one.changes if c.before.value is not None and c.after.value is not None), None)
+        if change is not None:
+            unit = report.unit_of(one)
+            before, after = (_shown(p.value, unit) for p in (change.before, change.after))
+            tiles.append((f"{before} to {after} {one.unit}", f"{one.subject}: {change.before.name}", "after"))
+    return tiles
+
+
+def _shown(value: float | None, unit: float) -> str:
+    return "-" if value is None else f"{value / unit:.2f}"
+
+
+def _outcome(made: Page, k: int, one: Outcome) -> None:
+    made.section(f"{one.subject}: {one.before.test}", f"{one.before.recording.file} -> {one.after.recording.file}")
+    made.figure(_curves(k, one))
+    made.figure(_bars(k, one))
+    unit = report.unit_of(one)
+    rows = [
+        (c.before.name, _shown(c.before.value, unit), _shown(c.before.U, unit), _shown(c.after.value, unit), _shown(c.after.U, unit),
+         report.reduction(c), c.before.means)
+        for c in one.changes
+    ]  # fmt: skip
+    made.table(
+        ("", f">before, {one.unit}", ">U (k = 2)", f">after, {one.unit}", ">U (k = 2)", ">less by", "what it is"), rows
+    )
+    made.table(("sign", "what is left of it", ""), [(r.of, report.ratio(r), VERDICTS[r.verdict]) for r in one.ratios])
+    made.listing([*report.rest(one, unit), *one.notices])
+
+
+def _curves(k: int, one: Outcome) -> charts.Figure:
+    """Means over the targets, about their own mean."""
+    unit, letter = report.unit_of(one), one.subject[2:3] if len(one.subject) == 3 else one.subject
+    x = charts.column([v for v in one.curves["target"] if v is not None], 4)
+    data = []
+    for name, role, dash in CURVES:
+        values = [None if v is None else round(v / unit, 3) for v in one.curves[name]]
+        if any(v is not None for v in values):
+            moment, sign = name.split()
+            data.append(charts.line(x, values, f"{moment}, approached in {sign}", role, dash=dash, mode="lines+markers",
+                                    marker={"size": 4, "color": f"@{role}"}, hovertemplate=f"%{{x}}: %{{y:.2f}} {one.unit}<extra></extra>"))  # fmt: skip
+    along = "degrees" if one.before.test == "rotary" else "mm"
+    return charts.figure(
+        f"curves-{k}", "Means of the runs at each target, actual - commanded by the nominal program, about their own mean.", data,
+        f"{letter}, {along}", f"deviation, {one.unit}", 360,
+    )  # fmt: skip
+
+
+def _bars(k: int, one: Outcome) -> charts.Figure:
+    """Parameters before and after, with U."""
+    unit = report.unit_of(one)
+    told = [c for c in one.changes if c.before.value is not None and c.after.value is not None]
+    data = [
+        _with_u([(c, c.before) for c in told], "before", unit),
+        _with_u([(c, c.after) for c in told], "after", unit),
+    ]
+    return charts.figure(
+        f"parameters-{k}", "Parameters before and after, with U (95 %) where it is known.", data, "", one.unit, 280, yaxis={"rangemode": "tozero"},
+    )  # fmt: skip
+
+
+def _with_u(told: list[tuple[Change, Parameter]], role: str, unit: float) -> charts.Trace:
+    u = [0.0 if p.U is None else p.U / unit for _, p in told]
+    return charts.bars(
+        [c.before.name for c, _ in told], charts.column([(p.value or 0.0) / unit for _, p in told], 3), role, role,
+        error_y={"type": "data", "array": charts.column(u, 3), "thickness": 1}, hovertemplate="%{x}: %{y:.2f}<extra></extra>",
+    )  # fmt: skip

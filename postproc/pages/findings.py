@@ -1,0 +1,149 @@
+"""Figures of what a diagnosis found: how much each effect explains, how probable its names are, what it does to readings that took no
+part, what no name explains, and what the written machine would change."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose import report, words
+from postproc.diagnose.answer import Diagnosis, floor
+from postproc.diagnose.summary import UM, middle, rms, scaled
+from postproc.machine.chain import XYZ
+from postproc.pages import charts, left
+
+PLACES = 161  # of a curve over a travel
+CHANGES = 0.05  # um: less is not drawn
+RANKED = 12  # causes that are listed
+SHOWN = 0.02  # of a probability: less is not drawn
+
+
+def held_out(d: Diagnosis) -> charts.Figure:
+    """rms of what took no part, signal by signal."""
+    own = [int(s) for s in np.unique(d.rows.signal[d.held])]
+    sizes = {"before": d.before, "with the effects found": d.after, "noise": floor(d)}
+    groups = []
+    for (said, values), role in zip(sizes.items(), ("before", "after", "still"), strict=True):
+        of = [rms(values[d.held & (d.rows.signal == s)]) * scaled(d, s)[0] for s in own]
+        groups.append((said, role, of))
+    labels = [left.name(d, s) + ("" if scaled(d, s)[1] == "um" else ", urad") for s in own]
+    return charts.lying(
+        "held-out", f"Held out ({d.held_name}): rms before, and with the effects found, beside the noise of single readings.",
+        labels, groups, "rms of what took no part, um",
+    )  # fmt: skip
+
+
+def ranked(d: Diagnosis) -> list[tuple[str, float, float, float]]:
+    """(effect, rms um, range um, share of all) of what was found, the largest first. range: from its least to its largest in one
+    signal; share: of the sum of squares of all effects."""
+    found = []
+    for f in d.findings:
+        part = (f.contribution - middle(d, f.contribution)) * UM
+        wide = max(float(np.ptp(part[d.rows.signal == s])) for s in np.unique(d.rows.signal))
+        found.append((words.named(f.block.key), rms(part), wide))
+    whole = sum(size**2 for _, size, _ in found) or 1.0
+    return sorted(((n, size, wide, size**2 / whole) for n, size, wide in found), key=lambda one: -one[1])[:RANKED]
+
+
+def shares(d: Diagnosis) -> charts.Figure:
+    """How much each effect explains, beside what is left."""
+    sizes = [(words.named(f.block.key), rms(f.contribution - middle(d, f.contribution)) * UM) for f in d.findings]
+    sizes.sort(key=lambda one: -one[1])
+    sizes += [("left with all of them", rms(d.after) * UM), ("noise", rms(floor(d)) * UM)]
+    return charts.lying(
+        "shares", "How much each effect explains in all readings, beside what is left with all of them and the noise.",
+        [n for n, _ in sizes], [("rms", "command", [v for _, v in sizes])], "rms of all readings, um",
+    )  # fmt: skip
+
+
+def names(d: Diagnosis) -> charts.Figure | None:
+    """How probable each name is, where more than one explains the readings."""
+    told = [f for f in d.findings if len(f.names) > 1]
+    if not told:
+        return None
+    labels, sizes = [], []
+    for f in told:
+        of = words.named(f.block.key)
+        for name, p in f.names.items():
+            if p >= SHOWN:
+                labels.append(words.named(name) if name == f.block.key else f"{words.named(name)} (in place of {of})")
+                sizes.append(100 * p)
+    return charts.lying(
+        "names", "How probable each name is if it is one of these: by what the readings tell and what is believed beforehand.",
+        labels, [("probability", "command", sizes)], "%",
+    )  # fmt: skip
+
+
+def features(d: Diagnosis) -> charts.Figure:
+    """Features of parts, before and after."""
+    own = [int(s) for s in np.unique(d.rows.signal[d.rows.sees == "part"])]
+    labels = {s: left.name(d, s) for s in own}
+    data: list[charts.Trace] = []
+    for which, values, role, symbol, said in (
+        (d.rows.sees == "part", d.before, "before", "circle-open", "before"),
+        ((d.rows.sees == "part") & ~d.held, d.after, "after", "circle", "after"),
+        ((d.rows.sees == "part") & d.held, d.after, "held", "diamond", "after, took no part"),
+    ):
+        rows = np.flatnonzero(which)
+        if len(rows):
+            data.append(charts.dots(charts.um(values[rows], 3), [labels[int(s)] for s in d.rows.signal[rows]], said, role, size=8,
+                                    symbol=symbol, hovertemplate="%{y}: %{x:.2f} um<extra></extra>"))  # fmt: skip
+    half = [left.Z95 * float(np.median(floor(d)[d.rows.signal == s])) * UM for s in own]
+    bars = charts.bars(charts.column(2 * np.array(half), 3), [labels[s] for s in own], "95 % of the noise", "noise", orientation="h",
+                       base=charts.column(-np.array(half), 3), hoverinfo="skip")  # fmt: skip
+    return charts.figure(
+        "features", "Features of parts: what the machine's file leaves, and what is left with the effects found.", [bars, *data],
+        "measured - model, um", "", 130 + 30 * len(own), yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"},
+    )  # fmt: skip
+
+
+def unknown(d: Diagnosis) -> charts.Figure | None:
+    """What no name explains, cell by cell."""
+    u = d.unknown
+    if u is None or len(u.cells) < 2:
+        return None
+    scale, unit = scaled(d, u.signal)
+    by_side = u.depends == ("direction",)
+    data = []
+    for way, role, said in left.SIDES:
+        own = [c for c in u.cells if c.approach == way]
+        if own:
+            x = [way if by_side else (c.low + c.high) / 2 for c in own]
+            wide = {"type": "data", "array": charts.column([1.96 * c.error * scale for c in own], 3), "thickness": 1}
+            data.append(charts.line(charts.column(x, 4), charts.column([c.mean * scale for c in own], 3), said if way else "both directions",
+                                    role, mode="lines+markers", error_y=wide))  # fmt: skip
+    along = "direction of approach" if by_side else "time, s" if u.along == "time" else f"position of {u.along}, mm"
+    return charts.figure(
+        "unknown", f"{left.name(d, u.signal)}: the mean of what no name explains, with 95 % limits of the mean. No compensator applies it.",
+        data, along, f"not explained, {unit}", 320,
+    )  # fmt: skip
+
+
+def written(d: Diagnosis) -> list[charts.Figure]:
+    """What the written machine would change: the map's deviation along each slide, the others in the middle, before and after."""
+    machine, other = d.machine, report.with_effects(d)
+    figures = []
+    middles = {x: (a.travel[0] + a.travel[1]) / 2 if x in XYZ else 0.0 for x, a in machine.axes.items()}
+    slides = [x for x in machine.letters if x in XYZ]
+    for letter in slides:
+        at = np.linspace(*machine.axes[letter].travel, PLACES)
+        place = np.stack([at if x == letter else np.full(PLACES, middles[x]) for x in machine.letters])
+        data = []
+        for k, error in enumerate(slides):
+            row = machine.letters.index(error)
+            for side, dash in ((1.0, "solid"), (-1.0, "dash")):
+                pair = [m.deviation(place, np.full_like(place, side))[row] * UM for m in (machine, other)]
+                if float(np.abs(pair[1] - pair[0]).max()) < CHANGES:
+                    continue
+                role, sign = ("plus", "minus", "limit")[k], "+" if side > 0 else "-"
+                data += [
+                    charts.line(charts.column(at, 3), charts.column(pair[0], 3), f"{error} as it is, from {sign}", "nominal", dash=dash),
+                    charts.line(charts.column(at, 3), charts.column(pair[1], 3), f"{error} as written, from {sign}", role, dash=dash),
+                ]  # fmt: skip
+        if data:
+            figures.append(
+                charts.figure(
+                    f"written-{letter}", f"Deviation by the map along {letter}, the other axes in the middle of their travel: as the file states "
+                    "it, and as --write-machine would write it.", data, f"position of {letter}, mm", "deviation, um", 340,
+                )
+            )  # fmt: skip
+    return figures

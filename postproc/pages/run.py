@@ -1,0 +1,92 @@
+"""The page of a job that was sent to a controller: how it ended, how it went on, what was refused, what happened."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from postproc.pages import charts
+from postproc.pages.frame import Page
+
+MOST = 200  # refused lines, and events, that are listed
+
+
+def html(fields: dict[str, Any], samples: list[dict[str, Any]]) -> str:
+    """The file's text of `page`."""
+    return page(fields, samples).html()
+
+
+def page(fields: dict[str, Any], samples: list[dict[str, Any]]) -> Page:
+    """The page of a job. fields: what gcomp-run/1 holds; samples: states while it ran, in the order of time."""
+    good = fields["outcome"] == "done"
+    first, *rest = fields["message"].splitlines()
+    made = Page(
+        f"{fields['program']} on {fields['machine']}: {fields['outcome']}", f"{first}.", "good" if good else "bad"
+    )
+    made.subject = [
+        ("controller", fields["controller"]), ("map", fields["map"]), ("ended", fields["ended"]),
+        ("sha256 of the program", fields["sha256"] or "not known: it came from a pipe"),
+    ]  # fmt: skip
+    made.listing([line.strip() for line in rest])
+    made.tiles(*_tiles(fields))
+    _course(made, fields, samples)
+    if fields["refused"]:
+        made.section("Refused by the controller")
+        made.table(("line", "text", "its words"), [(r["source_line"], r["text"], r["words"]) for r in fields["refused"][:MOST]], code=(1,))  # fmt: skip
+    if fields["events"]:
+        made.section("What happened")
+        made.table((">s", "event", ""), [(f"{e['s']:.1f}", e["event"], e["message"]) for e in fields["events"][:MOST]])
+    return made
+
+
+def _tiles(fields: dict[str, Any]) -> list[tuple[str, str, str]]:
+    tiles = [(_minutes(fields["seconds"]), "it took", "")]
+    if fields["expected_s"] is not None:
+        tiles.append((_minutes(fields["expected_s"]), "was expected, by the controller's settings", ""))
+    if fields["held_s"]:
+        tiles.append((_minutes(fields["held_s"]), "of it on hold", "open"))
+    total = f" of {fields['lines']:,}" if fields["lines"] else ""
+    tiles += [
+        (f"{fields['executed']:,}{total}", "lines are surely over", ""), (f"{fields['answered']:,}", "lines answered", ""),
+        (f"{len(fields['refused']):,}", "lines refused", "bad" if fields["refused"] else ""), (f"{fields['bytes']:,}", "bytes sent", ""),
+    ]  # fmt: skip
+    return tiles
+
+
+def _minutes(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds, 1), 60)
+    return f"{minutes:.0f} min {rest:.0f} s" if minutes else f"{rest:.1f} s"
+
+
+def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -> None:
+    """Lines, feed and buffers over the time, with what happened marked."""
+    if len(samples) < 2:
+        return
+    made.section("How it went on")
+    t = [s["elapsed_s"] for s in samples]
+    lines = [
+        charts.line(t, [s["sent"] for s in samples], "sent", "nominal"),
+        charts.line(t, [s["answered"] for s in samples], "answered", "command"),
+        charts.line(t, [s["executed"] for s in samples], "surely over", "after"),
+    ]
+    marks = [e for e in fields["events"] if e["s"] <= t[-1] + 1][:MOST]
+    lines.append(
+        charts.dots([e["s"] for e in marks], [0] * len(marks), "events", "limit", size=8, symbol="triangle-up",
+                    text=[e["message"] for e in marks], hovertemplate="%{x} s: %{text}<extra></extra>")
+    )  # fmt: skip
+    made.figure(charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320))
+    for key, unit, said in (
+        ("feed_mm_min", "mm/min", "Feed as the controller reports it."),
+        (
+            "planner_free",
+            "blocks",
+            "Blocks that are free in the controller's planner: at zero it has as much as it can hold.",
+        ),
+        ("buffer_bytes", "bytes", "Bytes in the controller's receive buffer, as they are counted here."),
+    ):
+        values = [s.get(key) for s in samples]
+        if any(v is not None for v in values):
+            made.figure(
+                charts.figure(
+                    key, said, [charts.line(t, values, key, "command")], "time, s", unit, 240, showlegend=False
+                )
+            )

@@ -1,0 +1,92 @@
+"""What makes a circle out of round: causes put in by their own formulas, and by the simulator's physics, come back with their size."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from postproc.cli import main
+from postproc.iso.causes import causes
+from postproc.iso.circles import Trace, trace
+
+RADIUS, COUNT = 100.0, 1440
+
+
+def circles(off, noise: float = 0.0, seed: int = 0, ways=(1, -1, 1, -1)) -> list[Trace]:
+    """Full turns: off(t, w, direction of a, direction of b) mm of the radius."""
+    rng, found = np.random.default_rng(seed), []
+    for run, w in enumerate(ways, 1):
+        t = w * (np.arange(COUNT) + 0.5) * 2 * np.pi / COUNT
+        radial = off(t, w, -w * np.sign(np.sin(t)), w * np.sign(np.cos(t))) + noise * rng.normal(size=COUNT)
+        found.append(trace(run, t, radial, RADIUS))
+    return found
+
+
+def told(found) -> dict[str, float]:
+    return {c.name: c.size for c in found.ranked}
+
+
+def test_what_is_put_in_comes_back_and_the_largest_is_first():
+    """5 um of lost motion of X (it stops short), 20 urad of squareness (1 um over 100 mm: 2 um round), 3 ms at 3000 mm/min of unlike following."""
+
+    def off(t, w, a, b):
+        lag = 3e-3 * (3000 / 60) / 2
+        return (
+            -a * np.cos(t) * 0.005 / 2
+            + 20e-6 * RADIUS * np.sin(2 * t) / 2
+            + lag * w * np.sin(2 * t)
+            + 0.04 * np.cos(t)
+            + 0.01
+        )
+
+    found = causes("XY", circles(off), 3000.0)
+    sizes = told(found)
+    assert sizes["X and Y follow unlike (servo mismatch)"] == pytest.approx(3.0, abs=1e-6)
+    assert sizes["lost motion of X"] == pytest.approx(5.0, abs=1e-6)
+    assert sizes["squareness of X and Y"] == pytest.approx(20.0, abs=1e-6)
+    assert found.ranked[0].name.startswith("X and Y follow unlike") and found.ranked[0].range == pytest.approx(
+        0.15, rel=1e-3
+    )
+    assert found.ranked[1].range == pytest.approx(0.005, rel=1e-3)  # from half of it below to half above
+    assert sum(c.share for c in found.ranked) == pytest.approx(1.0)
+    assert found.left < 1e-9 < found.whole
+
+
+def test_most_of_what_noise_makes_lies_within_its_u():
+    inside = []
+    for seed in range(40):
+        found = causes("XY", circles(lambda t, w, a, b: -b * np.sin(t) * 0.003 / 2, 0.0005, seed))
+        inside += [abs(c.size - (3.0 if c.name == "lost motion of Y" else 0.0)) <= c.U for c in found.ranked]
+    assert 0.90 <= np.mean(inside) <= 0.995
+
+
+def test_one_sense_or_part_of_a_turn_tells_no_causes():
+    one = circles(lambda t, w, a, b: 0 * t, ways=(1, 1))
+    assert causes("XY", one) is None
+    part = Trace(1, -1, np.linspace(0, 3, 400), np.zeros(400), RADIUS, False, 0.01)
+    assert causes("XY", [one[0], part]) is None
+
+
+def test_the_simulators_lost_motion_is_the_first_cause(tmp_path, capfd):
+    recording, out = tmp_path / "r.csv", tmp_path / "i.json"
+    line = [
+        "simulate",
+        "--test",
+        "ballbar:XZ,runs=1",
+        "--machine",
+        "studer-s36",
+        "--only",
+        "EBZ",
+        "--with",
+        "backlash:Z:size_um=7",
+    ]
+    assert main([*line, "--set", "rate=20", "--quiet", "-o", str(recording)]) == 0
+    assert main(["iso", str(recording), "--json", str(out)]) == 0
+    assert "what makes it out of round" in capfd.readouterr().out
+    first = json.loads(out.read_text())["results"][0]["causes"]["ranked"][0]
+    assert (
+        first["name"] == "lost motion of Z" and first["size"] == pytest.approx(7.0, abs=0.4) and first["unit"] == "um"
+    )
+    assert first["range_um"] == pytest.approx(7.0, abs=0.4) and first["share"] > 0.5
