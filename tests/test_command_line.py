@@ -97,3 +97,38 @@ def test_every_line_that_is_printed_has_options_that_there_are(page, line, capsy
 
 def test_there_are_lines_to_be_tried():
     assert len(printed()) > 20
+
+
+def test_the_manual_page_is_what_the_commands_say(capfd):
+    """docs/gcomp.1 is made by `gcomp man`; groff, where it is installed, warns of nothing."""
+    assert main(["man"]) == 0
+    made = capfd.readouterr().out
+    assert made == (ROOT / "docs" / "gcomp.1").read_text("utf-8"), "run: gcomp man > docs/gcomp.1"
+    assert all(f'.SH "GCOMP {name.upper()}"' in made for name in commands() if name != DEFAULT)
+    if shutil.which("groff"):
+        done = subprocess.run(["groff", "-man", "-ww", "-z"], input=made.encode(), capture_output=True)
+        assert done.stderr == b""
+
+
+def test_colour_is_for_terminals_alone(tmp_path, monkeypatch):
+    """By a pseudo-terminal: an error's gcomp: is red, with NO_COLOR it is plain; in a pipe it always is."""
+    import os
+    import pty
+    import sys
+
+    def said(**more) -> bytes:
+        reader, writer = pty.openpty()
+        environment = (
+            {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"PYTHONPATH": str(ROOT), "TERM": "xterm"} | more
+        )
+        subprocess.run(
+            [sys.executable, "-m", "postproc", "no.nc", "--machine", "perfect"],
+            stderr=writer,
+            env=environment,
+            cwd=tmp_path,
+        )
+        os.close(writer)
+        return os.read(reader, 4096)
+
+    assert said().startswith(b"\x1b[1;31mgcomp:\x1b[0m no.nc")
+    assert said(NO_COLOR="1").startswith(b"gcomp: no.nc")
