@@ -31,6 +31,8 @@ class Settings(TypedDict, total=False):
     expand: True writes loops and subprograms out, False refuses what needs it, None (the rule of `gcomp FILE`) does so
     where nothing else corrects the program, and says so in `Compensated.written_out`; block_delete: whether blocks that
     begin with / are skipped at the machine; dialect: "auto" looks at the program; integers: "units" or "least-increments".
+    temperatures: a log of thermometers, each block meets the temperature of its moment; log_begin: when in it the program
+    begins; pace: factor by which the machine takes longer than the program says; hold_temperature: holds the log's last row behind it.
     """
 
     tolerance_um: float
@@ -54,6 +56,10 @@ class Settings(TypedDict, total=False):
     start: dict[str, float]
     block_delete: bool
     arc_centre: str
+    temperatures: str | Path
+    log_begin: str
+    pace: float
+    hold_temperature: bool
 
 
 @dataclass(frozen=True)
@@ -254,6 +260,8 @@ def _options(settings: dict[str, Any], program: Any) -> argparse.Namespace:
             name, value = "offsets", [str(path) for path in value]
         elif name == "library":
             value = [str(path) for path in value]
+        elif name == "temperatures":
+            value = str(value)
         elif name == "block_delete":
             value = "on" if value else "off"
         setattr(options, name, value)
