@@ -43,9 +43,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
     parser.add_argument("file", nargs="?", metavar="PROGRAM", help="the program; - is standard input")
     what = parser.add_argument_group("what is run and read")
-    what.add_argument("--test", metavar="NAME:AXES,...", help="a test of gcomp's own in place of PROGRAM: positioning:Z period:Z arms:Z straightness:Z angle:Z diagonal:XZ ballbar:XY staircase:X feeds:X soak:Z rest:Z; like positioning:Z,step=30,even=1,runs=3,dwell=2,feed=1000")  # fmt: skip
+    what.add_argument("--test", metavar="NAME:AXES,...", help="a test of gcomp's own in place of PROGRAM: positioning:Z period:Z arms:Z straightness:Z angle:Z diagonal:XZ ballbar:XY staircase:X feeds:X soak:Z rest:Z volume:XYZ; like positioning:Z,step=30,even=1,runs=3,dwell=2,feed=1000")  # fmt: skip
     what.add_argument("--program-out", metavar="FILE", help="write the test's program there; - is standard output")
-    what.add_argument("--instrument", metavar="NAME", help="laser, straightness, angle, ballbar, log or probe (a test brings its own)")  # fmt: skip
+    what.add_argument("--instrument", metavar="NAME", help="laser, straightness, angle, ballbar, tracker, log or probe (a test brings its own)")  # fmt: skip
     what.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], type=_pair, dest="settings", help="how the instrument is set; --set help=1 lists")  # fmt: skip
     what.add_argument("--nominal", metavar="FILE", help="the program that PROGRAM was corrected from: readings against its targets, as an instrument at the machine takes them")  # fmt: skip
     what.add_argument("-o", "--output", metavar="REC", help="write the recording there (standard output)")

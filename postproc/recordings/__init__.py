@@ -21,7 +21,8 @@ import numpy as np
 from postproc.errors import GcompError, Place, UsageError
 from postproc.units import UM, URAD
 
-KINDS = ("targets", "trace", "ballbar", "features")
+KINDS = ("targets", "trace", "ballbar", "features", "points", "lengths", "sphere")
+RESTING = ("targets", "points", "lengths", "sphere")  # a row is a place at rest
 QUANTITIES = ("displacement", "straightness", "angle")
 AXES = "XYZABC"
 OPTION = {"columns": "column"}  # where the command line says it otherwise
@@ -112,7 +113,7 @@ class Recording:
 
     def _position_name(self, letter: str) -> str:
         unit = "mm" if letter in "XYZ" else "deg"
-        return f"{letter}_{unit}" if self.kind == "targets" else f"{letter}_cmd_{unit}"
+        return f"{letter}_{unit}" if self.kind in RESTING else f"{letter}_cmd_{unit}"
 
     def position(self, letter: str) -> np.ndarray:
         """(N,) commanded slide positions, mm, of rotary axes degrees."""

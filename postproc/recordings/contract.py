@@ -17,7 +17,17 @@ from typing import Any
 import numpy as np
 
 from postproc.errors import GcompError, Place
-from postproc.recordings import AXES, KINDS, QUANTITIES, Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import (
+    AXES,
+    KINDS,
+    QUANTITIES,
+    RESTING,
+    Fault,
+    ReadingOptions,
+    Recording,
+    RecordingError,
+    Source,
+)
 from postproc.recordings import _text as text
 
 TITLE = "gcomp recording (gcomp-recording/1)"
@@ -176,7 +186,7 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
     if kind == "features":
         wanted = {"feature", "kind", "axis", "nominal_mm", "measured_mm"}
     else:
-        suffix = "" if kind == "targets" else "_cmd"
+        suffix = "" if kind in RESTING else "_cmd"
         axes = [x for x in AXES if f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" in names]
         if not axes:
             raise RecordingError(
@@ -193,6 +203,12 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
             wrong = [x for x in head["centre"] if x not in axes]
             if wrong:
                 raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
+        if (
+            kind == "points"
+        ):  # places in the frame of an instrument, or how far the tool is off along the machine's axes
+            wanted |= {"dx_um", "dy_um", "dz_um"} if "dx_um" in names else {"mx_mm", "my_mm", "mz_mm"}
+        if kind == "lengths":
+            wanted |= {"length_mm"}
         if kind == "trace":
             wanted |= {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
     for name in sorted(wanted):

@@ -312,6 +312,31 @@ def rest(write: Writer, ask: Ask) -> Test:
     return Test(write.text(), "laser", {"dwell": f"{period:g}", "along": axis}, f"rest, read along {axis}")
 
 
+def volume(write: Writer, ask: Ask) -> Test:
+    """Places all over the volume of these axes, spread evenly (Halton), each reached from below. number (120), dwell, feed."""
+    room = ranges(write.machine, OUTRUN)
+    feed, dwell, number = ask.of("feed", 4000.0), ask.of("dwell", 1.0), ask.count("number", 120)
+    write.begin(f"places in {ask.axes}")
+    write.rest({x: v for x, v in middle(write.machine).items() if x not in ask.axes}, feed)
+    for k in range(1, number + 1):
+        at = {x: _halton(k, base) for x, base in zip(ask.axes, (2, 3, 5), strict=False)}
+        place = {x: round(room[x][0] + share * (room[x][1] - room[x][0]), 3) for x, share in at.items()}
+        write.go({x: v - OUTRUN for x, v in place.items()}, feed)
+        write.go(place, feed)
+        write.wait(dwell)
+    return Test(write.text(), "tracker", {"dwell": f"{dwell:g}"}, f"places in {ask.axes}")
+
+
+def _halton(k: int, base: int) -> float:
+    """The k-th number of the van der Corput sequence of a base, 0 to 1."""
+    found, part = 0.0, 1.0
+    while k:
+        part /= base
+        found += part * (k % base)
+        k //= base
+    return found
+
+
 TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "positioning": (positioning, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "period": (period, 1, ("way", "step", "runs", "dwell", "feed", "at")),
@@ -323,6 +348,7 @@ TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "staircase": (staircase, 1, ("runs", "dwell", "feed", "at")),
     "feeds": (feeds, 1, ("number", "slowest", "fastest", "way", "runs")),
     "soak": (soak, 1, ("hours", "feed", "period")),
+    "volume": (volume, 2, ("number", "dwell", "feed")),
     "rest": (rest, 1, ("hours", "period", "rpm")),
 }
 
@@ -336,7 +362,7 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
     function, number, keys = TESTS[name]
     slides = [x for x in machine.letters if x in XYZ]
     good = len(set(axes)) == len(axes) and all(x in slides for x in axes)
-    if not good or len(axes) < number or (len(axes) > number and name != "diagonal"):
+    if not good or len(axes) < number or (len(axes) > number and name not in ("diagonal", "volume")):
         raise UsageError(
             f"{head!r} names no {'axis' if number == 1 else f'{number} axes'} of {machine.name}",
             f"like {name}:{''.join(slides[:number])}; its axes are {' '.join(slides)}",

@@ -1,0 +1,149 @@
+"""`gcomp volumetric REC... --like MACHINE -o FOLDER`: readings all over the volume to a map of all errors at once."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from postproc import ports
+from postproc.commands.calibrate import like_of, write_folder
+from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.errors import UsageError
+from postproc.machine import places
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Machine
+
+HELP = "make a machine folder of readings all over the volume: a laser tracker's points, lengths, diagonals, spheres"
+EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
+MOST_NODES, EVEN = 15, 11  # places of an axis that are nodes as they are; nodes where there are more of them
+LARGEST = 1 << 28
+SHARE = 0.1  # of the readings of either direction, so that lost motion is told
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "recordings", nargs="+", metavar="REC",
+        help="recordings of points, lengths, spheres, diagonals, lines; six-degree-of-freedom files",
+    )  # fmt: skip
+    parser.add_argument(
+        "--like",
+        required=True,
+        metavar="MACHINE",
+        help="the machine that was measured: its chain, axes, travels, control",
+    )
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
+    parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
+    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    parser.add_argument(
+        "--zero", metavar="NAME,...", action="append", default=[], help="errors that are taken as zero, like EYX,C0Y"
+    )
+    parser.add_argument("--nodes", metavar="N", type=int, help="nodes of each axis (default: the places that were read, 11 where they are more than 15)")  # fmt: skip
+    reading_arguments(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from postproc.volumetric import solve, written
+    from postproc.volumetric.observations import rows_of
+    from postproc.volumetric.unknowns import Unknowns, components, locations
+
+    machine = places.load(options.like)
+    if options.nodes is not None and not 2 <= options.nodes <= 200:
+        raise UsageError(f"--nodes {options.nodes}: a component has 2 to 200 nodes")
+    zero = frozenset(n.strip() for text in options.zero for n in text.split(",") if n.strip())
+    read = read_files(options.recordings, options.format, reading_options(options))
+    bare = written.without_errors(machine)
+    rows = [part for r in read for part in rows_of(r, bare, dict(options.others))]
+    turned = any(np.ptp(r.q[machine.letters.index(x)]) > 1e-3 for r in rows for x in machine.chain.rotary)
+    if turned:
+        _of_slides_only([r.kind for r in rows])
+        every = locations(machine, frozenset())
+        groups, known = locations(machine, zero), _slides(machine)
+    else:
+        nodes = _nodes(rows, machine, options.nodes)
+        both = _two_way(rows, machine)
+        every = components(machine, nodes, frozenset(), both)
+        groups, known = components(machine, nodes, zero, both), bare
+    names = [g.name for g in every]
+    for name in sorted(zero):
+        if name not in names:
+            raise UsageError(f"--zero {name}: there is no such error here", f"errors: {', '.join(names)}")
+    fit = solve.fit(rows, Unknowns(tuple(groups), bare, known))
+    tool = rows[0].tool
+    told = sys.stderr if options.json == "-" else sys.stdout
+    print(written.report(fit, tool, zero), file=told)
+    if options.output:
+        head = {
+            "name": Path(options.output).resolve().name,
+            "title": f"{Path(options.output).resolve().name}, measured in its volume",
+        }
+        files, like = [r.file for r in read], like_of(options.like)
+        if turned:
+            texts = written.turned(fit, like, head, _tables(options.like), files)
+        else:
+            texts = written.folder(fit, like, head, tool, files)
+        backup = write_folder(Path(options.output), texts, options.force)
+        print(f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""), file=told)
+    else:
+        print("\nnothing is written: -o machines/NAME names the folder", file=told)
+    if options.json:
+        data = (json.dumps(written.as_json(fit), indent=1, allow_nan=False) + "\n").encode()
+        if options.json == "-":
+            ports.write_standard(data)
+        else:
+            import io
+
+            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+    return 0
+
+
+def _tables(name: str) -> dict[str, str]:
+    """The tables of a machine's folder, as they are."""
+    folder = places.folder_of(name)
+    return {p.name: ports.read_whole(p, LARGEST).decode() for p in sorted(folder.glob("*.csv"))}
+
+
+def _of_slides_only(kinds: list[str]) -> None:
+    if set(kinds) - {"sphere", "shift"}:
+        raise UsageError(
+            "rotary axes turn in these recordings: they are read with a sphere or an R-test",
+            'kind = "sphere", or points with dx_um dy_um dz_um',
+        )
+
+
+def _slides(machine: Machine) -> Machine:
+    """The machine with the errors that its slides are known to have; how its rotary axes lie is asked for."""
+    from dataclasses import replace
+
+    axes = {x: a if x in XYZ else replace(a, location=np.zeros(6)) for x, a in machine.axes.items()}
+    square = {x: lean for x, lean in machine.square.items() if x in XYZ}
+    return replace(machine, axes=axes, square=square)
+
+
+def _nodes(rows, machine: Machine, number: int | None) -> dict[str, np.ndarray]:
+    """Axis to its nodes: the places that were read, or even ones between the first and the last."""
+    found = {}
+    for x in (x for x in XYZ if x in machine.chain.axes):
+        at = np.unique(np.round(np.concatenate([r.q[machine.letters.index(x)] for r in rows]), 3))
+        if at[-1] - at[0] < 1e-3:
+            continue
+        if number is not None or len(at) > MOST_NODES:
+            at = np.round(np.linspace(at[0], at[-1], number or EVEN), 6)
+        if len(at) >= 2:
+            found[x] = at
+    if not found:
+        raise UsageError("no slide moves in these recordings")
+    return found
+
+
+def _two_way(rows, machine: Machine) -> frozenset[str]:
+    """Axes that were read from both sides."""
+    found = set()
+    for x in (x for x in XYZ if x in machine.chain.axes):
+        way = np.concatenate([r.approach[machine.letters.index(x)] for r in rows])
+        if min((way > 0).mean(), (way < 0).mean()) > SHARE:
+            found.add(x)
+    return frozenset(found)

@@ -1,0 +1,116 @@
+"""A wide table of a six-degree-of-freedom instrument: one axis moves, and all of its errors are read at once.
+
+Header X_mm, then any of EXX_um EYX_um EZX_um EAX_urad EBX_urad ECX_urad (also _arcsec), and where known run, approach (+1, -1),
+t_s, the other axes' places (Y_mm) and temperatures (T_screw_X_C). Each component becomes a recording.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from postproc.errors import Place, UsageError
+from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _text as text
+from postproc.units import URAD
+
+TITLE = "six degrees of freedom (X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_urad,ECX_urad)"
+TAKES = ("component", "others", "machine", "head")
+EXTRA = {"decimal": ". or ,: the decimal sign, where it is not clear"}
+COMPONENT = re.compile(r"E([XYZABC])([XYZ])_(um|urad|arcsec)")
+FEWEST = 3  # components in one table: fewer are tables of other kinds
+ARCSEC = np.pi / 648000 / URAD
+
+
+def recognises(source: Source) -> bool:
+    first = next(
+        (
+            line
+            for line in source.data.lstrip(b"\xef\xbb\xbf").split(b"\n")
+            if line.strip() and not line.startswith(b"#")
+        ),
+        b"",
+    )
+    cells = [c.strip().strip('"') for c in re.split(r"[,;\t]", first.decode("utf-8", "replace"))]
+    return sum(bool(COMPONENT.fullmatch(c)) for c in cells) >= FEWEST and f"{cells[0][:1]}_mm" == cells[0]
+
+
+def read(source: Source, options: ReadingOptions) -> Recording:
+    """The component that --component names. Raises RecordingError where none is named, UsageError where there is none."""
+    every = read_all(source, options)
+    if len(every) == 1:
+        return every[0]
+    raise RecordingError(f"the file holds {len(every)} components", "say which: --component EXX", Place(source.name, 1))
+
+
+def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
+    """A recording for each component, only one where --component names it."""
+    names, values, lines = _table(source, options)
+    letter = names[0][0]
+    found = [(m[1], m[2], m[3], k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
+    for _, own, _, k in found:
+        if own != letter:
+            raise RecordingError(f"{names[k]} is no error of {letter}, which moves", "one axis in each file", Place(source.name, int(lines[0]) - 1))  # fmt: skip
+    shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
+    if "approach" in shared:
+        shared[f"approach_{letter}"] = shared.pop("approach")
+    shared |= {
+        f"{x}_mm": np.full(len(values), v) for x, v in options.others.items() if x in "XYZ" and f"{x}_mm" not in shared
+    }
+    out = []
+    for direction, _, unit, k in found:
+        name = f"E{direction}{letter}"
+        if options.component and options.component.upper() != name:
+            continue
+        angle = direction in "ABC"
+        if angle != (unit != "um"):
+            raise RecordingError(
+                f"{names[k]}: {name} is {'an angle' if angle else 'a length'}",
+                "urad, arcsec, or um",
+                Place(source.name, 1),
+            )
+        reading = values[:, k] * (ARCSEC if unit == "arcsec" else 1.0)
+        along = "XYZ"["ABC".index(direction)] if angle else direction
+        quantity = "angle" if angle else "displacement" if direction == letter else "straightness"
+        head = {"instrument": "six degrees of freedom", "quantity": quantity, "sensitive": {along: 1.0}} | dict(
+            options.head
+        )
+        if options.machine:
+            head["machine"] = options.machine
+        out.append(
+            Recording(
+                "targets", head, shared | {"reading_urad" if angle else "reading_um": reading}, source.name, lines
+            )
+        )
+    if not out:
+        raise UsageError(
+            f"{source.name} holds no {options.component}",
+            f"it holds {', '.join(f'E{d}{letter}' for d, _, _, _ in found)}",
+        )
+    return out
+
+
+def _table(source: Source, options: ReadingOptions) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """Names, (N, C) numbers, and (N,) the line of each row. Raises RecordingError with the line."""
+    content, _ = text.decoded(source)
+    kept = "\n".join("" if line.startswith("#") else line for line in content.splitlines())
+    table = text.table(source, kept, text.told_decimal(options.extra))
+    _, names = table.rows[0]
+    rows, lines = [], []
+    for number, cells in table.rows[1:]:
+        place = Place(source.name, number, table.delimiter.join(cells))
+        if len(cells) != len(names):
+            raise RecordingError(
+                f"{len(cells)} cells under {len(names)} columns", "a value is missing or one too many", place
+            )
+        row = [text.number(cell, table.decimal) for cell in cells]
+        if None in row:
+            raise RecordingError(
+                f"{names[row.index(None)]} {cells[row.index(None)]!r} is not a number", "a number in every cell", place
+            )
+        rows.append([float(v) for v in row if v is not None])
+        lines.append(number)
+    if not rows:
+        raise RecordingError("there are no rows", "", Place(source.name, 1))
+    return names, np.array(rows), np.array(lines)

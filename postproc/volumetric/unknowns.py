@@ -1,0 +1,159 @@
+"""The unknown errors of a machine, and what each of them does at a place.
+
+A component is a function of its axis, linear between nodes. What belongs to no machine is taken out of it: each is zero at the node
+next to zero, and a straightness has no slope, since a slope is squareness or the set-up. What is left has its prior: errors of a machine that
+runs are far below it, so it decides nothing that readings tell, and holds what they do not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import null_space
+
+from postproc.machine.chain import ROTARY, XYZ
+from postproc.machine.model import Machine
+from postproc.machine.tables import COMPONENTS, AxisTable
+
+# mm and rad, standard deviations of the prior: ten times what a sound machine has.
+LENGTH, ANGLE, SQUARE = 0.1, 3e-4, 1e-3
+LEANS = {"XY": "C0Y", "XZ": "B0Z", "YZ": "A0Z"}  # pair of slides to the name of its squareness
+ONE = 1.0
+
+
+@dataclass(frozen=True)
+class Group:
+    """One error. name: EXX, C0Y, B:X (lost motion), X0C; letter: its axis; row: of the six, or of the three rotations; nodes (K,) mm,
+    none of a single number; basis (K, M): its free numbers to values at the nodes; prior: mm or rad of one of them."""
+
+    name: str
+    letter: str
+    row: int
+    nodes: np.ndarray
+    basis: np.ndarray
+    prior: float
+
+    @property
+    def size(self) -> int:
+        return self.basis.shape[1]
+
+
+def components(
+    machine: Machine, nodes: dict[str, np.ndarray], zero: frozenset[str], two_way: frozenset[str]
+) -> list[Group]:
+    """The errors of the slides: six components of each axis on its nodes, squareness of each pair, lost motion where both directions
+    were read. zero: names that are taken as zero."""
+    slides = [x for x in XYZ if x in nodes]
+    found = []
+    for x in slides:
+        at = nodes[x]
+        origin = np.eye(len(at))[int(np.argmin(np.abs(at)))]
+        for row, name in enumerate(COMPONENTS):
+            fixed = [origin]
+            if row < 3 and row != XYZ.index(x):
+                if XYZ[row] not in machine.chain.axes:
+                    continue
+                fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
+            found.append(Group(f"{name}{x}", x, row, at, null_space(np.array(fixed)), LENGTH if row < 3 else ANGLE))
+    stated = {name for name in machine.square_stated if name[2] in slides}
+    for a, b in ((a, b) for i, a in enumerate(slides) for b in slides[i + 1 :]):
+        rotation = next(r for r, x in zip(ROTARY, XYZ, strict=True) if x not in (a, b))
+        name = next((n for n in (f"{rotation}0{a}", f"{rotation}0{b}") if n in stated), LEANS[a + b])
+        found.append(Group(name, name[2], ROTARY.index(name[0]), np.zeros(0), np.eye(1), SQUARE))
+    found += [Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH) for x in slides if x in two_way]
+    return [g for g in found if g.name not in zero and g.size]
+
+
+def locations(machine: Machine, zero: frozenset[str]) -> list[Group]:
+    """How the line of each rotary axis lies: two offsets, and two angles (ISO 230-7)."""
+    found = []
+    for x in machine.chain.rotary:
+        for i in (i for i in range(3) if i != ROTARY.index(x)):
+            found.append(Group(f"{XYZ[i]}0{x}", x, i, np.zeros(0), np.eye(1), 1.0))
+            found.append(Group(f"{ROTARY[i]}0{x}", x, 3 + i, np.zeros(0), np.eye(1), SQUARE))
+    return [g for g in found if g.name not in zero]
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All of them on one machine without errors (`bare`), to which what is known already may be added (`known`)."""
+
+    groups: tuple[Group, ...]
+    bare: Machine
+    known: Machine
+
+    @cached_property
+    def slices(self) -> list[slice]:
+        """Where each group's numbers stand."""
+        ends = np.cumsum([0, *(g.size for g in self.groups)])
+        return [slice(int(a), int(b)) for a, b in pairwise(ends)]
+
+    @property
+    def number(self) -> int:
+        return sum(g.size for g in self.groups)
+
+    @cached_property
+    def prior(self) -> np.ndarray:
+        """(P,) mm and rad: standard deviation of each number."""
+        return np.concatenate([np.full(g.size, g.prior) for g in self.groups])
+
+    def columns(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
+        """(P, 3, N) mm: what one of each number does at the tip, along X Y Z of the machine (of the part where a rotary axis
+        turns it), at slide positions q (A, N), with the tool's point `tool` (3,) mm."""
+        result = np.zeros((self.number, 3, q.shape[1]))
+        for group, where in zip(self.groups, self.slices, strict=True):
+            one = _off(self._alone(group, tool), q)
+            if not len(group.nodes):
+                half = approach[self.bare.letters.index(group.letter)] / 2 if group.name.startswith("B:") else ONE
+                result[where] = one * half
+                continue
+            hats = _hats(group.nodes, q[self.bare.letters.index(group.letter)])
+            result[where] = np.einsum("km,kn,in->min", group.basis, hats, one)
+        return result
+
+    def of_axis(self, letter: str, row: int, q: np.ndarray) -> np.ndarray:
+        """(P, N): what each number does to one component of an axis itself, as angle optics read it."""
+        result = np.zeros((self.number, q.shape[1]))
+        for group, where in zip(self.groups, self.slices, strict=True):
+            if group.letter == letter and group.row == row and len(group.nodes):
+                result[where] = group.basis.T @ _hats(group.nodes, q[self.bare.letters.index(letter)])
+        return result
+
+    def already(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
+        """(3, N) mm: what the known errors do."""
+        return _off(replace(self.known, tool=tool), q, approach)
+
+    def _alone(self, group: Group, tool: np.ndarray) -> Machine:
+        """The machine with one of a group, the same wherever its axis stands."""
+        m = replace(self.bare, tool=tool)
+        axis = m.axes[group.letter]
+        if group.name.startswith("B:") or len(group.nodes):
+            both = np.zeros((6, 2))
+            both[group.row] = ONE
+            low, high = axis.travel
+            table = AxisTable(group.letter, np.array([min(low, -1e6), max(high, 1e6)]), both, both)
+            return replace(m, axes={**m.axes, group.letter: replace(axis, table=table)})
+        if group.letter in ROTARY:
+            return replace(m, axes={**m.axes, group.letter: replace(axis, location=np.eye(6)[group.row])})
+        return replace(m, square={group.letter: np.eye(3)[group.row]})
+
+
+def _hats(nodes: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """(K, N): the share of each node at places q (N,)."""
+    return np.array([np.interp(q, nodes, one) for one in np.eye(len(nodes))])
+
+
+def _off(machine: Machine, q: np.ndarray, approach: np.ndarray | None = None) -> np.ndarray:
+    """(3, N) mm by which the tip is off."""
+    approach = np.zeros_like(q) if approach is None else approach
+    if machine.chain.rotary:
+        return machine.carried(q, approach)[0]
+    off = machine.deviation(q, approach)
+    found = np.zeros((3, q.shape[1]))
+    for i, x in enumerate(XYZ):
+        if x in machine.letters:
+            found[i] = off[machine.letters.index(x)]
+    return found

@@ -1,0 +1,197 @@
+"""What a fit found: the text of a machine folder, and a report for a person. What the readings do not tell is not written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from postproc.machine.chain import ROTARY, XYZ
+from postproc.machine.model import Machine
+from postproc.machine.tables import COMPONENTS
+from postproc.machine.write import axis_table, machine_toml
+from postproc.units import UM, URAD
+from postproc.volumetric.identify import sentences, untold
+from postproc.volumetric.observations import unit_of
+from postproc.volumetric.solve import Fit, corners
+from postproc.volumetric.unknowns import Group
+
+KEPT = ("travel", "least_increment", "max_velocity", "max_acceleration", "max_jerk", "centre")
+
+
+def open_names(fit: Fit) -> set[str]:
+    """Names of errors that are not written."""
+    return {name for names in untold(fit) for name in names}
+
+
+def _one(group: Group) -> tuple[str, float]:
+    """Unit and its size in mm or rad."""
+    angle = group.row >= 3 or (group.name[0] in ROTARY and group.name[1] == "0")
+    return ("urad", URAD) if angle else ("um", UM)
+
+
+def _told(group: Group) -> bool:
+    """A location of the table stands under its own section of machine.toml."""
+    return group.letter in ROTARY
+
+
+def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
+    """For a person: set-ups and what is left of them, the errors with u, what is not told."""
+    out = [f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of {len(fit.unknowns.groups)} errors"]
+    for r, left in zip(fit.rows, fit.left, strict=True):
+        one = unit_of(r)
+        name = "urad" if r.kind == "angle" else "um"
+        out.append(
+            f"  {r.name}: {r.kind}, {len(r)} readings, u {r.u / one:.2g} {name}, left {float(np.sqrt((left**2).mean())) / one:.2g} {name} (rms)"
+        )
+    out.append("")
+    hidden = open_names(fit)
+    for g in fit.unknowns.groups:
+        unit, one = _one(g)
+        if g.name in hidden:
+            out.append(f"  {g.name:<5} not told")
+            continue
+        value, u = fit.values(g)
+        if len(g.nodes):
+            out.append(
+                f"  {g.name:<5} {float(np.ptp(value)) / one:8.2f} {unit} from end to end, u {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
+            )
+        else:
+            out.append(f"  {g.name:<5} {float(value[0]) / one:8.2f} {unit}, u {float(u[0]) / one:.2g}")
+    if zero:
+        out.append(f"  taken as zero: {', '.join(sorted(zero))}")
+    out.append("")
+    for names, text in zip(untold(fit), sentences(untold(fit)), strict=True):
+        way = f"; they are not written. Another place, tool length or line may tell them, --zero {names[-1]} takes it as zero"
+        out.append(text + way)
+    if fit.widened:
+        out.append(
+            f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} of {fit.free} degrees of freedom): every u is widened by it"
+        )
+    if not fit.unknowns.bare.chain.rotary:
+        out.append(
+            f"u of the deviation at corners and middles of the travels: {corners(fit, tool) / UM:.2f} um at most"
+        )
+    return "\n".join(out)
+
+
+def as_json(fit: Fit) -> dict[str, Any]:
+    """The same as plain dictionaries."""
+    found: dict[str, Any] = {
+        "format": "gcomp-volumetric/1",
+        "readings": sum(map(len, fit.rows)),
+        "chi2": fit.chi,
+        "free": fit.free,
+    }
+    hidden = open_names(fit)
+    for g in fit.unknowns.groups:
+        unit, one = _one(g)
+        value, u = fit.values(g)
+        found.setdefault("errors", {})[g.name] = {
+            "unit": unit, "told": g.name not in hidden, "nodes_mm": g.nodes.tolist(),
+            "value": (value / one).tolist(), "u": (u / one).tolist(),
+        }  # fmt: skip
+    found["not_parted"] = untold(fit)
+    return found
+
+
+def folder(
+    fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tool: np.ndarray, files: list[str]
+) -> dict[str, str]:
+    """File name to text of the machine that was found. like: machine.toml of the machine that was measured; head: name, title."""
+    m = fit.unknowns.bare
+    hidden = open_names(fit)
+    known = [g for g in fit.unknowns.groups if g.name not in hidden]
+    data: dict[str, Any] = {"format": "gcomp-machine/1", **head, "control": like["control"], "chain": like["chain"]}
+    data |= {k: like[k] for k in ("diameter", "reversal", "limits") if k in like}
+    data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
+    comments = {
+        "": "\n".join(
+            ["Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece.", *_not_told(fit)]
+        )
+    }
+    texts: dict[str, str] = {}
+    sections: dict[str, dict[str, Any]] = {}
+    for x in m.letters:
+        said = like["axes"][x]
+        sections[x] = {k: said[k] for k in KEPT if k in said}
+        own = [g for g in known if g.letter == x and len(g.nodes)]
+        turned = next((g for g in known if g.name == f"B:{x}"), None)
+        if x not in XYZ or not (own or turned):
+            continue
+        sections[x]["table"] = f"{x}.csv"
+        texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
+    data["axes"] = sections
+    square = {g.name: fit.values(g) for g in known if not len(g.nodes) and g.name[1] == "0" and g.name[0] in ROTARY}
+    if square:
+        data["squareness"] = {n: round(float(v[0]) / URAD, 4) for n, (v, _) in square.items()}
+        data["squareness"]["u"] = {n: round(2 * float(u[0]) / URAD, 4) for n, (_, u) in square.items()}
+        comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square}
+    if tool.any():
+        data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in m.letters}
+        comments |= {f"tool.{x}": "the point that was measured: change it to where your tool ends" for x in XYZ}
+    return {"machine.toml": machine_toml(data, comments), **texts}
+
+
+def turned(
+    fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tables: Mapping[str, str], files: list[str]
+) -> dict[str, str]:
+    """File name to text of the machine with how its rotary axes lie; its slides keep their map. tables: the other files of its folder."""
+    hidden = open_names(fit)
+    data = {k: v for k, v in like.items() if k not in ("name", "title")} | dict(head)
+    data["source"] = f"{like.get('source', '')}; rotary axes: gcomp volumetric from {', '.join(files)}".lstrip("; ")
+    data["signs"] = "unverified"
+    square = dict(like.get("squareness", {}))
+    square_u, location = dict(square.pop("u", {})), dict(like.get("location", {}))
+    comments = {"": "\n".join(["How the rotary axes lie was found by gcomp volumetric.", *_not_told(fit)])}
+    for g in fit.unknowns.groups:
+        if g.name in hidden:
+            continue
+        value, u = fit.values(g)
+        if g.name[0] in ROTARY:
+            square[g.name], square_u[g.name] = round(float(value[0]) / URAD, 4), round(2 * float(u[0]) / URAD, 4)
+        else:
+            location[f"{g.name}_um"] = round(float(value[0]) / UM, 4)
+            comments[f"location.{g.name}_um"] = f"u = {float(u[0]) / UM:.2g} um, k = 1"
+    data |= {"squareness": square | {"u": square_u}, "location": location}
+    return {"machine.toml": machine_toml(data, comments), **tables}
+
+
+def _not_told(fit: Fit) -> list[str]:
+    return [f"Not in this map: {text}." for text in sentences(untold(fit))]
+
+
+def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:
+    """The axis table and the table of its U."""
+    nodes = own[0].nodes if own else np.array(fit.unknowns.bare.axes[letter].travel)
+    half = fit.values(turned)[0][0] / 2 if turned else 0.0
+    half_u = fit.values(turned)[1][0] / 2 if turned else 0.0
+    along = f"E{letter}{letter}"
+    values: dict[str, np.ndarray] = {}
+    known: dict[str, np.ndarray] = {}
+    for name in [f"{c}{letter}" for c in COMPONENTS]:
+        group = next((g for g in own if g.name == name), None)
+        if group is None and not (turned and name == along):
+            continue
+        value, u = fit.values(group) if group else (np.zeros(len(nodes)), np.zeros(len(nodes)))
+        unit, one = ("urad", URAD) if COMPONENTS.index(name[:2]) >= 3 else ("um", UM)
+        if turned and name == along:
+            both = np.hypot(u, half_u)
+            values |= {f"{name}_um_fwd": (value + half) / one, f"{name}_um_rev": (value - half) / one}
+            known |= {f"{name}_um_fwd": 2 * both / one, f"{name}_um_rev": 2 * both / one}
+        else:
+            values[f"{name}_{unit}"], known[f"{name}_{unit}"] = value / one, 2 * u / one
+    comment = "fitted to readings all over the volume; zero at the node next to zero, straightness without a slope"
+    return (
+        axis_table(letter, nodes, values, [comment]),
+        axis_table(letter, nodes, known, ["U, 95 % (k = 2), of the values in the axis table"]),
+    )
+
+
+def without_errors(machine: Machine) -> Machine:
+    """The machine as its control believes it to be."""
+    from dataclasses import replace
+
+    axes = {x: replace(a.bare, uncertainty=None, measured_at=np.zeros(3)) for x, a in machine.axes.items()}
+    return replace(machine, axes=axes, square={}, effects=(), control_tables=(), growth=(), reversal=machine.reversal)

@@ -1,0 +1,357 @@
+"""Maps of readings all over the volume: intervals hold, what can not be parted is said, and physics that is known by hand."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc import cli, recordings
+from postproc.commands import volumetric as command
+from postproc.machine.file import read_machine
+from postproc.machine.poses import slides_at, tips
+from postproc.recordings import Recording, contract
+from postproc.volumetric import VolumetricError, identify, solve, written
+from postproc.volumetric.observations import Rows, nominal_tip, rows_of
+from postproc.volumetric.unknowns import ANGLE, LENGTH, SQUARE, Unknowns, components, locations
+
+ROOT = Path(__file__).resolve().parents[2]
+MILL = read_machine(ROOT / "machines" / "example-mill")
+FIVE = read_machine(ROOT / "machines" / "example-five-axis")
+TOOLS = (
+    (0.0, 0.0, -100.0),
+    (60.0, 0.0, -180.0),
+    (0.0, 60.0, -140.0),
+)  # not on one line: a turn about such a line moves none of them
+SIZES = {LENGTH: 0.006, ANGLE: 25e-6, SQUARE: 60e-6}  # mm and rad: what is drawn
+NONE = frozenset()
+
+
+def gcomp(*words) -> int:
+    return cli.main([*map(str, words)])
+
+
+def unknowns(machine=MILL, nodes=5, zero=NONE, two_way=NONE) -> Unknowns:
+    bare = written.without_errors(machine)
+    at = {x: np.linspace(*machine.axes[x].travel, nodes) for x in "XYZ" if x in machine.axes}
+    return Unknowns(tuple(components(machine, at, zero, two_way)), bare, bare)
+
+
+def drawn(u: Unknowns, rng) -> np.ndarray:
+    return rng.normal(size=u.number) * np.array([SIZES[p] for p in u.prior])
+
+
+def places(machine, number: int, rng) -> tuple[np.ndarray, np.ndarray]:
+    q = np.array([rng.uniform(*axis.travel, number) for axis in machine.axes.values()])
+    return q, rng.choice([-1.0, 1.0], q.shape)
+
+
+def recording(
+    u: Unknowns, truth, rng, kind: str, tool, number=100, noise=1e-3, name="a.csv", station=None
+) -> Recording:
+    """A tracker's cloud in a frame of its own, or lengths from a station, of a machine with these errors."""
+    q, approach = places(u.bare, number, rng)
+    arm = u.bare.tool + np.array(tool)
+    tip = nominal_tip(u.bare, q, arm) + np.einsum("p,pin->in", truth, u.columns(q, approach, arm))
+    columns = {f"{x}_mm": q[i] for i, x in enumerate(u.bare.letters)}
+    columns |= {f"approach_{x}": approach[i] for i, x in enumerate(u.bare.letters)}
+    if kind == "points":
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        turn *= np.sign(np.linalg.det(turn))
+        seen = turn @ tip + rng.uniform(-1000, 1000, 3)[:, None] + noise * rng.normal(size=tip.shape)
+        columns |= {f"m{x}_mm": seen[i] for i, x in enumerate("xyz")}
+    else:
+        away = np.linalg.norm(tip - np.array(station)[:, None], axis=0)
+        columns["length_mm"] = away - 77.0 + noise * rng.normal(size=number)
+    head = {"tool": dict(zip("XYZ", tool, strict=True)), "u_um": noise / 1e-3}
+    return Recording(kind, head, columns, name, np.arange(number) + 2)
+
+
+def held(fit, u: Unknowns, truth) -> list[bool]:
+    """Whether each value lies within 2 u, of errors that are told; values that are zero by definition left out."""
+    found: list[bool] = []
+    hidden = written.open_names(fit)
+    for group, where in zip(u.groups, u.slices, strict=True):
+        value, s = fit.values(group)
+        off = np.abs(value - group.basis @ truth[where])
+        if group.name not in hidden:
+            found += (off <= 2 * s)[s > 1e-12].tolist()
+    return found
+
+
+def test_twenty_fits_hold_their_parameters_within_2_u():
+    """Ten of three clouds, ten of four stations with three reflectors each, on three chains: 95 % of all values within 2 u."""
+    rng = np.random.default_rng(5)
+    chains = [
+        MILL.chain,
+        replace(MILL.chain, axes=("Y", "X", "Z"), workpiece_side=1),
+        replace(MILL.chain, axes=("X", "Y", "Z"), workpiece_side=0),
+    ]
+    every, each = [], []
+    for k in range(20):
+        u = unknowns(replace(MILL, chain=chains[k % 3]), 4)
+        truth = drawn(u, rng)
+        if k % 2:
+            stations = [(-900.0, -700.0, 300.0), (1000.0, -600.0, 400.0), (0.0, 1100.0, 200.0), (100.0, 50.0, 1200.0)]
+            read = [recording(u, truth, rng, "lengths", t, 120, station=s) for t in TOOLS for s in stations]
+        else:
+            read = [recording(u, truth, rng, "points", t) for t in TOOLS]
+        fit = solve.fit([r for one in read for r in rows_of(one, u.bare, {})], u)
+        assert not identify.untold(fit), (k, identify.sentences(identify.untold(fit)))
+        assert not fit.widened or fit.chi < 1.3
+        one = held(fit, u, truth)
+        every += one
+        each.append(np.mean(one))
+    assert 0.93 <= np.mean(every) <= 0.98, (np.mean(every), len(every))
+    assert min(each) > 0.75
+
+
+def test_readings_that_state_no_uncertainty_get_their_own():
+    rng = np.random.default_rng(8)
+    u = unknowns(nodes=4)
+    truth = drawn(u, rng)
+    read = [recording(u, truth, rng, "points", t, noise=2e-3) for t in TOOLS]
+    rows = [replace(r, u=float("nan")) for one in read for r in rows_of(one, u.bare, {})]
+    fit = solve.fit(rows, u)
+    assert [r.u for r in fit.rows] == pytest.approx([2e-3] * 3, rel=0.1)
+    assert np.mean(held(fit, u, truth)) > 0.88
+
+
+def test_lost_motion_is_told_where_both_directions_were_read():
+    rng = np.random.default_rng(9)
+    u = unknowns(nodes=3, two_way=frozenset("XY"))
+    truth = drawn(u, rng)
+    fit = solve.fit([r for t in TOOLS for r in rows_of(recording(u, truth, rng, "points", t), u.bare, {})], u)
+    for name in ("B:X", "B:Y"):
+        k = [g.name for g in u.groups].index(name)
+        value, s = fit.values(u.groups[k])
+        assert abs(value[0] - truth[u.slices[k]][0]) < 3 * s[0] < 1e-3
+
+
+def test_a_turn_about_the_line_through_two_reflectors_is_not_told():
+    """Two reflectors: what the Z slide turns about the line through both moves neither. By hand: a rotation r with r x (b - a) = 0."""
+    rng = np.random.default_rng(1)
+    u = unknowns(nodes=4)
+    rows = [r for t in TOOLS[:2] for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})]
+    (names,) = identify.untold(solve.fit(rows, u))
+    assert {"EAZ", "ECZ"} <= set(names) and "EBZ" not in names  # b - a is (60, 0, -80)
+    three = [r for t in TOOLS for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})]
+    assert not identify.untold(solve.fit(three, u))
+
+
+def line(u: Unknowns, truth, rng, start, end, along, name: str) -> Rows:
+    t = np.linspace(0, 1, 9)
+    q = np.array(start)[:, None] + (np.array(end) - np.array(start))[:, None] * t
+    off = np.einsum("p,pin->in", truth, u.columns(q, 0 * q, u.bare.tool))
+    value = np.array(along) @ off + 2e-4 * rng.normal(size=9)
+    return Rows("line", q, 0 * q, value, 2e-4, u.bare.tool, np.zeros(1), name, np.array(along))
+
+
+def test_what_diagonals_tell_by_hand():
+    """Two diagonals of the X Y plane, of a machine that has EXX, EYY and C0Y alone: along (1, 1) and (1, -1) the readings are
+    (EXX + EYY -+ C0Y y) / sqrt(2): squareness is half of their difference, and EXX and EYY stand in both as a sum."""
+    rng = np.random.default_rng(3)
+    u = unknowns(nodes=3)
+    names = [g.name for g in u.groups]
+    zero = frozenset(n for n in names if n not in ("C0Y", "EXX", "EYY"))
+    part = unknowns(nodes=3, zero=zero)
+    truth = drawn(part, rng)
+    low, high = -150.0, 150.0
+    h = np.sqrt(0.5)
+    two = [
+        line(part, truth, rng, (low, low, -200), (high, high, -200), (h, h, 0), "d1"),
+        line(part, truth, rng, (low, high, -200), (high, low, -200), (h, -h, 0), "d2"),
+    ]
+    fit = solve.fit(two, part)
+    told = identify.untold(fit)
+    assert ["EXX", "EYY"] in told  # their sum is told, by both diagonals alike
+    assert not any("C0Y" in s for s in told)
+    value, s = fit.values(next(g for g in part.groups if g.name == "C0Y"))
+    k = [g.name for g in part.groups].index("C0Y")
+    assert abs(value[0] - truth[part.slices[k]][0]) < 3 * s[0] < 1e-5
+    # One diagonal alone parts nothing.
+    one = identify.untold(solve.fit(two[:1], part))
+    assert {"C0Y", "EXX", "EYY"} == {n for s in one for n in s}
+    assert "these readings can not part" in identify.sentences(one)[0]
+
+
+def test_the_shipped_diagonals_say_what_they_can_not_part(capsys):
+    """Two diagonals of X and Y: straightness, angles and squareness act on them alike, and none of it is written."""
+    files = [ROOT / "sample_recordings" / f"diagonal_xy_{k}.csv" for k in (1, 2)]
+    assert gcomp("volumetric", *files, "--like", "example-mill") == 0
+    said = capsys.readouterr().out
+    (sentence,) = [line for line in said.splitlines() if "C0Y from each other" in line]
+    assert all(name in sentence for name in ("EXX", "EYX", "EXY", "EYY", "C0Y"))
+    assert (
+        gcomp("volumetric", *files, "--like", "example-mill", "--zero", "EAX,EBX,ECX,EAY,EBY,ECY,EYX,EXY,EZX,EZY") == 0
+    )
+    assert "C0Y   not told" not in capsys.readouterr().out
+    assert gcomp("volumetric", *files, "--like", "example-mill", "--zero", "EQX") == 2
+    assert "there is no such error here" in capsys.readouterr().err
+
+
+def test_a_six_degree_of_freedom_file_is_six_recordings(tmp_path, capsys):
+    """X of example-mill, all six read at once: the map holds each of them, straightness without its slope."""
+    x = np.linspace(-300, 300, 13)
+    q = np.zeros((3, 13))
+    q[0] = x
+    table = MILL.tables["X"]
+    alone = replace(written.without_errors(MILL), tool=np.zeros(3))
+    alone = replace(
+        alone, axes={**alone.axes, "X": replace(alone.axes["X"], table=replace(table, reverse=table.forward))}
+    )
+    six = np.array([np.interp(x, table.nodes, table.forward[k]) for k in range(6)])
+    truth, six[:3] = six.copy(), alone.deviation(q, q * 0)  # lengths are read where the tool is: with the axis' own arm
+    head = "X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_arcsec,ECX_urad,approach,Y_mm,Z_mm"
+    unit = np.array([1e3, 1e3, 1e3, 1e6, 1e6 * 0.2062648, 1e6])
+    rows = [",".join(f"{v:.6f}" for v in (x[i], *(six[:, i] * unit), 1, 0, 0)) for i in range(13)]
+    (tmp_path / "x.csv").write_text("\n".join([head, *rows]) + "\n")
+    read = recordings.read_all(recordings.Source("x.csv", (tmp_path / "x.csv").read_bytes()))
+    assert [r.quantity for r in read] == ["displacement", "straightness", "straightness", "angle", "angle", "angle"]
+    assert read[4].reading == pytest.approx(six[4], abs=1e-11)
+    words = ("--like", "example-mill", "--json", tmp_path / "j.json", "--head", "u_um=0.1", "--head", "tool={Z=60}")
+    assert gcomp("volumetric", tmp_path / "x.csv", *words) == 0
+    found = json.loads((tmp_path / "j.json").read_text())["errors"]
+    for name, row in (("EXX", 0), ("EAX", 3), ("EBX", 4), ("ECX", 5)):
+        wanted = (truth[row] - truth[row][6]) * (1e3 if row < 3 else 1e6)
+        assert found[name]["value"] == pytest.approx(wanted, abs=0.05), name
+    bent = truth[1] - np.polyval(np.polyfit(x, truth[1], 1), x)
+    assert found["EYX"]["value"] == pytest.approx((bent - bent[6]) * 1e3, abs=0.05)
+    capsys.readouterr()
+
+
+def poses(number, rng):
+    q = np.zeros((5, number))
+    q[3] = rng.uniform(-90, 90, number)
+    q[4] = rng.uniform(0, 360, number)
+    return q
+
+
+def slides_of(machine, place, q):
+    """Where the slides stand when the tip of the real machine is at a place of the table."""
+    tip = np.repeat(np.array(place)[:, None], q.shape[1], axis=1)
+    found = slides_at(machine, tip, q)
+    for _ in range(4):
+        found = slides_at(machine, tip - machine.carried(found, 0 * found)[0], q)
+    assert np.abs(tips(machine, found) + machine.carried(found, 0 * found)[0] - tip).max() < 1e-9
+    return found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_sphere_tells_how_rotary_axes_lie(seed, tmp_path, capsys):
+    """Two spheres on the table, probed at 40 poses each with 0.5 um: the eight numbers of A and C (ISO 10791-6), those of
+    example-five-axis within 3 u, on the machine with all its other errors."""
+    rng = np.random.default_rng(seed)
+    files = []
+    for k, place in enumerate(((120.0, 30.0, -330.0), (-40.0, 90.0, -300.0))):
+        q = slides_of(FIVE, place, poses(40, rng))
+        q[:3] += 5e-4 * rng.normal(size=(3, 40))
+        columns = {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": q[i] for i, x in enumerate(FIVE.letters)}
+        files.append(tmp_path / f"s{k}.csv")
+        files[-1].write_text(contract.write(Recording("sphere", {"u_um": 0.5}, columns)))
+    assert (
+        gcomp("volumetric", *files, "--like", ROOT / "machines" / "example-five-axis", "--json", tmp_path / "j.json")
+        == 0
+    )
+    found = json.loads((tmp_path / "j.json").read_text())["errors"]
+    truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
+    assert set(found) == set(truth)
+    for name, value in truth.items():
+        one = found[name]
+        assert one["told"] and abs(one["value"][0] - value) <= 3 * one["u"][0] and one["u"][0] < 5, (name, one)
+    capsys.readouterr()
+    assert gcomp("volumetric", *files, "--like", ROOT / "machines" / "example-five-axis", "-o", tmp_path / "m") == 0
+    mine, rows = read_machine(tmp_path / "m"), poses(50, rng)
+    rows[:3] = rng.uniform(-100, 0, (3, 50))
+    assert (
+        np.abs(mine.carried(rows, 0 * rows)[0] - FIVE.carried(rows, 0 * rows)[0]).max() < 2e-3
+    )  # its slides' map is kept
+    assert mine.square_u["A0C"] > 0
+    capsys.readouterr()
+
+
+def test_an_r_test_tells_the_same():
+    """The tool follows a ball while A and C turn: what it reads along the machine's axes is the deviation, but for its zero."""
+    rng = np.random.default_rng(2)
+    base = command._slides(FIVE)
+    u = Unknowns(tuple(locations(FIVE, NONE)), written.without_errors(FIVE), base)
+    rows = []
+    for place in ((120.0, 30.0, -330.0), (-40.0, 90.0, -300.0)):
+        q = slides_at(FIVE, np.repeat(np.array(place)[:, None], 60, axis=1), poses(60, rng))
+        off = FIVE.carried(q, 0 * q)[0]
+        from postproc.volumetric.observations import to_machine
+
+        read = (
+            np.einsum("ijn,jn->in", to_machine(FIVE, q), off)
+            + np.array([[0.3], [-0.2], [0.1]])
+            + 3e-4 * rng.normal(size=(3, 60))
+        )
+        rows.append(Rows("shift", q, 0 * q, read, 3e-4, FIVE.tool, np.zeros(3), "r", np.zeros(3)))
+    fit = solve.fit(rows, u)
+    assert not identify.untold(fit)
+    truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
+    for group in u.groups:
+        value, s = fit.values(group)
+        one = 1e-3 if group.row < 3 else 1e-6
+        assert abs(value[0] / one - truth[group.name]) <= 3.5 * s[0] / one, group.name
+
+
+def test_from_clouds_to_a_corrected_program(tmp_path, capsys):
+    """example-mill seen by a tracker with three reflectors: the map that comes out, held against the machine itself, leaves a small
+    part of its deviation, and U holds it."""
+    clouds = []
+    for k, (x, y, z) in enumerate(TOOLS):
+        clouds.append(tmp_path / f"c{k}.csv")
+        words = (
+            "--test",
+            "volume:XYZ,number=100",
+            "--noise",
+            "1",
+            "--seed",
+            k,
+            "--set",
+            f"tool=X{x:g},Y{y:g},Z{z:g}",
+            "-o",
+            clouds[-1],
+        )
+        assert gcomp("simulate", "--machine", "example-mill", *words) == 0
+    assert gcomp("volumetric", *clouds, "--like", "example-mill", "-o", tmp_path / "found") == 0
+    said = capsys.readouterr().out
+    assert "these readings" not in said and "not told" not in said
+    mine = read_machine(tmp_path / "found")
+    assert mine.square_u and all(axis.uncertainty is not None for axis in mine.axes.values())
+    rng = np.random.default_rng(1)
+    q = np.array([rng.uniform(n[0], n[-1], 400) for n in (mine.tables[x].nodes for x in "XYZ")])
+    up = np.ones_like(q)
+    off, left = MILL.deviation(q, up), MILL.deviation(q, up) - replace(mine, tool=MILL.tool).deviation(q, up)
+    left -= _rigid(q, left)
+    assert np.sqrt((left**2).mean()) < 0.2 * np.sqrt((off**2).mean())
+
+
+def _rigid(q, left):
+    """(3, N): the turn and shift that lie nearest to a deviation: where a tracker stood."""
+    n = q.shape[1]
+    columns = [np.repeat(e, n) for e in np.eye(3)]
+    columns += [np.cross(e, q.T).T.ravel() for e in np.eye(3)]
+    a = np.array(columns).T
+    return (a @ np.linalg.lstsq(a, left.ravel(), rcond=None)[0]).reshape(3, n)
+
+
+@pytest.mark.parametrize(
+    ("kind", "columns", "says"),
+    [
+        ("points", {"X_mm": [0, 1, 2], "Y_mm": [0, 1, 2], "Z_mm": [0, 0, 0]}, "fewer than four points"),
+        ("lengths", {"X_mm": [0, 1, 2], "Y_mm": [0, 1, 2], "Z_mm": [0, 0, 0]}, "five lengths at least"),
+        ("points", {"X_mm": [0, 1, 2, 3], "Y_mm": [0, 1, 2, 3]}, "where Z stood is not recorded"),
+        ("ballbar", {"X_cmd_mm": [0, 1], "Y_cmd_mm": [0, 1], "Z_cmd_mm": [0, 1]}, "a recording of ballbar tells nothing of the volume"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(kind, columns, says):
+    data = {name: np.array(v, float) for name, v in columns.items()}
+    n = len(next(iter(data.values())))
+    data |= {c: np.zeros(n) for c in ("mx_mm", "my_mm", "mz_mm", "length_mm")}
+    with pytest.raises(VolumetricError, match=says):
+        rows_of(Recording(kind, {}, data, "a.csv", np.arange(n)), written.without_errors(MILL), {})
