@@ -50,6 +50,11 @@ def checked(recordings: list[Recording], machine: Machine) -> Sound:
     """Raises RecordingError for a recording that can not be compared with the machine's file, with file and line."""
     result = Sound([])
     for number, recording in enumerate(recordings):
+        if recording.kind not in FEWEST:
+            raise RecordingError(
+                f"{recording.file} is a recording of {recording.kind}, in which no effect is looked for",
+                "gcomp volumetric makes a map of it",
+            )
         for earlier in recordings[:number]:
             if _same(earlier, recording):
                 raise RecordingError(

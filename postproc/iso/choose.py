@@ -10,6 +10,9 @@ from postproc.iso.assign import Motion, motions
 from postproc.recordings import Recording
 
 
+VOLUME = ("points", "lengths", "sphere")
+
+
 def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Result], list[str]]:
     """Every result, and what was left out. Raises IsoError where a recording is not what it looks like, or none is left."""
     out: list[Result] = []
@@ -37,7 +40,8 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
                 elif motion.test == "diagonal":
                     across.append((motion, result))
         else:
-            left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}")
+            more = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
+            left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{more}")
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
     more = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)

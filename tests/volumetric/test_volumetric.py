@@ -193,6 +193,16 @@ def test_the_shipped_diagonals_say_what_they_can_not_part(capsys):
     assert "there is no such error here" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["tracker_1", "sphere_1"])
+@pytest.mark.parametrize(
+    "words", [("diagnose", "--machine", "example-five-axis"), ("iso",), ("calibrate", "--like", "example-five-axis")]
+)
+def test_other_commands_say_what_such_a_recording_is(name, words, capsys):
+    assert gcomp(*words, ROOT / "sample_recordings" / f"{name}.csv") == 2
+    said = capsys.readouterr().err
+    assert "Traceback" not in said and ("points" in said or "sphere" in said)
+
+
 def test_a_six_degree_of_freedom_file_is_six_recordings(tmp_path, capsys):
     """X of example-mill, all six read at once: the map holds each of them, straightness without its slope."""
     x = np.linspace(-300, 300, 13)
