@@ -9,7 +9,6 @@ from postproc.iso import IsoError, Options, Result, ballbar, drift, targets
 from postproc.iso.assign import Motion, motions
 from postproc.recordings import Recording
 
-
 VOLUME = ("points", "lengths", "sphere")
 
 
