@@ -168,7 +168,9 @@ class Search:
             for u, (p, free) in enumerate(zip(self.evidence.parts, self._open, strict=True)):
                 shown = part[p.unit.rows]
                 shown = shown - free @ (free.T @ shown)
-                most[u] = max(most[u], _swing(shown) / float(np.median(p.unit.r)))
+                # Of a spike that few readings show, all have the error of a harmonic of its power.
+                size = min(_swing(shown), float(np.sqrt(2 * np.mean(shown**2))))
+                most[u] = max(most[u], size / float(np.median(p.unit.r)))
         return np.maximum(QUIETEST, (FORM * most) ** 2)
 
     def value(self, fit: Fit, k: int) -> np.ndarray:

@@ -195,10 +195,12 @@ class _Check:
         warm = [n for n in columns if n.startswith("T_") and columns[n].dtype != object]
         for name in warm if "t_s" in columns and self.r.kind != "features" else ():
             order_of = np.argsort(columns["t_s"], kind="stable")
-            if found := thermometers.faulty(columns[name][order_of], columns["t_s"][order_of]):
-                line = int(self.r.lines[order_of[found[0]]])
-                self.told.faults.append((self.number, line, f"sensor_drift: {name} {found[1]}; it is taken as not recorded", 0.0))  # fmt: skip
-                columns[name] = np.full(len(self.r), np.nan)
+            while found := thermometers.faulty(columns[name][order_of], columns["t_s"][order_of]):
+                rows = order_of[found[0]]
+                said = f"sensor_drift: {name} {found[1]}; it is taken as not recorded"
+                self.told.faults.append((self.number, int(self.r.lines[rows[0]]), said, 0.0))
+                columns[name] = columns[name].copy()
+                columns[name][rows] = np.nan
         gone = [n for n in warm if not np.isfinite(columns[n]).any()]
         self.r = replace(self.r, columns={n: v for n, v in columns.items() if n not in gone})
 

@@ -1,6 +1,7 @@
 """Temperatures that no body can have: a thermometer that hangs, and one that jumps faster than metal warms.
 
-A channel that shows either is not used: what it stood for then counts as not recorded.
+While it hangs it counts as not recorded, and was before and after; one that jumps is not used at all: nobody knows which of
+its levels was right.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ USUAL = 10.0  # times the channel's usual step
 SETTLED = 3  # readings before and after that agree with themselves
 
 
-def faulty(value: np.ndarray, time: np.ndarray) -> tuple[int, str] | None:
-    """(row, what is wrong) of a channel in degrees Celsius, or None. value, time (N,), s, in the order of time; NaN where
-    there is no reading."""
+def faulty(value: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, str] | None:
+    """(M,) numbers of the readings that can not be used, from the first that shows it, and what is wrong; None of a
+    channel in order. value, time (N,): degrees Celsius and s, in the order of time; NaN where there is no reading."""
     known = np.flatnonzero(np.isfinite(value))
     if len(known) < LONG:
         return None
@@ -26,7 +27,7 @@ def faulty(value: np.ndarray, time: np.ndarray) -> tuple[int, str] | None:
     return _hangs(v, known) or _jumps(v, t, known)
 
 
-def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[int, str] | None:
+def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:
     """A stretch without the noise that the rest of the channel has."""
     start = np.concatenate([[0], np.flatnonzero(np.diff(v) != 0) + 1])
     length = np.diff(np.append(start, len(v)))
@@ -34,11 +35,12 @@ def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[int, str] | None:
     others = np.delete(length, longest)
     if length[longest] < LONG or np.ptp(v) < LEAST_K or len(others) < LONG or len(others) < RESTLESS * others.sum():
         return None
-    first = int(rows[start[longest]])
-    return first, f"reads {v[start[longest]]:.4g} degrees {length[longest]} times in a row, and changed before or after"
+    begin, times = int(start[longest]), int(length[longest])
+    said = f"reads {v[begin]:.4g} degrees {times} times in a row, and changed before or after"
+    return rows[begin : begin + times], said
 
 
-def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[int, str] | None:
+def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:
     """A step that stays."""
     step, gap = np.abs(np.diff(v)), np.maximum(np.diff(t), 1e-3)
     usual = float(np.quantile(step, 0.9))
@@ -47,5 +49,6 @@ def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[int, str] | 
             continue
         before, after = v[max(0, k + 1 - SETTLED) : k + 1], v[k + 1 : k + 1 + SETTLED]
         if min(len(before), len(after)) == SETTLED and max(np.ptp(before), np.ptp(after)) < step[k] / 3:
-            return int(rows[k + 1]), f"jumps by {v[k + 1] - v[k]:.2g} degrees in {gap[k]:.2g} s"
+            all_of_it = np.concatenate([rows[k + 1 :], rows[: k + 1]])
+            return all_of_it, f"jumps by {v[k + 1] - v[k]:.2g} degrees in {gap[k]:.2g} s"
     return None

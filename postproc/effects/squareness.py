@@ -1,16 +1,27 @@
-"""Squareness: two axes do not stand at the assumed angle; one leans against the other (ISO 230-1)."""
+"""Squareness: two axes do not stand at the assumed angle; one leans against the other (ISO 230-1).
+
+With play in the guides a slide also yaws as it turns (ISO 230-1, 3.4: angular error motions have a value in
+each direction), and the angle has two values.
+"""
 
 import numpy as np
 
-from postproc.effects import State, along, one_way
+from postproc.effects import UM, State, along
 
 PARAMETERS = {
     "urad": "urad, change of the angle: positive where it is more than a right one",
     "leans": "0, the first axis of the pair leans as the second moves; 1, the second as the first moves",
+    "turn_urad": "urad, of which the angle is more as the axis that moves comes from below than as it comes from above",
+    "turn_um": "um, what goes with it at the zero of the axis that moves: it yaws about another place",
 }
-OPTIONAL = {"leans": 0.0}
+OPTIONAL = {"leans": 0.0, "turn_urad": 0.0, "turn_um": 0.0}
 # A router that was put up by eye: 1 mm on 200 mm (unverified).
-PLAUSIBLE = {"urad": (-5000.0, 5000.0)}  # beyond, it is something else
+# Play of 0.05 mm in guides that are 50 mm apart (unverified).
+PLAUSIBLE = {
+    "urad": (-5000.0, 5000.0),
+    "turn_urad": (-1000.0, 1000.0),
+    "turn_um": (-1000.0, 1000.0),
+}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "pair"
 NEEDS, SEES = ("position",), ("tool",)
 RESTING = True
@@ -18,20 +29,29 @@ TEXT = "Two axes are not square. Write it into the machine's squareness; a progr
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"leans": 0.0}, {"leans": 1.0}]
+    return [{"leans": leans, "turns": turns} for turns in (0.0, 1.0) for leans in (0.0, 1.0)]
 
 
-def columns(state: State, axis: str, leans: float = 0.0) -> np.ndarray:
+def columns(state: State, axis: str, leans: float = 0.0, turns: float = 0.0) -> np.ndarray:
     first, second = (axis[1], axis[0]) if leans else (axis[0], axis[1])
-    return along(first, -state.position[second] * 1e-3)
+    way = -state.position[second] * 1e-3
+    if not turns:
+        return along(first, way)
+    half = state.approach[second] / 2
+    return along(first, way, half * way, half)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"urad": float(coefficients[0]), "leans": shape["leans"]}
+    urad, turn_urad, turn_um = [*(float(c) for c in coefficients), 0.0, 0.0][:3]
+    return {"urad": urad, "leans": shape["leans"], "turn_urad": turn_urad, "turn_um": turn_um}
 
 
-def coefficients(urad: float, leans: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([urad]), {"leans": leans}
+def coefficients(
+    urad: float, leans: float = 0.0, turn_urad: float = 0.0, turn_um: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    if not turn_urad and not turn_um:
+        return np.array([urad]), {"leans": leans, "turns": 0.0}
+    return np.array([urad, turn_urad, turn_um]), {"leans": leans, "turns": 1.0}
 
 
 def moving(axis: str, leans: float = 0.0, **named: float) -> str:
@@ -39,8 +59,11 @@ def moving(axis: str, leans: float = 0.0, **named: float) -> str:
     return axis[0] if leans else axis[1]
 
 
-def tables(axis: str, travel: tuple[float, float], urad: float, leans: float = 0.0):
+def tables(
+    axis: str, travel: tuple[float, float], urad: float, leans: float = 0.0, turn_urad: float = 0.0, turn_um: float = 0.0
+):
     """travel: of the axis that moves the tool along the other."""
     driver = moving(axis, leans)
-    leaning = axis.replace(driver, "")
-    return [one_way(driver, f"E{leaning}", travel, 2, lambda p: -urad * p * 1e-3)]
+    nodes = np.array(travel)
+    mean, half = -urad * nodes * 1e-3 * UM, (turn_um - turn_urad * nodes * 1e-3) * UM / 2
+    return [(f"E{axis.replace(driver, '')}", driver, nodes, mean + half, mean - half)]
