@@ -180,7 +180,9 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
     for unit in units:
         if unit.sees != "part":
             y[unit.rows] -= np.median(y[unit.rows])
-    own = [nuisances.of_unit(rows, u) + nuisances.processes(rows, u) for u in units]
+    own = [
+        groups + nuisances.processes(rows, u) for groups, u in zip(nuisances.of_all(rows, units), units, strict=True)
+    ]
     shared = [*nuisances.of_map(rows, machine), *(Group("jump", columns, FREE) for _, columns in jumps)]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)

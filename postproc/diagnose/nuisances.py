@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.diagnose import telegraph
 from postproc.diagnose.noise import Unit, hats, wander
 from postproc.diagnose.rows import XYZ, Rows
 from postproc.effects import legendre
@@ -58,8 +59,17 @@ class Group:
         return self.most > 0
 
 
+def of_all(rows: Rows, units: list[Unit]) -> list[list[Group]]:
+    """The groups that are of one instrument alone, of each."""
+    found = [of_unit(rows, unit) for unit in units]
+    for own, level in zip(found, telegraph.levels(rows, units), strict=True):
+        if level is not None:
+            own.append(Group("zero", level[:, None], FREE))
+    return found
+
+
 def of_unit(rows: Rows, unit: Unit) -> list[Group]:
-    """The groups that are of one instrument alone."""
+    """The same of one unit, but for the levels of an instrument that switches."""
     own, n = unit.rows, len(unit)
     scale = PER_MM if unit.sees == "angle" else 1.0
     found: list[Group] = []

@@ -60,7 +60,12 @@ def moving(axis: str, leans: float = 0.0, **named: float) -> str:
 
 
 def tables(
-    axis: str, travel: tuple[float, float], urad: float, leans: float = 0.0, turn_urad: float = 0.0, turn_um: float = 0.0
+    axis: str,
+    travel: tuple[float, float],
+    urad: float,
+    leans: float = 0.0,
+    turn_urad: float = 0.0,
+    turn_um: float = 0.0,
 ):
     """travel: of the axis that moves the tool along the other."""
     driver = moving(axis, leans)
