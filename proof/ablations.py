@@ -19,7 +19,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from postproc.diagnose import likeness, noise, nuisances, search, shapes
+from postproc.diagnose import likeness, noise, nuisances, search, shapes, shared_jump, telegraph, thermometers
 from proof import laid, score, trial_run
 from proof.strangers import make
 
@@ -45,8 +45,16 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
     "without a search: the single best name": lambda: [(search, "MOST", 1)],
     "without shapes between those of the grid": lambda: [(shapes, "polished", _unpolished)],
     "without a threshold from drawn nulls": lambda: [(search.Search, "calibrate", lambda self, rng: None)],
+    "without burst noise": lambda: [(telegraph, "levels", lambda rows, units: [None] * len(units))],
+    "without a look at the thermometers": lambda: [(thermometers, "faulty", lambda value, time: None)],
+    "without lone wrong readings": lambda: [(noise, "isolated", _nothing_isolated)],
+    "without departures that several readings share": lambda: [(shared_jump, "find", lambda *_: [])],
     "without the comparison with the map's details": lambda: [(likeness, "doubts", lambda *_: {})],
 }
+
+
+def _nothing_isolated(rows: Any, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.zeros(len(rows)), np.zeros(len(rows))
 
 
 def _exact(rows: Any, machine: Any) -> list:
