@@ -58,7 +58,7 @@ def _changes(y: np.ndarray, least: float) -> np.ndarray:
     jump[1:-WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
     size = np.abs(jump)
     least = max(CLEAR * MAD * float(np.median(size)), least)
-    found = []
+    found: list[int] = []
     for k in np.argsort(-size):
         if size[k] < least:
             break
