@@ -8,7 +8,7 @@ is one unknown more. What changes where an axis turns, starts or stops is the ma
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.rows import Rows
@@ -38,10 +38,10 @@ def _levels(rows: Rows, unit: Unit, fewest: int) -> np.ndarray | None:
     y, n = rows.residual[unit.rows], len(unit)
     if not unit.dense or n < 8 * WINDOW:
         return None
-    at = _changes(y, NOISE * float(np.median(unit.r)))
+    at = _lasting(y, _changes(y, NOISE * float(np.median(unit.r))))
     if len(at) < fewest or np.mean(_near_turns(rows, unit)[at]) > MOST_NEAR:
         return None
-    size = np.diff([float(np.median(part)) for part in np.split(y, at)])
+    size = _steps(y, at)
     usual = float(np.median(np.abs(size)))
     if np.any(size[1:] * size[:-1] >= 0) or np.any(np.abs(np.abs(size) - usual) > ALIKE * usual):
         return None
@@ -57,14 +57,20 @@ def _changes(y: np.ndarray, least: float) -> np.ndarray:
     jump = np.zeros(len(y))
     jump[1:-WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
     size = np.abs(jump)
-    least = max(CLEAR * MAD * float(np.median(size)), least)
-    found: list[int] = []
-    for k in np.argsort(-size):
-        if size[k] < least:
-            break
-        if all(abs(k - other) > WINDOW for other in found):
-            found.append(int(k))
-    return np.sort(np.array(found, int))
+    least = max(CLEAR * MAD * float(np.median(size)), least, 1e-9)
+    sharp = size + 1e-6 * np.abs(np.diff(y, prepend=y[0]))  # of medians that are alike the one with the step itself
+    return np.flatnonzero((size >= least) & (sharp == maximum_filter1d(sharp, 2 * WINDOW + 1)))
+
+
+def _steps(y: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(C,) by how much the median of y (n,) differs from one change to the next, before and after each of `at` (C,)."""
+    return np.diff([float(np.median(part)) for part in np.split(y, at)])
+
+
+def _lasting(y: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The changes of which something stays: of a pulse shorter than the window only one end is found."""
+    size = np.abs(_steps(y, at))
+    return at[size > np.median(size) / 2] if len(at) else at
 
 
 def _near_turns(rows: Rows, unit: Unit) -> np.ndarray:
