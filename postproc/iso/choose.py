@@ -39,8 +39,8 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
                 elif motion.test == "diagonal":
                     across.append((motion, result))
         else:
-            more = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
-            left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{more}")
+            hint = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
+            left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}")
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
     more = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)
