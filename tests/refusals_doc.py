@@ -24,7 +24,7 @@ PAIRS = (
 )  # modules that hand on (message, way out) as a pair
 CHAPTERS = (
     ("The text of a program", ("nc/lexer", "nc/faults", "nc/spellings", "nc/checksums", "filter")),
-    ("Words, codes and motions", ("nc/batch", "nc/refusals", "nc/interpreter", "nc/positions", "nc/arcs", "nc/codes", "nc/rows", "nc/recognise")),
+    ("Words, codes and motions", ("nc/batch", "nc/refusals", "nc/interpreter", "nc/positions", "nc/arcs", "nc/codes", "nc/rows", "nc/recognise", "nc/feeds")),
     ("Shifts of the coordinates", ("nc/frames", "nc/zeros", "nc/lengths")),
     ("Holes in place", ("nc/holes", "compensate/holes")),
     ("What the error map can not answer", ("compensate",)),

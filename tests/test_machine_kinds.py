@@ -148,7 +148,9 @@ def test_a_faulty_rotary_axis_is_refused(tmp_path, text, why):
     [
         ("w-A-B-C-b-X-t", "more than two rotary axes"),
         ("w-C-C-b-X-t", "names an axis twice"),
-        ("w-U-b-X-t", "'U' is not one of"),
+        ("w-D-b-X-t", "'D' is not one of"),
+        ("w-W-b-X-t", "W is a second slide along Z, which it does not name"),
+        ("w-C-b-X-Y-Z-W-t", "second slides and rotary axes, which are not followed together"),
     ],
 )
 def test_a_faulty_chain_is_refused(tmp_path, chain, why):

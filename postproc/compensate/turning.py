@@ -12,6 +12,7 @@ import numpy as np
 
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
+from postproc.machine.chain import LINEAR
 from postproc.machine.tip import TipMachine
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
@@ -87,7 +88,8 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
         return []
     cutting = np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
     way = np.abs(m.target - m.start) / TICKS_PER_MM
-    length = np.sqrt((way[b.rows] ** 2).sum(axis=0))
+    slides = [row for row in b.machine.chained if b.machine.letters[row] in LINEAR]
+    length = np.sqrt((way[slides] ** 2).sum(axis=0))
     length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
     turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     # mm that any deviation changes along the motion; one that turns is looked at whatever its length

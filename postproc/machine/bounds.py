@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR, XYZ, along
 
 if TYPE_CHECKING:
     from postproc.machine.model import Machine
@@ -92,7 +92,7 @@ class Bounds:
     def _constant(self) -> float:
         """mm/mm: what squareness, location, heat and tables of two axes add to the steepness everywhere."""
         m = self.machine
-        total = sum(float(np.linalg.norm(stands[3:])) * (1 if x in XYZ else 2) for x, stands in m.locations.items())
+        total = sum(float(np.linalg.norm(stands[3:])) * (1 if x in LINEAR else 2) for x, stands in m.locations.items())
         total += sum(abs(growth.rate) for growth in m.expansions.values())
         return total + self._grid_slopes() + sum(float(np.linalg.norm(grid.sizes[3:])) for grid in m.grids)
 
@@ -114,7 +114,7 @@ class Bounds:
             return float(np.linalg.norm(m.tool) + np.linalg.norm(m.measured[letter])) + slides + centres
         if letter in m.chain.axes:
             for other in m.chain.arm(letter, axis.optic):
-                arm[XYZ.index(other)] += self._travel(other)
+                arm[along(other)] += self._travel(other)
         return float(np.linalg.norm(arm))
 
     def _travel(self, letter: str) -> float:
@@ -137,7 +137,7 @@ class Bounds:
             if x in m.expansions:
                 size += abs(m.expansions[x].rate) * 2 * self._travel(x)
             angle += lean
-            shift += size + lean * (self.reach(x) + self._travel(x) if x in XYZ else self.reach(x))
+            shift += size + lean * (self.reach(x) + self._travel(x) if x in LINEAR else self.reach(x))
         return angle * shift
 
     @cached_property

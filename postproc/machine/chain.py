@@ -7,7 +7,7 @@ Deviation of the tool relative to the workpiece, first order (ISO 230-1, rigid-b
 d_j, eps_j: translations and rotations of axis j at its position q_j; r_j: the arm from j's carriage to the tool tip, the
 tool plus the positions of the axes between j and the tool (for an axis that carries the workpiece its own as well);
 m_j: the same arm where j was measured; c_j: squareness. Rotary axes: rotary.py. What is dropped are products of two errors: 100 urad times
-100 um is 10 nm.
+100 um is 10 nm. U V W are second slides along X Y Z (a quill W on a head Z): links of the chain like any other, whose errors the slides X Y Z make up for.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 XYZ, ROTARY = "XYZ", "ABC"
+LINEAR = "XYZUVW"  # U V W: a second slide along X Y Z
+SECOND = dict(zip(XYZ, "UVW", strict=True))
 OPTICS = ("tool", "workpiece")
-Arms = dict[str, list[tuple[float, str]]]  # axis to mm that stay and the slide that adds, per direction
+Arms = dict[str, list[tuple[float, tuple[str, ...]]]]  # axis to mm that stay and the slides that add, per direction
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
 
 
@@ -46,7 +48,7 @@ class Chain:
         """
         at = self.axes.index(letter)
         own = (optic or self.side(letter)) == "workpiece"
-        return tuple(x for x in self.axes[at if own else at + 1 :] if x in XYZ)
+        return tuple(x for x in self.axes[at if own else at + 1 :] if x in LINEAR)
 
     def counted(self, letter: str, measured: np.ndarray) -> np.ndarray:
         """(3,) mm: of the place (3,) mm where the others stood while `letter` was measured, what its arm counts from.
@@ -55,34 +57,46 @@ class Chain:
         nothing and is ignored (contract of a machine, "Meaning").
         """
         carried = self.axes[self.axes.index(letter) + 1 :] if letter in self.axes else ()
-        return np.where([x in carried for x in XYZ], measured, 0.0)
+        return np.where([x in carried or SECOND[x] in carried for x in XYZ], measured, 0.0)
 
 
 def parse(text: str) -> Chain:
-    """Read "w-X-Y-b-Z-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is wrong."""
+    """Read "w-X-Y-b-Z-t", "w-X-Y-b-Z-W-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is wrong."""
     parts = text.split("-")
     if len(parts) < 3 or parts[0] != "w" or parts[-1] != "t" or parts.count("b") != 1:
         raise ValueError(f"chain {text!r} must begin with w, end with t and hold one b, like w-b-Z-X-t")
     axes = [p for p in parts[1:-1] if p != "b"]
     for axis in axes:
-        if axis not in XYZ + ROTARY or len(axis) != 1:
-            raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C")
+        if axis not in LINEAR + ROTARY or len(axis) != 1:
+            raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C U V W")
     if len(set(axes)) != len(axes):
         raise ValueError(f"chain {text!r} names an axis twice")
     if sum(x in ROTARY for x in axes) > 2:
         raise ValueError(f"chain {text!r} has more than two rotary axes")
+    for axis in axes:
+        if axis in "UVW" and XYZ[along(axis)] not in axes:
+            raise ValueError(
+                f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does not name"
+            )
+        if axis in "UVW" and any(x in ROTARY for x in axes):
+            raise ValueError(f"chain {text!r} has second slides and rotary axes, which are not followed together")
     return Chain(tuple(axes), parts.index("b") - 1)
 
 
+def along(letter: str) -> int:
+    """0, 1, 2: the direction, X Y Z, of a linear axis; U V W lie along X Y Z."""
+    return LINEAR.index(letter) % 3
+
+
 def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]) -> Arms:
-    """Per axis the part of the arm that stays, and per direction whether the slide of that direction adds to it.
+    """Per axis the part of the arm that stays, and per direction the slides of that direction that add to it.
 
     tool (3,) mm; measured: axis to (3,) mm, where the others of its arm stood (`counted`); optic: axis to what the
     measured point was fixed to.
     """
     return {
         x: [
-            (float(tool[i] - measured[x][i]), XYZ[i] if XYZ[i] in chain.arm(x, optic.get(x, "")) else "")
+            (float(tool[i] - measured[x][i]), tuple(y for y in chain.arm(x, optic.get(x, "")) if along(y) == i))
             for i in range(3)
         ]
         for x in chain.axes
@@ -91,7 +105,7 @@ def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic:
 
 def leans(letter: str, lean: np.ndarray) -> list[tuple[int, float]]:
     """How much an axis with squareness (3,) rad drifts in each direction per mm of its own way: c x (q u)."""
-    own = XYZ.index(letter)
+    own = along(letter)
     found = []
     for k, across in ((1, 2), (2, 1)):  # the component across rotates into the other
         i, j = (own + k) % 3, (own + across) % 3
@@ -121,7 +135,7 @@ def tip_deviation(
                 total[i] += shift
         if ea is None and eb is None and ec is None:
             continue
-        arm = [constant + position[slide] if slide else constant for constant, slide in stays]
+        arm = [sum((position[slide] for slide in slides), constant) for constant, slides in stays]
         for i, turn, k, back, j in ((0, eb, 2, ec, 1), (1, ec, 0, ea, 2), (2, ea, 1, eb, 0)):
             # (eps x arm)_i = eps_j arm_k - eps_k arm_j
             if turn is not None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.machine.chain import XYZ, leans
+from postproc.machine.chain import XYZ, along, leans
 
 if TYPE_CHECKING:
     from postproc.machine.model import Machine
@@ -33,14 +33,14 @@ def direct(machine: Machine) -> np.ndarray:
 
 
 def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tuple[str, ...]]]:
-    """Rows along which a component of an axis acts, and the slide whose position is its arm there; no row without an arm."""
+    """Rows along which a component of an axis acts, and the slides whose places are its arm there; no row without an arm."""
     if component < 3:
         return [(machine.letters.index(XYZ[component]), ())] if XYZ[component] in machine.letters else []
     found: list[tuple[int, tuple[str, ...]]] = []
     for i in (i for i in range(3) if i != component - 3 and XYZ[i] in machine.letters):
-        stays, slide = machine.arms[letter][3 - i - (component - 3)]
-        if stays or slide:
-            found.append((machine.letters.index(XYZ[i]), (slide,) if slide else ()))
+        stays, slides = machine.arms[letter][3 - i - (component - 3)]
+        if stays or slides:
+            found.append((machine.letters.index(XYZ[i]), slides))
     return found
 
 
@@ -61,5 +61,5 @@ def _components(machine: Machine, letter: str) -> list[tuple[int, tuple[str, ...
     for grid in machine.grids_of[letter]:
         found += [(i, (grid.other,)) for i in grid.rows]
     if letter in machine.expansions:
-        found.append((XYZ.index(letter), ()))
+        found.append((along(letter), ()))
     return found

@@ -17,7 +17,7 @@ import numpy as np
 from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
 from postproc.machine.axis_file import over_turns, read_grid, read_table, read_uncertainty
-from postproc.machine.chain import OPTICS, ROTARY, XYZ
+from postproc.machine.chain import LINEAR, OPTICS, ROTARY, SECOND, XYZ, along
 from postproc.machine.effect_file import read_effects
 from postproc.machine.model import Axis, ControlTable, Expansion, Limits, Machine
 from postproc.machine.tables import COMPONENTS, GridTable
@@ -62,14 +62,14 @@ def read_machine(folder: Path) -> Machine:
     digest = hashlib.sha256(toml.text.encode())
     limits = _limits(toml)
     axes = {
-        x: _axis(toml, x, section, digest, limits)
-        for x, section in sorted(sections.items(), key=lambda item: (XYZ + ROTARY).find(item[0]))
+        x: _axis(toml, x, section, digest, limits, chain)
+        for x, section in sorted(sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0]))
     }
     for x in chain.axes:
         if x not in axes:
             raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
     for x in axes:
-        if x not in chain.axes and (x in XYZ or axes[x].table is not None or axes[x].grids):
+        if x not in chain.axes and (x in LINEAR or axes[x].table is not None or axes[x].grids):
             raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {data['chain']}")
         for grid in axes[x].grids:
             if grid.other not in axes:
@@ -134,10 +134,10 @@ def _limits(toml: TomlFile) -> Limits:
     return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside, hysteresis)
 
 
-def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> Axis:
+def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits, chain: chains.Chain) -> Axis:
     name = f"axes.{letter}"
-    if letter not in tuple(XYZ + ROTARY) or not isinstance(section, dict):
-        raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C")
+    if letter not in tuple(LINEAR + ROTARY) or not isinstance(section, dict):
+        raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C U V W")
     toml.check_keys(name, section, KEYS["axes."])
     travel = section.get("travel")
     if travel is None:
@@ -153,13 +153,7 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
         raise toml.fault(
             name, "least_increment", f"least_increment = {least!r}", "a power of ten from 0.000001 to 0.1, mm"
         )
-    at = section.get("measured_at", {})
-    if not isinstance(at, dict):
-        raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
-    for key in at:
-        if key not in XYZ:
-            raise toml.fault(name, "measured_at", f"measured_at names {key!r}, which is no linear axis")
-    measured = np.array([toml.number(name, at, x, 0.0, at="measured_at") for x in XYZ])
+    measured = _measured_at(toml, name, letter, section, chain)
     table = None
     if "table" in section:
         path = _table_path(toml, name, section["table"], "table")
@@ -181,6 +175,22 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits) -> 
         uncertainty=uncertainty, left_out=_left_out(toml, name, letter, section),
         centre_stated=tuple(section.get("centre", {})), velocity=toml.number(name, section, "max_velocity", 0.0) / 60.0,
     )  # fmt: skip
+
+
+def _measured_at(toml: TomlFile, name: str, letter: str, section: dict, chain: chains.Chain) -> np.ndarray:
+    """(3,) mm: where the other axes stood, by direction; of two slides of one direction, those that the axis carries."""
+    at = section.get("measured_at", {})
+    if not isinstance(at, dict):
+        raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
+    for key in at:
+        if key not in LINEAR:
+            raise toml.fault(name, "measured_at", f"measured_at names {key!r}, which is no linear axis")
+    carried = chain.axes[chain.axes.index(letter) + 1 :] if letter in chain.axes else ()
+    two = {x for x in XYZ if SECOND[x] in chain.axes}
+    stood = {x: toml.number(name, at, x, 0.0, at="measured_at") for x in LINEAR}
+    return np.array([
+        sum(stood[y] for y in (x, SECOND[x]) if y in carried) if x in two else stood[x] for x in XYZ
+    ])  # fmt: skip
 
 
 def _left_out(toml: TomlFile, name: str, letter: str, section: dict) -> tuple[str, ...]:
@@ -208,7 +218,7 @@ def _grids(toml: TomlFile, name: str, letter: str, section: dict, digest, limits
         raise toml.fault(name, "by", f"by = {by!r}", 'like by = { X = "Z_by_X.csv" }')
     grids = []
     for other, value in by.items():
-        if other not in tuple(XYZ + ROTARY) or other == letter:
+        if other not in tuple(LINEAR + ROTARY) or other == letter:
             raise toml.fault(name, "by", f"by names {other!r}, which is no other axis")
         path = _table_path(toml, name, value, "by")
         digest.update(path.read_bytes())
@@ -315,8 +325,8 @@ def _squareness_u(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
 def _angles(toml: TomlFile, section: str, data: dict, axes: dict[str, Axis]) -> dict[str, float]:
     """Names of squareness to rad."""
     for name in data:
-        own = re.fullmatch(r"[ABC]0[XYZABC]", name) and name[2] in axes
-        if not own or ROTARY.index(name[0]) == (XYZ if name[2] in XYZ else ROTARY).index(name[2]):
+        own = re.fullmatch(r"[ABC]0[XYZABCUVW]", name) and name[2] in axes
+        if not own or ROTARY.index(name[0]) == (ROTARY.index(name[2]) if name[2] in ROTARY else along(name[2])):
             raise toml.fault(
                 section,
                 name,

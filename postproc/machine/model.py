@@ -12,7 +12,7 @@ import numpy as np
 
 from postproc.machine import dependence, rotary
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, Arms, Chain, Parts, leans, tip_deviation
+from postproc.machine.chain import LINEAR, ROTARY, XYZ, Arms, Chain, Parts, along, leans, tip_deviation
 from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.machine.tool_point import ToolPoint
@@ -161,7 +161,7 @@ class Machine:
 
     @cached_property
     def corrected(self) -> tuple[int, ...]:
-        """Rows of the axes that a correction can move: the linear ones of the chain."""
+        """Rows of the axes that a correction can move: the slides X Y Z of the chain."""
         return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes and x in XYZ)
 
     @cached_property
@@ -211,7 +211,7 @@ class Machine:
         found = {}
         for x, axis in self.axes.items():
             low, high = axis.travel
-            if self.limits.outside == "error" and x in self.ranges and x in XYZ:
+            if self.limits.outside == "error" and x in self.ranges and x in LINEAR:
                 first, last = self.ranges[x]
                 low, high = max(low, first), min(high, last)
             found[x] = (low, high) if low < high else axis.travel
@@ -264,7 +264,7 @@ class Machine:
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
-            size[(XYZ + ROTARY).index(x)] = 0.0
+            size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
             total += float(np.linalg.norm(size[:3]) + np.linalg.norm(size[3:]) * self.bounds.reach(x))
         return total
 
@@ -403,7 +403,7 @@ class Machine:
         growth = self.expansions.get(letter)
         if growth is not None:
             more: Parts = [None] * 6
-            more[(XYZ if letter in XYZ else ROTARY).index(letter)] = growth.rate * (q[letter] - growth.fixed)
+            more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (q[letter] - growth.fixed)
             part = _sum(part, more)
         return part
 

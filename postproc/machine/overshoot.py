@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.model import Machine
 from postproc.units import UM, URAD
 
@@ -42,7 +42,7 @@ def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
 
 def of_axis(machine: Machine, letter: str) -> np.ndarray:
     """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables and effects together."""
-    row = XYZ.index(letter) if letter in XYZ else 3 + "ABC".index(letter)
+    row = along(letter) if letter in LINEAR else 3 + "ABC".index(letter)
     tables = [table for x, table in machine.every_table if x == letter and np.any(table.half[row])]
     if not tables:
         return np.zeros(0)
@@ -53,5 +53,5 @@ def of_axis(machine: Machine, letter: str) -> np.ndarray:
 def found(machine: Machine, letters: str = "") -> list[str]:
     """Sentences about the axes of a machine, or about some of them."""
     every = [x for x in machine.letters if not letters or x in letters]
-    said = [sentence(f"E{x}{x}", of_axis(machine, x)) for x in every]
+    said = [sentence(f"E{XYZ[along(x)] if x in LINEAR else x}{x}", of_axis(machine, x)) for x in every]
     return [text for text in said if text]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from postproc.errors import MachineError
-from postproc.machine.chain import ROTARY, XYZ, Chain
+from postproc.machine.chain import ROTARY, SECOND, XYZ, Chain
 from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
@@ -71,6 +71,12 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
         raise MachineError(
             f"{machine.name} has rotary axes ({' '.join(machine.chain.rotary)})",
             "volumetric tables are written for chains of linear axes only",
+        )
+    second = [x for x in machine.chain.axes if x in SECOND.values()]
+    if second:
+        raise MachineError(
+            f"{machine.name} has second slides ({' '.join(second)})",
+            "volumetric tables are written for chains of X Y Z only",
         )
     axes: dict[str, AxisTable] = {}
     grids: list[GridTable] = []

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from postproc.machine.chain import LINEAR
+
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 DECIMALS = 4
 FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source", "signs")
@@ -44,7 +46,7 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
 
 def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()) -> str:
     """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit; comments: lines above."""
-    position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
+    position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
     lines = [f"# {_comment(c)}" for c in comments] + [",".join([position, *columns])]
     for k, node in enumerate(nodes):
         lines.append(",".join([number(float(node), 6), *(number(float(c[k]), DECIMALS) for c in columns.values())]))
@@ -54,7 +56,7 @@ def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray]
 def runs_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterable[str] = ()) -> str:
     """`Z_runs.csv`: a row for every value that stands behind the axis table. rows: the columns
     below by name; None and NaN are left empty. No reader of machines needs it."""
-    position = f"{letter}_mm" if letter in "XYZ" else f"{letter}_deg"
+    position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
     names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
     lines = [f"# {_comment(c)}" for c in comments] + [",".join(names)]
     for row in rows:

@@ -17,6 +17,7 @@ from postproc.nc.centres import centre_words
 from postproc.nc.columns import begins
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
+from postproc.nc.feeds import kept_feeds
 from postproc.nc.interpreter import Setup
 from postproc.nc.inverse_time import inverse_time
 from postproc.nc.lexer import RELATIVE, Words
@@ -37,13 +38,14 @@ AFTER, AFTER_END = (
 @dataclass(frozen=True)
 class Written:
     """What one batch hands to the next: the motion code that the output last wrote (-1: as the program), whether the
-    marker stands, and the line end in use."""
+    marker stands, the line end in use, and the F that it has in force where the program has another (else nan)."""
 
     code: int = -1
     marked: bool = False
     newline: bytes = b""
     shift: tuple[int, ...] = ()
     bottom: int = 0
+    feed: float = float("nan")
 
 
 class Emitter:
@@ -88,6 +90,7 @@ class Batch:
         hole_words(self)
         if len(self.m.presets):
             preset_words(self.splice, self.w, self.m, self._shift())
+        feed = kept_feeds(self) if self.e.dialect.feed_along_first else self.state.feed
         added = len(self.p) - len(self.m)
         if added:
             inverse_time(self)
@@ -96,7 +99,7 @@ class Batch:
             thread_words(self)
             self.frames_of_blocks((~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
-        state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom)
+        state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom, feed=feed)
         touched = self.touched.nonzero()[0]
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1

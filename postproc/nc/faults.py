@@ -20,6 +20,7 @@ STATEMENT = re.compile(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,
 )  # fmt: skip
+ARGUMENTS = re.compile(rb"\([^()\n]*\)(?![0-9.])")  # of a call, behind its name: L140(2)
 STATEMENT_WORD = re.compile(
     rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>", re.IGNORECASE,
@@ -88,6 +89,8 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
         )
     if in_number:
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
+    if character == "(" and code[offset - 1 : offset].isalnum() and ARGUMENTS.match(code, offset):
+        return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION
     if character == "(":
         return (
             "a comment is opened and not closed in its line, opened twice, or breaks a number in two",

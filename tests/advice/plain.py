@@ -139,6 +139,12 @@ MAP = [
         "G0 X10. Y10. Z0. A0. C0.|G1 X15. Y15. C45. F9|X20. Y10. C90.",
         how={"machine": "example-five-axis"},
     ),
+    Case(
+        C,
+        "G0 X100. Y100. Z0. A0. C0.|G1 C90. F#<_hal[feed]>",
+        "G0 X100. Y100. Z0. A0. C0.|G1 C90. F360",
+        how={"machine": "example-five-axis"},
+    ),
     mill(C, "G0 X3095. Y0.|G3 X3095. Y30. J15. F9", "G0 X2990. Y0.|G3 X2990. Y30. J15. F9", how={"outside": "clamp"}),
 ]
 ALL = [*TEXT, *WORDS, *SHIFTS, *HOLES, *MAP]

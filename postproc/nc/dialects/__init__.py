@@ -75,6 +75,7 @@ class Dialect:
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial one).
     `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
+    `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees (feeds.py).
     """
 
     name: str
@@ -142,6 +143,7 @@ class Dialect:
     hole_from_start: bool = False
     level_from_start: bool = False
     conditions: bool = False
+    feed_along_first: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

@@ -129,7 +129,7 @@ DIALECT = Dialect(
             r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
             r"\b(CYCLE832|SETMS|TRAORI|TRANSMIT|TRACYL|TRAANG)[ \t]*\([^()\n]*\)",
             r"\b(" + "|".join(_CYCLES.split()[1:]) + r"|CYCLE800)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\)",
-            r"\b(?:SETAL|SETM|CLEARM|WAITM|WAITMC|WORKPIECE)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
+            r"\b(?:SETAL|SETM|CLEARM|WAITM|WAITMC|WORKPIECE|GROUP_BEGIN|GROUP_END|GROUP_ADDEND)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
             r"^[ \t]*%_N_[^\n]*",
         ),
         assigns=True,

@@ -23,6 +23,7 @@ HEAD = re.compile(
 WORD = re.compile(
     r"[ \t]*([A-Z])[ \t]*([+-]?(?>\d+\.?\d*|\.\d+))(EX[+-]?\d+)?(?![ \t]*(?:=(?!=)|\[|\())", re.IGNORECASE | re.ASCII
 )
+NUMBERED = re.compile(r"[ \t]*(L\d+)(?=[ \t]*\()", re.IGNORECASE | re.ASCII)  # L140(2): a subprogram with values
 PLAIN_VALUE = re.compile(r'[+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|"[^"]*"', re.ASCII)
 DESTINATION = re.compile(r"[ \t]*:?([A-Z0-9_]+)(?![A-Z0-9_]|[ \t]*(?:<<|\[))", re.IGNORECASE | re.ASCII)
 PASSES = re.compile(r"[ \t]*P[ \t]*(?:=|(?=[0-9]))", re.IGNORECASE)
@@ -195,8 +196,10 @@ class Words(Parser):
         """All that is left of the line."""
         others = 0
         while not self.done():
-            found = WORD.match(self.text, self.at)
-            if found and found[1] in "Ll" and found[2].isdigit():
+            found, numbered = WORD.match(self.text, self.at), NUMBERED.match(self.text, self.at)
+            if numbered:
+                self.call(numbered[1].upper(), numbered.start(1), numbered.end(), others)
+            elif found and found[1] in "Ll" and found[2].isdigit():
                 self.call(found[1].upper() + found[2], found.start(1), found.end(), others)
             elif found:
                 self.at = found.end()
@@ -339,7 +342,7 @@ class Words(Parser):
         """The same, but a number, a string or a lone name that is no variable stays as it stands."""
         token = TOKEN.fullmatch(self.text, entry.start, entry.stop)
         name = (token["name"] or "").upper() if token else ""
-        return entry if name[:1] in ("R", "$") and not name.isalpha() else replace(entry, name=name)
+        return entry if name[:1] == "$" or (name[:1] == "R" and name[1:].isdigit()) else replace(entry, name=name)
 
     def jump(self, condition: Node | None) -> Jump:
         """GOTOF and its kin with their destination."""
