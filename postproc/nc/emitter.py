@@ -141,6 +141,7 @@ class Batch:
         self.at = np.where(some, self.tail(np.minimum(np.maximum(last, 0), n - 1)), fallback) if n else fallback
         blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
         self.spaced = blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
+        self.spaced |= self.e.dialect.grammar.assigns  # G64X=5 would be read as no code and its word
 
     # -- G words -------------------------------------------------------------------------------------------------------
 

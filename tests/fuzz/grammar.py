@@ -214,6 +214,9 @@ class Writer:
             result[self.extrude] = 20
         if self.siemens:
             result[self.by_keyword] = 8
+            result[self.polynomial] = 4
+        if self.dialect in ("fagor", "okuma"):
+            result[self.own] = 14
         return result
 
     def straight(self) -> None:
@@ -564,6 +567,51 @@ class Writer:
                      "G1 X=IC(0.5) Y=AC(10) F=200", "G0 Z=IC(-1)", "G91 X=AC(5) Y1", "G90", "G111 X0 Y0", "G641 ADIS=0.5", "CYCLE832(0.01,1)",
                      "G1 A=DC(90)", "G2 X=IC(10) Y=IC(0) CR=5", "G3 X20 Y20 I=AC(15) J=AC(15)", "G1 X1=5", "X = 5", "G4 F1", "RND=2", "CHF=1"),
         )  # fmt: skip
+
+    def polynomial(self) -> None:
+        """POLY of a Sinumerik: ends with their coefficients, at times a denominator, and back to lines."""
+        words = []
+        for a in self.axes():
+            more = ",".join(self.num(self.rng.uniform(-8, 8), 2) for _ in range(self.rng.randint(0, 4)))
+            words.append(f"PO[{a}]=({self.num(self.goal(a))}{',' if more else ''}{more})")
+        if self.often(0.2):
+            words.append(f"PO[]=({self.num(self.rng.uniform(0.5, 3), 2)},{self.num(self.rng.uniform(-0.3, 0.3), 2)})")
+        if self.often(0.5):
+            words.append("PL=" + self.one("1", "2.5", "0.1", "10", "0" if self.often(self.wild) else "4"))
+        self.add(self.one("POLY", "POLY", "G1 POLY"), *words, self.one("", "F200"))
+        if self.often(0.4):
+            self.add(*words)
+        if self.often(0.8):
+            self.add("G1", *self.coordinates(), "F100")
+
+    def own(self) -> None:
+        """What only a Fagor or an Okuma writes: offsets and lengths by their names, holes with their own words, remarks."""
+        low, high = self.ranges["Z"]
+        level, bottom = sorted((round(self.rng.uniform(low, high), 2) for _ in range(2)), reverse=True)
+        at = self.coordinates("XY")
+        if self.dialect == "fagor":
+            lines = (
+                ["G0 #MCS", "Z" + self.num(high)], ["#MCS", *at, "F90"], ["G0 Z" + self.num(high), "D1"], ["T1 D1"], ["D2"],
+                ['(MSG "PART")'], ["#HSC ON [E0.01]"], ["G5"], ["G7"], ["G51 A5 E0.02"], ["P1=5"], ["(RPT N10,N20)"],
+                ["G36 R2"], ["#RTCP ON"], [self.one("G98", "G99"), "G81", *at, f"Z{level} I{bottom} K1 F100"],
+                ["G98 G83", *at, f"Z{level} I-{self.num(self.rng.uniform(0.5, 9), 2)} J{self.rng.randint(0, 5)} F100"],
+                ["G99 G85", *at, f"Z{level} I{bottom} F100"],
+            )  # fmt: skip
+        else:
+            lines = (
+                ["G15 H1"], ["G15 H2"], ["G56 H1"], ["G53"], [f"G71 Z{high}"], ["CALL OO88 PX=0"], ["VC1=5"], ["NOEX VC2=1"],
+                ["G30 P1"], ["G0 X9999 Y9999"], ["G0 Z400"], ["M130"], ["G56 HA"],
+                ["G81", *at, f"Z{bottom} R{level} F100", self.one("M52", "M53", "M54", "")],
+                ["G83", *at, f"Z{bottom} R{level} Q{self.num(self.rng.uniform(0.2, 9), 2)} F100 M53"],
+                ["G73", *at, f"Z{bottom} R{level} I{self.num(self.rng.uniform(0.2, 9), 2)} J20 F100 M54"],
+                ["NCYL G82", *at, f"Z{bottom} R{level} P1 F100"],
+            )  # fmt: skip
+        chosen = self.rng.choice(lines)
+        self.add(*chosen)
+        if chosen[0][-3:-1] == "G8" or chosen[0] in ("G81", "G83", "G73", "NCYL G82"):
+            for _ in range(self.rng.randint(0, 2)):
+                self.add(*self.coordinates("XY"))
+            self.add("G80")
 
     def macro(self) -> None:
         """Variables, loops and calls: refused as they are, written out under --expand."""
