@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from postproc.compensate import Options
+from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.chain import along, parse
 from postproc.machine.file import read_machine
@@ -205,6 +206,6 @@ def test_a_feed_that_only_the_machine_knows_is_refused_there():
     m = read_machine(MACHINES / "example-five-axis")
     m = replace(m, offsets={"G54": dict.fromkeys("XYZAC", 0.0)})
     filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), Options(tolerance=0.001))
-    with pytest.raises(Exception, match="F is not known as a number"):
-        filter_.feed(b"G21 G90\nG0 X100 Y100 Z50 A0 C0\nG1 C90 F#<_hal[feed]>\nM2\n")
+    with pytest.raises(ProgramError, match="F is not known as a number"):
+        filter_.feed(b"G21 G90\nG0 X100 Y100 Z50 A0 C0\nF100\nG1 C90 F#<_hal[feed]>\nM2\n")
         filter_.finish()

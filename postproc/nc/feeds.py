@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.errors import MotionFault
+from postproc.errors import BlockFault
 from postproc.motions import FEED, RAPID, THREAD
 from postproc.nc.numbers import INSERT_WORD
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
@@ -60,7 +60,7 @@ def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
 
 
 def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
-    """(P,) by how much F must be larger in each piece, 1 where it stays. Raises MotionFault where F is not known as a number."""
+    """(P,) by how much F must be larger in each piece, 1 where it stays. Raises BlockFault where F is not known as a number."""
     m, p = b.m, b.p
     result = np.ones(len(p))
     which = (special[p.motion] & (p.share > 0)).nonzero()[0]
@@ -70,7 +70,7 @@ def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     ratio = np.divide(written, nominal * p.share[which], out=np.ones(len(which)), where=(nominal > 0) & (written > 0))
     other = (kind != now) | (np.abs(ratio - 1.0) > SAME)
     for k in (other & ~(m.feed[motion] > 0)).nonzero()[0][:1]:
-        raise MotionFault(
+        raise BlockFault(
             int(motion[k]), "a feed of rotary axes whose F is not known as a number: corrections of X Y Z would change its speed",
             "write F as a number",
         )  # fmt: skip

@@ -271,9 +271,11 @@ def columns(
         feed_place = feed_place[~np.isin(b.words.block[feed_place], b.single[40])]
     feed, feed_word = np.empty(n), np.empty(n, np.int64)
     feed_word.fill(-1)
-    if len(feed_place):
+    untold = b.places.get(chr(UNTOLD))
+    if len(feed_place) or untold is not None:
         feed.fill(np.nan)
         feed[b.words.block[feed_place]] = b.numbers(feed_place)
+        feed[b.words.block[untold] if untold is not None else []] = 0.0  # a value that only the machine knows
         feed_word[b.words.block[feed_place]] = feed_place
         feed = hold_last_float(feed, b.state.feed)
         b.feed = float(feed[-1])
@@ -291,7 +293,6 @@ def columns(
     else:
         renamed = np.zeros(0, bool)
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
-    untold = b.places.get(chr(UNTOLD))
     mode = b.held("feed mode")
     inverse = spread(mode, n)[block] == 930
     if np.any(mode == 930):
