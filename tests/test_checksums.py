@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from postproc.nc.checksums import START, Numbering, check, cover, renumber
+from postproc.nc.checksums import START, Numbering, bare, check, cover, renumber
 
 
 def sealed(code: bytes, tail: bytes = b"") -> bytes:
@@ -207,6 +207,14 @@ def test_any_cut_at_line_ends_gives_the_same_bytes(lines, cuts):
 def test_nothing_added_nothing_changed(lines):
     text, _ = stream([line for line in lines if line[0] not in ("added", "stale")])
     assert renumber(text)[0] == text
+
+
+def test_a_stream_that_is_written_out_has_no_numbers():
+    """Lines come and go when a curve is written out: no number and no checksum of the stream is right behind it."""
+    text = b"; a print\n" + sealed(b"N1 G28") + sealed(b"N2 G5 X30 I5 J5 P-5 Q5", b" ; curve") + b"G1 X5 ; *7\n"
+    assert bare(text) == b"; a print\n G28\n G5 X30 I5 J5 P-5 Q5 ; curve\nG1 X5 ; *7\n"
+    assert bare(b"N1 G28*1\n") == b"N1 G28*1\n"  # damaged: refused where it is read
+    assert bare(b"N10 G1 X5\n") == b"N10 G1 X5\n"
 
 
 @given(st.binary(max_size=200) | st.text("N1G*;() \t\r\nM0X.-", max_size=60).map(str.encode))

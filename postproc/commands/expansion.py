@@ -51,11 +51,12 @@ def written_out(filter_: Filter, source, options: argparse.Namespace, keeps: boo
 
 def of_text(filter_: Filter, text: bytes, library, options: argparse.Namespace, keeps: bool = True) -> Written:
     """The same for a text, with what finds subprograms."""
+    from postproc.nc.checksums import bare
     from postproc.nc.expand import Limits, Program
     from postproc.nc.expand.written import Written
     from postproc.nc.interpreter import Interpreter
 
-    program = Program(filter_.name, text, library)
+    program = Program(filter_.name, bare(text) if filter_.dialect.grammar.checksums else text, library)
     # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
     tracked, limits = Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth)
     compensator = filter_.compensator

@@ -58,6 +58,20 @@ def check(text: bytes) -> tuple[int, str] | None:
     return None
 
 
+def bare(text: bytes) -> bytes:
+    """A whole stream without its numbers and checksums, line by line: of other lines they would be wrong. One whose checksums
+    are wrong, or that has none, stays as it is."""
+    if b"*" not in text or check(text) is not None:
+        return text
+    result = bytearray(text)
+    for start, star, stop in reversed([*_marks(text)]):
+        number = NUMBER.match(text, start)
+        del result[star:stop]
+        if number:
+            del result[start : number.end()]
+    return bytes(result)
+
+
 def renumber(text: bytes, state: Numbering = START) -> tuple[bytes, Numbering]:
     """Corrected lines, with the numbers and checksums that a receiver wants; and what the next piece needs.
 

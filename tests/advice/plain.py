@@ -128,6 +128,7 @@ HOLES = [
     mill("grblhal", HOLE + "G81 X11. Z-140. R2. F9", HOLE + "G81 X11. Z-140. R2. F9|G80", also={"hole_um": 50.0}),
 ]
 MAP = [
+    Case("siemens", "G0 X10 Y10 Z5|L140(2)", "G0 X10 Y10 Z5|L140(2)", "is neither a command", also=WRITE),
     mill(C, "G0 X3010.", "G0 X2990."),
     mill(C, "G0 X3010.", "G0 X3010.", also={"outside": "clamp"}),
     mill(C, "G0 X3200.", "G0 X2990.", how={"outside": "clamp"}),
