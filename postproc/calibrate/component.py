@@ -339,4 +339,4 @@ def _noise(one: Series, cells: Cells, ways: int, lined: bool) -> tuple[float, fl
     y = cells.mean[:ways].ravel()[used] / sigma
     left = y - terms @ (np.linalg.pinv(terms) @ y)
     free = len(y) - terms.shape[1]
-    return (float(left @ left), chi_squared(free)) if free >= 1 else None
+    return (float(left @ left), float(chi_squared(free))) if free >= 1 else None

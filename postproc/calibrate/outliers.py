@@ -61,7 +61,7 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
     if not many.any():
         return []
     dof = cells.n[many] - 1.0
-    typical = np.sqrt(np.median(cells.s[many] ** 2 * dof / [chi_squared(d, 0.0) for d in dof]))
+    typical = np.sqrt(np.median(cells.s[many] ** 2 * dof / chi_squared(dof, 0.5)))
     typical = max(float(typical), _floor(series))
     result = []
     for cell in np.unique(cells.index[cells.index >= 0]):

@@ -5,6 +5,7 @@ A cell is one target approached in one direction. Row 0 of every (2, K) array is
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,22 +14,21 @@ import numpy as np
 SAME = 0.01  # mm: targets nearer to each other are one target
 LEVEL = 0.95  # of the tests
 
-# Student's factor for 95.45 % by degrees of freedom, as JCGM 100 (GUM) table G.2 prints it; between them linear in 1/dof.
-DOF = np.array([1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 25, 30, 40, 50, 100, np.inf])
-T95 = np.array(
-    [13.97, 4.53, 3.31, 2.87, 2.65, 2.52, 2.43, 2.37, 2.32, 2.28, 2.23, 2.20, 2.17, 2.15, 2.13, 2.11, 2.09, 2.06, 2.05, 2.025, 2.0]
-)  # fmt: skip
+SHARE = math.erf(math.sqrt(2.0))  # 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
 
 
 def t_factor(dof: np.ndarray | float) -> np.ndarray:
     """Coverage factor for 95.45 % at `dof` degrees of freedom: 2 for many, 2.87 for five runs."""
-    return np.interp(1.0 / np.maximum(dof, 1.0), 1.0 / DOF[::-1], T95[::-1])
+    from scipy.stats import t
+
+    return t.isf((1 - SHARE) / 2, np.maximum(dof, 1.0))
 
 
-def chi_squared(dof: float, z: float = 1.645) -> float:
-    """Quantile of chi-squared, of 95 % where z = 1.645, 50 % where z = 0 (Wilson and Hilferty 1931; to 1 % from 3 on)."""
-    a = 2.0 / (9.0 * dof)
-    return float(dof * (1.0 - a + z * np.sqrt(a)) ** 3)
+def chi_squared(dof: np.ndarray | float, share: float = LEVEL) -> np.ndarray:
+    """Value of chi-squared below which a share of the chances lies."""
+    from scipy.stats import chi2
+
+    return chi2.ppf(share, dof)
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
-"""The fit whose largest residual is smallest (Chebyshev): exact, by the simplex method on the dual problem.
+"""The fit whose largest residual is smallest (Chebyshev), by linear programming (scipy.optimize.linprog, HiGHS).
 
-The reference points carry weights that balance; the point with the largest residual takes the place of one of them.
-Bland's rule ends what would go round in circles where points coincide (Bland, Math. Oper. Res. 2, 1977, 103).
+The least h with -h <= value - basis c <= h is looked for. HiGHS keeps its constraints to 1e-7 of the scale; the points that
+carry weight at its answer, one more than there are coefficients, give it to the last digit.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-ROUNDS = 5000
+WEIGHT = 1e-9  # of the largest: a point with less carries none
 
 
 def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
@@ -16,66 +16,37 @@ def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
 
     Raises ValueError where the basis does not determine the coefficients.
     """
+    from scipy.optimize import linprog
+
     count, p = basis.shape
     if count < p:
         raise ValueError("fewer points than coefficients")
-    middle, scale = float(np.mean(value)), float(np.ptp(value))
-    if scale == 0:
-        scale = 1.0
     size = np.abs(basis).max(axis=0)
-    size[size == 0] = 1.0
-    y = (value - middle) / scale
-    one = basis / size
-    # Columns of the dual: +point i, -point i; rows: the weights balance in every basis function, and add up to one.
-    columns = np.concatenate([np.vstack([one.T, np.ones(count)]), np.vstack([-one.T, np.ones(count)])], axis=1)
-    cost = np.concatenate([y, -y])
-    base = _start(one, columns)
-    right = np.zeros(p + 1)
-    right[p] = 1.0
-    stalled = 0
-    best = -np.inf
-    for _ in range(ROUNDS):
-        matrix = columns[:, base]
-        price = np.linalg.solve(matrix.T, cost[base])
-        gain = cost - price @ columns
-        gain[base] = 0.0
-        if gain.max() < 1e-13:
-            break
-        stalled = 0 if price[p] > best + 1e-14 else stalled + 1
-        best = max(best, float(price[p]))
-        enter = int(np.argmax(gain)) if stalled < 20 else int(np.argmax(gain > 1e-13))
-        weight = np.linalg.solve(matrix, right)
-        change = np.linalg.solve(matrix, columns[:, enter])
-        falling = change > 1e-11
-        if not falling.any():
-            break
-        ratio = np.where(falling, np.maximum(weight, 0.0) / np.where(falling, change, 1.0), np.inf)
-        ties = np.flatnonzero(ratio <= ratio.min() + 1e-15)
-        leave = ties[np.argmin(base[ties])]
-        base[leave] = enter
-    coefficients = _with_middle(price[:p] * scale / size, basis, middle)
+    one = basis / np.where(size == 0, 1.0, size)
+    if np.linalg.matrix_rank(one, tol=1e-9 * np.sqrt(count)) < p:
+        raise ValueError("the points do not determine the fit")
+    # What least squares leave is of the size of h: the programme's numbers are then all about one.
+    first = np.linalg.lstsq(one, value, rcond=None)[0]
+    left = value - one @ first
+    scale = float(np.abs(left).max())
+    if scale == 0:
+        return first / np.where(size == 0, 1.0, size), 0.0
+    y = left / scale
+    ends = np.vstack([np.hstack([one, -np.ones((count, 1))]), np.hstack([-one, -np.ones((count, 1))])])
+    found = linprog(
+        [0.0] * p + [1.0],
+        A_ub=ends,
+        b_ub=np.concatenate([y, -y]),
+        bounds=[(None, None)] * p + [(0, None)],
+        method="highs",
+    )
+    if found.x is None:
+        raise ValueError(f"the points do not determine the fit: {found.message}")
+    steps = [found.x[:p]]
+    weight = -found.ineqlin.marginals
+    carry = np.flatnonzero(weight > WEIGHT * weight.max())
+    if len(carry) == p + 1 and np.linalg.matrix_rank(ends[carry]) == p + 1:
+        steps.append(np.linalg.solve(ends[carry], np.concatenate([y, -y])[carry])[:p])
+    step = min(steps, key=lambda c: float(np.abs(y - one @ c).max()))
+    coefficients = (first + scale * step) / np.where(size == 0, 1.0, size)
     return coefficients, float(np.abs(value - basis @ coefficients).max())
-
-
-def _start(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """A first reference: one point with both signs, and p - 1 others that make it regular."""
-    count, p = basis.shape
-    chosen = [0]
-    rest = basis - np.outer(basis @ basis[0], basis[0]) / (basis[0] @ basis[0])
-    for _ in range(p - 1):
-        lengths = np.linalg.norm(rest, axis=1)
-        next_one = int(np.argmax(lengths))
-        if lengths[next_one] < 1e-9:
-            raise ValueError("the points do not determine the fit")
-        direction = rest[next_one] / lengths[next_one]
-        rest = rest - np.outer(rest @ direction, direction)
-        chosen.append(next_one)
-    return np.array([chosen[0], chosen[0] + count, *chosen[1:]])
-
-
-def _with_middle(coefficients: np.ndarray, basis: np.ndarray, middle: float) -> np.ndarray:
-    """The mean that was taken off the values goes back into the constant, which is the first function."""
-    assert np.all(basis[:, 0] == basis[0, 0])
-    coefficients = coefficients.copy()
-    coefficients[0] += middle / basis[0, 0]
-    return coefficients

@@ -9,7 +9,7 @@ import pytest
 from iso_made import UM, along, runs_of, seed, targets
 
 from postproc.iso import Options, Stated, choose, straightness
-from postproc.iso.chance import chi_squared_tail, f_tail, incomplete_beta, student
+from postproc.iso.chance import chi_squared_tail, f_tail, student
 from postproc.iso.positioning import evaluate
 from postproc.iso.sampling import noise_of
 from postproc.iso.uncertainty import of_positioning, rectangular
@@ -22,8 +22,6 @@ def test_distributions_against_printed_tables():
     assert student(4, 0.95) == pytest.approx(2.776, abs=5e-4) and student(1e9) == pytest.approx(2.0, abs=1e-3)
     assert f_tail(3.708, 3, 10) == pytest.approx(0.05, abs=5e-5)
     assert chi_squared_tail(11.070, 5) == pytest.approx(0.05, abs=2e-5)
-    assert incomplete_beta(2, 3, 0.4) == pytest.approx(0.5248)  # sum of C(4,k) 0.4^k 0.6^(4-k), k = 2..4
-    assert (incomplete_beta(2, 3, 0.0), incomplete_beta(2, 3, 1.0)) == (0.0, 1.0)
 
 
 BUDGET = Stated(device=0.2 * UM, misalignment=1e-3, alpha=11.5e-6, u_alpha=1e-6, temperature=23.0, u_temperature=0.5, drift=1.2 * UM, square=5e-6)  # fmt: skip
