@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from postproc import ports
+from postproc.commands import as_json
 from postproc.commands.calibrate import like_of, write_folder
 from postproc.commands.recordings import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
@@ -37,7 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
     parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
-    parser.add_argument("--json", metavar="FILE", help="everything found as JSON; - for standard output")
+    as_json.argument(parser, "gcomp-volumetric/1")
     parser.add_argument(
         "--zero", metavar="NAME,...", action="append", default=[], help="errors that are taken as zero, like EYX,C0Y"
     )
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"--zero {name}: there is no such error here", f"errors: {', '.join(names)}")
     fit = solve.fit(rows, Unknowns(tuple(groups), bare, known))
     tool = rows[0].tool
-    told = sys.stderr if options.json == "-" else sys.stdout
+    told = as_json.beside(options.json)
     print(written.report(fit, tool, zero), file=told)
     if options.output:
         head = {
@@ -89,14 +88,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""), file=told)
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
-    if options.json:
-        data = (json.dumps(written.as_json(fit), indent=1, allow_nan=False) + "\n").encode()
-        if options.json == "-":
-            ports.write_standard(data)
-        else:
-            import io
-
-            ports.replace_file(Path(options.json), io.BytesIO(data), backup=False)
+    as_json.put(options.json, written.as_json(fit))
     return 0
 
 

@@ -22,7 +22,7 @@ RECORDINGS = ROOT / "sample_recordings"
 SHAFT = str(ROOT / "sample_programs" / "shaft.nc")
 Z = str(RECORDINGS / "z_positioning.csv")
 STUDER = ["--machine", "studer-s36"]
-# Who writes a format, with lines that show it; accept, diagnose and stream have theirs in their own tests.
+# Who writes a format, with lines that show it; accept, diagnose, stream and volumetric have theirs in their own tests.
 LINES = {
     "gcomp-program/1": [[SHAFT, *STUDER, "-o", "s.nc", "--verify"], [SHAFT, *STUDER, "-o", "s2.nc"]],
     "gcomp-batch/1": [["batch", SHAFT, "bad.nc", *STUDER, "-o", "b", "-j", "1", "--quiet"]],
@@ -33,7 +33,7 @@ LINES = {
     "gcomp-recordings/1": [["recordings", Z, str(RECORDINGS / "ballbar_xz.csv"), "bad.nc"]],
     "gcomp-explain/1": [["explain", SHAFT, *STUDER]],
 }  # fmt: skip
-ELSEWHERE = {"gcomp-accept/1", "gcomp-diagnosis/1", "gcomp-run/1"}
+ELSEWHERE = {"gcomp-accept/1", "gcomp-diagnosis/1", "gcomp-run/1", "gcomp-volumetric/1"}
 
 
 @pytest.mark.parametrize("format", LINES)
