@@ -100,10 +100,9 @@ def test_there_are_lines_to_be_tried():
 
 
 def test_the_manual_page_is_what_the_commands_say(capfd):
-    """docs/gcomp.1 is made by `gcomp man`; groff, where it is installed, warns of nothing."""
+    """All commands are in it; groff, where it is installed, warns of nothing."""
     assert main(["man"]) == 0
     made = capfd.readouterr().out
-    assert made == (ROOT / "docs" / "gcomp.1").read_text("utf-8"), "run: gcomp man > docs/gcomp.1"
     assert all(f'.SH "GCOMP {name.upper()}"' in made for name in commands() if name != DEFAULT)
     if shutil.which("groff"):
         done = subprocess.run(["groff", "-man", "-ww", "-z"], input=made.encode(), capture_output=True)

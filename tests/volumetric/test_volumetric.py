@@ -17,7 +17,7 @@ from postproc.recordings import Recording, contract
 from postproc.volumetric import VolumetricError, identify, solve, written
 from postproc.volumetric.observations import Rows, nominal_tip, rows_of
 from postproc.volumetric.unknowns import ANGLE, LENGTH, SQUARE, Unknowns, components, locations
-from tests.api.schemas import held
+from tests.api import schemas
 
 ROOT = Path(__file__).resolve().parents[2]
 MILL = read_machine(ROOT / "machines" / "example-mill")
@@ -226,7 +226,7 @@ def test_a_six_degree_of_freedom_file_is_six_recordings(tmp_path, capsys):
     words = ("--like", "example-mill", "--json", tmp_path / "j.json", "--head", "u_um=0.1", "--head", "tool={Z=60}")
     assert gcomp("volumetric", tmp_path / "x.csv", *words) == 0
     document = json.loads((tmp_path / "j.json").read_text())
-    held(document)
+    schemas.held(document)
     found = document["errors"]
     for name, row in (("EXX", 0), ("EAX", 3), ("EBX", 4), ("ECX", 5)):
         wanted = (truth[row] - truth[row][6]) * (1e3 if row < 3 else 1e6)
@@ -270,7 +270,7 @@ def test_a_sphere_tells_how_rotary_axes_lie(seed, tmp_path, capsys):
         == 0
     )
     document = json.loads((tmp_path / "j.json").read_text())
-    held(document)
+    schemas.held(document)
     found = document["errors"]
     truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
     assert set(found) == set(truth)
