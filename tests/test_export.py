@@ -31,7 +31,7 @@ def test_the_table_says_component_nodes_correction_and_what_is_left(tmp_path, ca
     assert export(tmp_path, "linuxcnc") == 0
     out = capsys.readouterr().out
     rows = {line.split()[0]: line for line in out.splitlines() if line.startswith("E")}
-    assert rows["EXX"].split() == ["EXX", "18", "30.50", "um", "0.000", "um"]
+    assert rows["EXX"].split() == ["EXX", "18", "30.50", "um", "0.000", "um", "not", "stated"]
     assert "not written" in rows["EZX"] and "80.71" in rows["EZX"]
     assert "ignores BACKLASH" in out and "a table of one axis can not hold" in out and "diameters" in out
     assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]

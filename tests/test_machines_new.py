@@ -185,3 +185,78 @@ def test_a_ballbar_gives_squareness_and_lost_motion(tmp_path, capsys):
     words = (*ROUTER, "--ballbar", circle, "--drift", "X/Y=0.1,300", "-o", tmp_path / "n")
     assert gcomp("machines", "new", "n", *words) == 2
     assert "the squareness of XY is said twice" in capsys.readouterr().err
+
+
+def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
+    """A rectangle 400 by 300 with diagonals known to 0.2 mm each: by the formula s = (d1^2 - d2^2) / (4 a b), u(s) = 0.2 * sqrt(d1^2 +
+    d2^2) / (2 a b) = 589 urad, U 1179; a gauge to 5 um is read twice: U of the lost motion 14.1 um. Both reach --verify, and the export."""
+    words = [
+        "machines",
+        "new",
+        "r",
+        "--kind",
+        "router",
+        "--control",
+        "linuxcnc",
+        "--travel",
+        "X=0,600",
+        "--travel",
+        "Y=0,400",
+        "--travel",
+        "Z=-80,0",
+    ]
+    words += [
+        "--diagonals",
+        "XY=500.3,499.8,400,300",
+        "--backlash",
+        "X=0.06",
+        "--scale",
+        "Y=300,300.1",
+        "--u-length",
+        "0.2mm",
+        "--u-gauge",
+        "5um",
+    ]
+    assert cli.main([*words, "-o", str(tmp_path / "r")]) == 0
+    machine = read_machine(tmp_path / "r")
+    assert machine.square_u["C0Y"] == pytest.approx(0.4 * np.hypot(500.3, 499.8) / (2 * 400 * 300), rel=1e-3)
+    (term,) = machine.effects
+    assert term.spread[0].parameters == {"size_um": pytest.approx(2 * 5 * np.sqrt(2), abs=1e-3)}
+    table = machine.axes["Y"].uncertainty.table
+    assert table.forward[1, -1] == pytest.approx(2 * 0.2 * np.sqrt(2) / 300 * 400, rel=1e-4)
+    (tmp_path / "a.nc").write_text("G21 G90\nG0 G53 X0 Y0 Z-10\nG54\nG1 X500 Y300 F900\nM2\n")
+    program = [
+        str(tmp_path / "a.nc"),
+        "--machine",
+        str(tmp_path / "r"),
+        "--offset",
+        "G54=X0,Y0,Z0",
+        "--verify",
+        "-o",
+        str(tmp_path / "b.nc"),
+    ]
+    assert cli.main(program) == 0
+    said = capsys.readouterr().err
+    known = float(said.split("map itself is known to +- ")[1].split(" um")[0])
+    across, along = (
+        1.1785 * 300,
+        np.hypot(0.4 * np.sqrt(2) / 300 * 300 * 1e3, 0),
+    )  # C0Y moves X by 300 mm of Y; the scale of Y
+    assert known == pytest.approx(np.hypot(np.hypot(across, 7.07), along), rel=0.01)
+    out = [
+        "export",
+        "--machine",
+        str(tmp_path / "r"),
+        "--control",
+        "linuxcnc",
+        "--axis",
+        "Y",
+        "--component",
+        "EYY",
+        "-o",
+        str(tmp_path / "y.comp"),
+    ]
+    assert cli.main([*out, "--uncertainty", str(tmp_path / "u.csv")]) == 0
+    assert "U (95 %)" in capsys.readouterr().out
+    last = (tmp_path / "u.csv").read_text().splitlines()[-1].split(",")
+    assert last[0] == "EYY" and float(last[2]) == pytest.approx(0.4 * np.sqrt(2) / 300 * 400 * 1e3, rel=1e-3)

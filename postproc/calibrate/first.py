@@ -47,7 +47,8 @@ KINDS = {
 @dataclass(frozen=True)
 class First:
     """What is known. travel, home: axis to mm; square: name (C0Y) to (rad, how it was found); backlash:
-    axis to mm; scale: axis to (commanded mm, measured mm)."""
+    axis to mm; scale: axis to (commanded mm, measured mm). square_u (rad, by name), backlash_u, scale_u (mm, by axis): standard
+    uncertainties, of those that are known."""
 
     name: str
     title: str
@@ -60,6 +61,9 @@ class First:
     backlash: Mapping[str, float] = field(default_factory=dict)
     scale: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     home: Mapping[str, float] = field(default_factory=dict)
+    square_u: Mapping[str, float] = field(default_factory=dict)
+    backlash_u: Mapping[str, float] = field(default_factory=dict)
+    scale_u: Mapping[str, float] = field(default_factory=dict)
 
 
 def name_of(moving: str, drifts: str) -> str:
@@ -89,6 +93,14 @@ def from_diagonals(name: str, rising: float, falling: float, sides: tuple[float,
     return square.sign(name) * (rising**2 - falling**2) / (4 * a * b)
 
 
+def u_of_diagonals(rising: float, falling: float, sides: tuple[float, float], u: float) -> float:
+    """rad: standard uncertainty of `from_diagonals` where every length has u, mm, of its own (JCGM 100, 5.1.2)."""
+    a, b = sides
+    value = (rising**2 - falling**2) / (4 * a * b)
+    slopes = (rising / (2 * a * b), falling / (2 * a * b), value / a, value / b)
+    return u * math.hypot(*slopes)
+
+
 def folder(first: First) -> dict[str, str]:
     """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should mend."""
     files: dict[str, str] = {}
@@ -102,6 +114,8 @@ def folder(first: First) -> dict[str, str]:
             axes[x]["table"] = f"{x}.csv"
             comments[f"axes.{x}.table"] = "mm it goes too far (+) or too short (-): its scale"
             files[f"{x}.csv"] = _table(x, first)
+            if x in first.scale_u:
+                files[f"{x}_uncertainty.csv"] = _table(x, first, known=True)
     data: dict[str, Any] = {
         "format": "gcomp-machine/1", "name": first.name, "title": first.title, "control": first.control,
         "chain": first.chain, "source": "stated by hand: gcomp machines new", "signs": "unverified",
@@ -116,6 +130,9 @@ def folder(first: First) -> dict[str, str]:
     if first.square:
         data["squareness"] = {name: round(value / URAD, 3) for name, (value, _) in first.square.items()}
         comments |= {f"squareness.{name}": f"urad; {how}; {_leans(name)}" for name, (_, how) in first.square.items()}
+        if first.square_u:
+            data["squareness"]["u"] = {name: round(2 * u / URAD, 3) for name, u in first.square_u.items()}
+            comments |= {f"squareness.u.{name}": "urad, U = 2 u, 95 %" for name in first.square_u}
     most = _largest(first)
     if USUAL_LIMIT < most <= LARGEST_LIMIT:
         data["limits"] = {"max_correction": math.ceil(most * 1.2 * 10) / 10}
@@ -128,6 +145,7 @@ def folder(first: First) -> dict[str, str]:
                 "size_um": round(size / UM, 3),
                 "source": "stated by hand, or a ballbar: gcomp machines new",
             }
+            | ({"u_size_um": round(2 * first.backlash_u[x] / UM, 3)} if x in first.backlash_u else {})
             for x, size in first.backlash.items()
         ]
     return {"machine.toml": machine_toml(data, comments)} | files
@@ -157,8 +175,8 @@ def _leans(name: str) -> str:
     return f"above zero {name[2]} leans towards {'-' if square.sign(name) < 0 else '+'}{other}"
 
 
-def _table(letter: str, first: First) -> str:
-    """E of a scale, zero at position 0, or at the low end."""
+def _table(letter: str, first: First, known: bool = False) -> str:
+    """E of a scale, zero at position 0, or at the low end; known: its U (95 %)."""
     commanded, measured = first.scale[letter]
     share = (measured - commanded) / commanded
     if abs(share) > STEEPEST:
@@ -169,5 +187,8 @@ def _table(letter: str, first: First) -> str:
     low, high = first.travel[letter]
     zero = 0.0 if low <= 0.0 <= high else low
     nodes = np.array(sorted({low, zero, high}))
+    if known:
+        u = 2 * first.scale_u[letter] / commanded * np.abs(nodes - zero) / UM
+        return axis_table(letter, nodes, {f"E{letter}{letter}_um": u}, ("U, 95 % (k = 2)",))
     value = share * (nodes - zero) / UM
     return axis_table(letter, nodes, {f"E{letter}{letter}_um": value}, (f"{measured:g} mm measured for {commanded:g} mm commanded",))  # fmt: skip

@@ -101,6 +101,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         dest="extra",
         help="what one control alone wants; may be repeated",
     )
+    how.add_argument(
+        "--uncertainty", metavar="FILE.csv", help="write the U (95 %%) of what the tables hold beside them, node by node: no control has a place for it"
+    )  # fmt: skip
     how.add_argument("--template", metavar="FILE", help="an empty table that the control has exported, to be filled")
     how.add_argument(
         "--settings",
@@ -152,10 +155,13 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"{options.control} takes the whole map, so nothing is left for --residual", "leave --residual out, or --axis")  # fmt: skip
     export = whole(machine, told) if whole else module.write(tables, told)
     rest = residual.held(options.control, machine, export, told, tables) if options.residual else ([], [])
+    known = {} if whole else {t.name: known_of(machine, t) for t in tables}
+    if options.uncertainty:
+        _beside(options, machine, tables, known)
     paths = write_files(export.files, Path(options.output), options.force, options.output.endswith(("/", "\\")))
     doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
     notices = doubts if whole else doubts + notices
-    print(report(options.control, module, machine, export, [] if whole else tables, notices, paths))
+    print(report(options.control, module, machine, export, [] if whole else tables, notices, paths, known))
     if options.residual:
         print(
             residual.write(
@@ -163,6 +169,47 @@ def run(options: argparse.Namespace) -> int:
             )
         )
     return 0
+
+
+def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
+    """(K,) mm: U (95 %) of a table at its nodes, of the component itself and of squareness and lost motion that stand in it; None where
+    the folder states none of it."""
+    axis, row = machine.axes[table.moving], XYZ.index(table.along)
+    parts = []
+    if axis.uncertainty is not None and row in axis.uncertainty.stated:
+        both = np.stack([axis.uncertainty.table.forward, axis.uncertainty.table.reverse])[:, row]
+        parts.append(np.interp(table.nodes, axis.uncertainty.table.nodes, both.max(axis=0)))
+    for name, angle in machine.square_u.items():
+        across = {x for x, r in zip(XYZ, "ABC", strict=True) if r != name[0]}
+        if name[2] == table.moving and across == {table.moving, table.along}:
+            parts.append(angle * np.abs(table.nodes))
+    for term in machine.effects:
+        for one in term.spread:
+            parts += [
+                np.interp(table.nodes, t.nodes, np.abs(np.stack([t.forward, t.reverse])[:, row]).max(axis=0))
+                for t in one.tables
+                if t.letter == table.moving and row in t.rows
+            ]
+    return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
+
+
+def _beside(
+    options: argparse.Namespace, machine: Machine, tables: list[ErrorTable], known: dict[str, np.ndarray | None]
+) -> None:
+    """The U of what is written, as a file. Raises UsageError where the folder states none, or the file is there."""
+    rows = [
+        f"{t.name},{node:g},{value / UM:.4f}"
+        for t in tables
+        if (u := known.get(t.name)) is not None
+        for node, value in zip(t.nodes, u, strict=True)
+    ]
+    if not rows:
+        raise UsageError(
+            f"--uncertainty: {machine.name} states no uncertainty of what is written",
+            "gcomp machines show says what it states",
+        )
+    text = f"# U, 95 % (k = 2), of the tables for {options.control}; map {machine.digest}\ncomponent,position_mm,U_um\n"
+    write_files({"U": (text + "\n".join(rows) + "\n").encode()}, Path(options.uncertainty), options.force, False)
 
 
 def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTable], list[str]]:
@@ -276,6 +323,7 @@ def report(
     tables: list[ErrorTable],
     notices: list[str],
     paths: list[Path],
+    known: dict[str, np.ndarray | None],
 ) -> str:
     """What was written, for a person: component, points, largest correction, what is left; notices; what is unverified."""
     lines = [
@@ -284,16 +332,18 @@ def report(
         "",
     ]
     by_name = {t.name: t for t in tables}
-    lines.append(f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}")
+    lines.append(f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}{'U (95 %)':>13}")
     for name in [*by_name, *(n for n in export.remainder if n not in by_name)]:
         table = by_name.get(name)
         size = f"{max(np.abs(table.forward).max(), np.abs(table.reverse).max()) / UM:.2f} um" if table else ""
         rest = f"{export.remainder[name] / UM:.3f} um" if name in export.remainder else "not written"
-        lines.append(f"{name:<10}{len(table.nodes) if table else '':>7}{size:>21}{rest:>20}")
+        u = known.get(name)
+        stated = "" if table is None else "not stated" if u is None else f"{float(u.max()) / UM:.2f} um"
+        lines.append(f"{name:<10}{len(table.nodes) if table else '':>7}{size:>21}{rest:>20}{stated:>13}".rstrip())
     said = [*notices, *export.notices]
     loud = [n for n in said if n.startswith("unverified")]
-    if not module.VERIFIED and not loud:
-        loud = ["unverified: this format is from general knowledge"]
+    if module.UNVERIFIED and not loud:
+        loud = [f"unverified: {module.UNVERIFIED}"]
     lines += ["", *(f"note: {n}" for n in said if n not in loud)]
     lines += ["", *(f"UNVERIFIED: {n.split(':', 1)[1].strip()}" for n in loud)] if loud else []
     lines += ["", *(f"wrote {path}" for path in paths)]
@@ -309,17 +359,16 @@ def listing(control: str | None) -> str:
         head = [
             f"{control}: {module.TITLE}",
             f"sign: {getattr(module, 'SIGN', 'see its description')}",
-            "verified" if module.VERIFIED else "UNVERIFIED",
+            control_tables.label(module),
         ]
         return "\n".join([*head, *(f"  --set {k:<{width}}  {v}" for k, v in keys.items())])
     width = max(len(n) for n in control_tables.names())
     rows = []
     for name in control_tables.names():
         module = control_tables.load(name)
-        state = "verified  " if module.VERIFIED else "UNVERIFIED"
         rows += [
-            f"{name:<{width}}  {state}  {module.TITLE}",
-            f"{'':<{width}}              sign: {getattr(module, 'SIGN', 'see its description')}",
+            f"{name:<{width}}  {module.TITLE}",
+            f"{'':<{width}}  {control_tables.label(module)}; sign: {getattr(module, 'SIGN', 'see its description')}",
         ]
     return "\n".join(rows)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -60,6 +61,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument(
         "--home", type=values.place, default={}, metavar="X0,Y0,Z0", help="where the slides stand after homing"
     )
+    new.add_argument(
+        "--u-length", type=values.length, metavar="LENGTH",
+        help="standard uncertainty (k = 1) of each length of --diagonals and --scale, like 0.2mm; --verify carries it to the path",
+    )  # fmt: skip
+    new.add_argument(
+        "--u-gauge", type=values.length, metavar="LENGTH", help="standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and --drift, like 5um"
+    )  # fmt: skip
     new.add_argument("-o", "--output", metavar="FOLDER", help="where to write it (machines/NAME)")
     new.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
 
@@ -88,11 +96,14 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     for x in chain.axes:
         if x not in reach:
             raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    options.by_circles = {}
     _ballbar(options)
     stated = _squareness(options)
     one = first.First(
         Path(options.name).name, options.title or (f"{options.kind}: {kind.title}" if kind else options.name), control, said, reach,
-        options.least_increment, kind.diameter if kind else (), stated, dict(options.backlash), dict(options.scale), options.home,
+        options.least_increment, kind.diameter if kind else (), {n: one[:2] for n, one in stated.items()}, dict(options.backlash),
+        dict(options.scale), options.home, {n: u for n, (_, _, u) in stated.items() if u is not None}, _play_u(options),
+        {x: options.u_length * math.sqrt(2) for x in dict(options.scale)} if options.u_length else {},
     )  # fmt: skip
     for what, given in (
         ("--travel", reach),
@@ -121,21 +132,29 @@ def _ballbar(options: argparse.Namespace) -> None:
         found = circles.fit(some, [np.zeros(len(one)) for one in some])
         name, files = first.name_of(plane[1], plane[0]), " and ".join(found.files)
         how = f"ballbar {files}, u = {found.u['square'] / URAD:.1f} urad"
-        options.squareness.append((name, square.sign(name) * found.square, how))
+        options.squareness.append((name, square.sign(name) * found.square, how, lambda _, u=found.u["square"]: u))
         for x, play, u in zip(plane, found.play, (found.u["first play"], found.u["second play"]), strict=True):
             if x not in dict(options.backlash) and abs(play) > 2 * u:
                 options.backlash.append((x, play))
+                options.by_circles[x] = u
 
 
-def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str]]:
-    """Name to rad and how it was found. Raises UsageError for a pair that is said twice."""
-    found: dict[str, tuple[float, str]] = {}
+def _play_u(options: argparse.Namespace) -> dict[str, float]:
+    """Axis to mm: of the lost motions whose standard uncertainty is known; a gauge is read twice for one."""
+    by_gauge = {x: options.u_gauge * math.sqrt(2) for x in dict(options.backlash)} if options.u_gauge else {}
+    return by_gauge | options.by_circles
+
+
+def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, float | None]]:
+    """Name to rad, how it was found, and its standard uncertainty, rad, None where nobody said what the lengths are worth. Raises
+    UsageError for a pair that is said twice."""
+    found: dict[str, tuple[float, str, float | None]] = {}
     pairs: dict[str, str] = {}
-    for name, value, how in [*options.squareness, *options.drift, *options.diagonals]:
+    for name, value, how, u_of in [*options.squareness, *options.drift, *options.diagonals]:
         pair = square.pair_of(name)
         if pair in pairs:
             raise UsageError(f"the squareness of {pair} is said twice: {pairs[pair]} and {how}", "once")
-        pairs[pair], found[name] = how, (value, how)
+        pairs[pair], found[name] = how, (value, how, u_of(options))
     return found
 
 
@@ -180,14 +199,17 @@ def scale(text: str) -> tuple[str, tuple[float, float]]:
     return _axis(name, text), (commanded, measured)
 
 
-def angle(text: str) -> tuple[str, float, str]:
+Known = Callable[[argparse.Namespace], float | None]  # rad, by what the options say of lengths
+
+
+def angle(text: str) -> tuple[str, float, str, Known]:
     name, (value,) = _parts(text, "C0Y=120", 1)
     if name not in square.NAMES:
         raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}")
-    return name, value * URAD, "stated"
+    return name, value * URAD, "stated", lambda options: None
 
 
-def drift(text: str) -> tuple[str, float, str]:
+def drift(text: str) -> tuple[str, float, str, Known]:
     names, (size, way) = _parts(text, "X/Y=0.05,300", 2)
     drifts, _, moving = names.partition("/")
     if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
@@ -197,10 +219,11 @@ def drift(text: str) -> tuple[str, float, str]:
         name,
         first.from_drift(name, size, way),
         f"along a square {drifts} drifts {size:+g} mm while {moving} goes {way:+g}",
+        lambda options: options.u_gauge * math.sqrt(2) / abs(way) if options.u_gauge else None,
     )
 
 
-def diagonals(text: str) -> tuple[str, float, str]:
+def diagonals(text: str) -> tuple[str, float, str, Known]:
     pair, (rising, falling, a, b) = _parts(text, "XY=565.9,565.4,400,400", 4)
     if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)")
@@ -209,7 +232,12 @@ def diagonals(text: str) -> tuple[str, float, str]:
         value = first.from_diagonals(name, rising, falling, (a, b))
     except CalibrationError as error:
         raise argparse.ArgumentTypeError(f"{text!r}: {error.message}; {error.advice}") from None
-    return name, value, f"diagonals {rising:g} and {falling:g} mm of a rectangle {a:g} by {b:g}"
+    how = f"diagonals {rising:g} and {falling:g} mm of a rectangle {a:g} by {b:g}"
+
+    def known(options: argparse.Namespace) -> float | None:
+        return first.u_of_diagonals(rising, falling, (a, b), options.u_length) if options.u_length else None
+
+    return name, value, how, known
 
 
 # -- questions -----------------------------------------------------------------------------------------------------------

@@ -2,7 +2,8 @@
 
 A control is a module here, found by its name. It holds TITLE; VERIFIED, whether its format is known from a manual or
 code (a source is named in its docstring) or only from general knowledge; write(tables, options) -> Export; and
-read(source, options) -> list of ErrorTable. Inside there is one sign: deviation = actual - commanded. Each module turns it
+read(source, options) -> list of ErrorTable. UNVERIFIED says what of it no source gives, "" where all is known: then every file that is
+written comes with a notice that says so too. Inside there is one sign: deviation = actual - commanded. Each module turns it
 into its control's own, says so in its docstring, and in SIGN in a few words. A notice that begins with "unverified: " is
 shown loudly. A module whose name begins with an underscore is no control.
 """
@@ -84,6 +85,13 @@ class Export:
 def names() -> list[str]:
     """The controls that there are, as a user writes them."""
     return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
+
+
+def label(module: ModuleType) -> str:
+    """What is known of a control's table, in the words of every list: verified, or what of it is not."""
+    if not module.UNVERIFIED:
+        return "verified"
+    return f"{'format verified, ' if module.VERIFIED else ''}UNVERIFIED: {module.UNVERIFIED}"
 
 
 def load(name: str) -> ModuleType:

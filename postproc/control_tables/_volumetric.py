@@ -22,7 +22,7 @@ COMPONENT = re.compile(r"E([XYZABC])([XYZABC])")
 LOCATION = re.compile(r"([XYZABC])0([XYZABC])")
 LARGEST = 1e6  # mm: a position or value beyond is a slip
 DECIMALS = 12  # as Etalon's own files: a picometre, a microarcsecond's thousandth
-SIGN = "+deviation (actual - commanded), by the ISO 230-1 names; squareness right-handed"
+SIGN = "+deviation (actual - commanded), by the ISO 230-1 names (unverified); squareness right-handed"
 EXTRA = {
     "chain": "reading: the axes from the workpiece to the tool, XYZ",
     "workpiece_axes": "reading: how many of them, from the first, carry the workpiece, 0",

@@ -22,6 +22,7 @@ from postproc.units import UM
 
 TITLE = "Beckhoff and ISG leadscrew error compensation list (kw.ssfk)"
 VERIFIED = True
+UNVERIFIED = ""
 SIGN = "actual - setpoint = +deviation, in 0.1 um"
 TENTH = 0.0001  # mm, the unit of the list
 POINTS = 1500  # P-COMP-00059, its default

@@ -21,6 +21,7 @@ from postproc.recordings import Source
 
 TITLE = "Centroid ballscrew compensation (a sheet to type in; version=1: CNC7 v6 table)"
 VERIFIED = False
+UNVERIFIED = "the sign, and the layout but version 1"
 SIGN = "-deviation, unverified; --set sign=+ turns it"
 EXTRA = {
     "version": "sheet, or 1 for the table of CNC7 v6.00 to v7.17",

@@ -27,6 +27,7 @@ from postproc.recordings import Source
 
 TITLE = "Etalon exchange text (TRAC-CAL, LineCal; read by ISG and Beckhoff VolComp)"
 VERIFIED = True
+UNVERIFIED = "the sign of a component, and from where arms count"
 SIGN = volumetric.SIGN
 EXTRA = volumetric.EXTRA
 

@@ -18,6 +18,7 @@ from postproc.units import UM
 
 TITLE = "Fagor 8055 leadscrew error compensation, a list to key in"
 VERIFIED = False
+UNVERIFIED = "the sign, and how the list is entered"
 SIGN = "+deviation by default (unverified; --set fagor_sign=- flips it)"
 EXTRA = {"fagor_sign": "+ or -, +", "points": "NPOINTS, 1000"}
 DECIMALS = {"mm": 4, "inch": 5}

@@ -27,6 +27,7 @@ from postproc.units import UM
 
 TITLE = "Fanuc stored pitch error compensation (3620-3627, 1851), and straightness as a list"
 VERIFIED = True
+UNVERIFIED = "the sign, and the lines of G10"
 SIGN = "-deviation, as increments (sign unverified: from one machine's table)"
 EXTRA = {
     "form": "l50 (G10 L50), l52 (G10 L52 and L50), records (N..P..) or csv; l50",

@@ -18,6 +18,7 @@ from postproc.units import MM_PER_INCH, UM
 
 TITLE = "Haas lead screw compensation, a list to key in"
 VERIFIED = False
+UNVERIFIED = "the sign, and how the values are entered"
 SIGN = "-deviation by default (unverified; --set haas_sign=+ flips it)"
 EXTRA = {"haas_sign": "- or +, -", "encoder_step_mm": "mm of an encoder step, for the limit of 127 steps"}
 SPACING = 0.5 * MM_PER_INCH

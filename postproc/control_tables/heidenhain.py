@@ -27,7 +27,8 @@ from postproc.units import MM_PER_INCH, UM
 
 TITLE = "Heidenhain axis error compensation (.COM and .CMA), into your exported empty table"
 VERIFIED = False
-SIGN = "+deviation: positive where the axis travels too far (from MP720)"
+UNVERIFIED = "the sign, and the lines that frame the file without --template"
+SIGN = "+deviation: positive where the axis travels too far (unverified: from MP720)"
 EXTRA = {
     "template": "text of an exported empty .COM table (--template FILE)",
     "form": "free or legacy (spacing a power of two x 0.1 um), free",

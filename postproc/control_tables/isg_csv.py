@@ -29,6 +29,7 @@ from postproc.recordings import Source
 
 TITLE = "ISG CSV (volumetric compensation of ISG and Beckhoff VolComp)"
 VERIFIED = True
+UNVERIFIED = "the sign of a component, and from where arms count"
 SIGN = volumetric.SIGN
 EXTRA = volumetric.EXTRA
 OTHERS = re.compile(r"[PN]0[XYZ]|[PV][XYZ][XYZABC]|ID[XYZ]|LN[XYZABC]")

@@ -21,6 +21,7 @@ from postproc.recordings import Source
 
 TITLE = "Klipper skew correction (SET_SKEW)"
 VERIFIED = True
+UNVERIFIED = ""
 SIGN = "skew factor = slope of the deviation"
 SIDE = 100.0  # mm
 DECIMALS = 9  # of mm: a factor to 1e-11

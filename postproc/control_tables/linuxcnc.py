@@ -22,6 +22,7 @@ from postproc.units import UM
 
 TITLE = "LinuxCNC screw compensation file (COMP_FILE, types 0 and 1)"
 VERIFIED = True
+UNVERIFIED = ""
 SIGN = "type 0: actual position = nominal + deviation; type 1: -deviation"
 EXTRA = {"type": "0 (actual positions) or 1 (trims)", "max_loss_um": "um that thinning out to 256 entries may lose, 1"}
 ENTRIES = 256

@@ -15,6 +15,7 @@ from postproc.recordings import Source
 
 TITLE = "Mach4 screw mapping (a sheet to type in)"
 VERIFIED = False
+UNVERIFIED = "the sign"
 SIGN = "+deviation, unverified; --set sign=- turns it"
 EXTRA = {"sign": "+ or -, +", "points": "how many points the plugin takes, 1000"}
 COLUMNS = ("error_positive", "error_negative")

@@ -19,6 +19,7 @@ from postproc.recordings import Source
 
 TITLE = "Marlin skew factors (M852) and lost motion (M425)"
 VERIFIED = True
+UNVERIFIED = ""
 SIGN = "skew factor = slope of the deviation; lost motion = deviation in - less that in +"
 LETTERS = {"xy": "I", "xz": "J", "yz": "K"}
 DECIMALS = 9  # of a factor: 1 um in a kilometre; Marlin keeps a float

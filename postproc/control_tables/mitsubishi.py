@@ -18,6 +18,7 @@ from postproc.units import UM
 
 TITLE = "Mitsubishi relative error compensation in increments, a list to key in"
 VERIFIED = False
+UNVERIFIED = "how the list is entered, and where its points stand"
 SIGN = "-deviation, as increments of half output units (values from the manual; the list is unverified)"
 EXTRA = {"points": "points of one axis, 1024", "scale": "compensation scale factor, 1"}
 COLUMNS = ("axis", "point", "position_mm", "increment")

@@ -22,6 +22,7 @@ from postproc.recordings import Source
 
 TITLE = "NcStudio (Weihong) screw error file axeserr.dat"
 VERIFIED = False
+UNVERIFIED = "the sign"
 SIGN = "+deviation, unverified: by the manual's example of backlash"
 NAME = "axeserr.dat"
 DECIMALS = 4

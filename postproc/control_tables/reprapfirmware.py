@@ -18,6 +18,7 @@ from postproc.recordings import Source
 
 TITLE = "RepRapFirmware (Duet) axis skew (M556) and lost motion (M425)"
 VERIFIED = True
+UNVERIFIED = "which way M425 adds the lost motion"
 SIGN = "tangent = -slope of the deviation; lost motion = deviation in - less that in +"
 HEIGHT = 100.0  # mm, S
 NOTICE = "unverified: that M425 adds the lost motion in the new direction was not read in the firmware; test with an indicator"

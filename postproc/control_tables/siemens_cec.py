@@ -21,7 +21,8 @@ from postproc.units import UM
 
 TITLE = "Siemens 840D 828D cross error compensation ($AN_CEC)"
 VERIFIED = False
-SIGN = "-deviation with --set cec_sign=-, +deviation with +; no source says which, so it has to be said"
+UNVERIFIED = "the sign, which has to be said"
+SIGN = "-deviation with --set cec_sign=-, +deviation with +; no source says which (unverified), so it has to be said"
 STATED = {  # what no source gives, so the user must: key to why and how it is found
     "cec_sign": "the sign of $AN_CEC is in no source that we know: --set cec_sign=- writes -deviation, as one public generator "
     "does, + the opposite; try it at SD41310 = 0.1 with a dial gauge, the deviation has to become a tenth less",

@@ -18,6 +18,7 @@ from postproc.units import UM
 
 TITLE = "Siemens 840D 828D 808D encoder compensation ($AA_ENC_COMP)"
 VERIFIED = True
+UNVERIFIED = ""
 SIGN = "+deviation, mean of both directions"
 EXTRA = {
     "encoder": "0 or 1, 0",

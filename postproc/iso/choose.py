@@ -43,5 +43,5 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
             left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}")
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
-    more = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)
-    return out + more, left
+    rest = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)
+    return out + rest, left
