@@ -1,12 +1,13 @@
 """How full the wire is, and how long the machine starves: pieces of 0.1 mm on a real GRBL 1.1h
 image at 115,200 baud.
 
-    python benchmarks/link.py
+    python benchmarks/link.py --fetch
 
 Every sender sends the same job, an arc in pieces of 0.1 mm, at feeds up to one that the wire can
 not carry, to the image in ../shared/receivers, in real time. "ideal" is a loop of twenty lines that
-counts characters and does nothing else; "send-response" one that waits for every answer. bytes a
-second: from the first byte of the job to the last answer; motion: from the first to the last step
+counts characters and does nothing else; "send-response" one that waits for every answer; "printcore" is
+printrun's (PyPI, in the environment that benchmarks/streaming.py --fetch makes), without what GRBL
+refuses of it: line numbers, checksums, M105, M110. bytes a second: from the first byte of the job to the last answer; motion: from the first to the last step
 pulse; of the feed: the time that the job takes at its feed, without acceleration, by that.
 --latency: ms by which answers come late, as those of a USB bridge do (16 of an FTDI's). Where the
 simulator could not keep up with the clock the run is made again."""
@@ -17,17 +18,20 @@ import argparse
 import math
 import os
 import select
+import subprocess
 import sys
 import tempfile
 import time
 import tty
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
 sys.path.insert(0, str(ROOT))
 
 import numpy as np  # noqa: E402
 
+from benchmarks.streaming import CACHE, fetch  # noqa: E402
 from tests.streaming import real_grbl  # noqa: E402
 from tests.streaming.real_grbl import RECORD, RealGrbl  # noqa: E402
 
@@ -37,7 +41,7 @@ WINDOW = 128
 BAUD = 115200
 SILENCE = 10.0  # s
 AGAIN = 5
-SENDERS = ("ideal", "gcomp", "gcomp --simple", "send-response")
+SENDERS = ("ideal", "gcomp", "gcomp --simple", "send-response", "printcore")
 
 
 def program(feed: int, seconds: float) -> list[str]:
@@ -88,6 +92,14 @@ def gcomp(folder: Path, port: str, *options: str) -> tuple[float, float]:
     return sent, max(e["t"] for e in entries if "answered" in e)
 
 
+def printcore(folder: Path, port: str) -> tuple[float, float]:
+    """As it says by itself."""
+    command = [str(CACHE / "bin" / "python"), str(HERE / "peer_printcore_grbl.py"), port, str(folder / "job.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
+    begun, ended = map(float, done.stdout.split())
+    return begun, ended
+
+
 def run(sender: str, rows: list[str], latency: float) -> tuple[float, float, float]:
     """Bytes a second of the job, seconds of motion, s that the simulator fell
     behind."""
@@ -99,6 +111,8 @@ def run(sender: str, rows: list[str], latency: float) -> tuple[float, float, flo
             if sender in ("ideal", "send-response"):
                 real.talk("$I")
                 begun, ended = bare(real.path, rows, WINDOW if sender == "ideal" else 0)
+            elif sender == "printcore":
+                begun, ended = printcore(folder, real.path)
             else:
                 begun, ended = gcomp(folder, real.path, *sender.split()[1:])
             real.rest()
@@ -124,7 +138,11 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=8.0, help="of motion at the programmed feed")
     parser.add_argument("--feeds", type=int, nargs="+", default=[1000, 2000, 5000], help="mm/min")
     parser.add_argument("--latency", type=float, nargs="+", default=[0.0, 16.0], help="ms")
+    parser.add_argument("--fetch", action="store_true", help="install printcore into the cache first")
     options = parser.parse_args()
+    if options.fetch:
+        fetch()
+    senders = SENDERS if (CACHE / "complete").exists() else SENDERS[:-1]
     print("| latency ms | F | lines a second wanted | sender | bytes a second | of ideal | motion s | of the feed |")
     print("|---:|---:|---:|---|---:|---:|---:|---:|")
     for latency in options.latency:
@@ -132,7 +150,7 @@ def main() -> None:
             rows = program(feed, options.seconds)
             programmed = (len(rows) - 2) * STEP / feed * 60
             best = math.nan
-            for sender in SENDERS:
+            for sender in senders:
                 rate, motion = kept_up(sender, rows, latency)
                 best = rate if sender == "ideal" else best
                 share, said = f"{100 * rate / best:.1f} %", f"{rate:.0f}"

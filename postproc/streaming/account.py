@@ -22,6 +22,7 @@ SHORT = 0.05  # mm: of a motion that surely makes a block, where the controller 
 MOST = 4096  # entries that may be kept apart
 # M6 and macros may move in ways of their own.
 OTHER = re.compile(rb"M0*(?:6|6[0-9]|9[89]|[1-9][0-9]{2,})(?![0-9])|G0*6[56](?![0-9])|^\$", re.IGNORECASE)
+QUESTION = re.compile(rb"\$[#$GIN]", re.IGNORECASE)  # which moves nothing
 AXES = re.compile(rb"[A-CI-KRU-Z]", re.IGNORECASE)
 
 
@@ -85,6 +86,8 @@ class Account:
 
     def _motion(self, line: WireLine) -> Part | None:
         """None: this line moves nothing."""
+        if QUESTION.fullmatch(line.text):
+            return None
         end = () if OTHER.search(line.text) else line.end
         if end and not AXES.search(line.text):
             return None  # where the program believes that it stands; it may have been jogged since

@@ -28,7 +28,8 @@ class Before:
     """What holds before the line: spindle, coolant, tool as words; loaded: the tool that M6 has put in; feed: mm/min or mm a turn of
     the last F, which stays what it was when the units change; inch: whether words are inches; path: G64 with its P, mm;
     heat: temperature by heater; fan: its word; highest: mm, the highest place of a rapid so far along the axis that lifts
-    the tool; left: how the present tool last left a cut by a rapid along that axis: OUT (to +), IN, ALONG, "": it has not."""
+    the tool; left: how the present tool last left a cut by a rapid along that axis: OUT (to +), IN, ALONG, "": it has not.
+    moved: whether anything has."""
 
     spindle: str = "M5"
     speed: str = ""
@@ -44,6 +45,7 @@ class Before:
     left: str = ""
     cuts: bool = False
     surface: bool = False
+    moved: bool = False
 
     def watch(self, words: Words, motions: Motions, axis: int) -> None:
         """Take a batch's words, and what its motions do along the axis that lifts the tool."""
@@ -100,6 +102,7 @@ class Before:
                 self.speed = f"S{value:g}"
 
     def _ways(self, motions: Motions, axis: int, called: list[int]) -> None:
+        self.moved = self.moved or len(motions.code) > 0
         rapid = (motions.code == RAPID) & motions.target_known[axis]
         if rapid.any():
             top = float(motions.target[axis][rapid].max()) / TICKS_PER_MM

@@ -121,5 +121,5 @@ def unconfirmed(outcome: Outcome, seconds: float) -> Outcome:
     return Outcome(outcome.kind, outcome.message, outcome.advice + more)
 
 
-def sent(n: int) -> Outcome:
-    return Outcome(ends.SENT, f"{n} lines were sent; this link tells nothing of what became of them")
+def sent(n: int, size: int) -> Outcome:
+    return Outcome(ends.SENT, f"{n} lines, {size} bytes were sent; this link tells nothing of what became of them")

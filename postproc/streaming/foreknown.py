@@ -1,7 +1,8 @@
 """What a controller would refuse, or could not reach, in the middle of a job: found in its lines before the first of them leaves.
 
 GRBL (gnea/grbl): a target beyond 0 .. -$130.. stops the job in an alarm where $20 is on (system.c, system_check_travel_limits; homing
-puts zero at the far end of each axis); a feed without F gives error:22, M6, M98 and O words error:20 (gcode.c).
+puts zero at the far end of each axis, and where it was built with HOMING_FORCE_SET_ORIGIN, Z in its $I, an axis that homes in the
+negative direction, $23, goes from 0 to +$130); a feed without F gives error:22, M6, M98 and O words error:20 (gcode.c).
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ FEED = re.compile(rb"F *[0-9.]", re.IGNORECASE)
 AXIS = re.compile(rb"[XYZABC] *[-+.0-9]", re.IGNORECASE)
 NO_AXES = re.compile(rb"G0*(?:4|10|28|30|92|43)(?![0-9])", re.IGNORECASE)
 EEPROM = re.compile(rb"G0*10(?![0-9])|G0*(?:28|30)\.1|^\$", re.IGNORECASE)
+NOTHING, NO_MORE = "nothing was sent", "nothing more was sent behind this tool change"
 PLAIN_START = {"G54", "G17", "G21", "G90", "G94"}
 
 
@@ -50,12 +52,19 @@ class Foreknown:
     """look() at every line of a job, in order. Raises ProgramError for what the controller would refuse; `notices` tell the rest.
 
     letters: the machine's axes; order: where each stands in the controller's settings. grbl: whether it is GRBL itself, whose rules
-    are known to the letter; a relative may do more."""
+    are known to the letter; a relative may do more. sent: what was, when this is looked at."""
 
-    def __init__(self, controller: Controller, letters: tuple[str, ...], order: tuple[int, ...], name: str, grbl: bool):
+    def __init__(
+        self, controller: Controller, letters: tuple[str, ...], order: tuple[int, ...], name: str, grbl: bool,
+        sent: str = NOTHING,
+    ):  # fmt: skip
+        self.sent = sent
         self.controller, self.letters, self.order, self.name, self.grbl = controller, letters, order, name, grbl
         self.travel = [self._setting(str(130 + k)) for k in order]
         self.soft = self._setting("20") not in (0.0, math.inf)
+        mask = self._setting("23")
+        homes = int(mask) if "Z" in controller.flags and math.isfinite(mask) else 0
+        self.reach = [(0.0, t) if homes >> k & 1 else (-t, 0.0) for k, t in zip(order, self.travel, strict=True)]
         feed = next((word for word in controller.modal if word.startswith("F")), "F0")
         self._feed = float(re.sub(r"[^0-9.]", "", feed) or 0) > 0
         self._feeds = any(word in ("G1", "G2", "G3") for word in controller.modal)
@@ -101,11 +110,12 @@ class Foreknown:
             if math.isnan(value):
                 continue
             self._least[k], self._most[k] = min(self._least[k], value), max(self._most[k], value)
-            if self.grbl and self.soft and not (-self.travel[k] - EPS <= value <= EPS):
+            low, high = self.reach[k]
+            if self.grbl and self.soft and not (low - EPS <= value <= high + EPS):
                 axis, number = self.letters[k], 130 + self.order[k]
                 raise self._no(
                     line,
-                    f"{axis} {value:.3f} (machine coordinates) is beyond the controller's travel, {-self.travel[k]:g} to 0 mm (${number}), and "
+                    f"{axis} {value:.3f} (machine coordinates) is beyond the controller's travel, {low:g} to {high:g} mm (${number}), and "
                     "its soft limits are on ($20): it would stop in an alarm there",
                     "set the work zero elsewhere, or move the part; the other end of the program may be in reach then",
                 )
@@ -133,5 +143,5 @@ class Foreknown:
     def _no(self, line: WireLine, message: str, advice: str) -> ProgramError | UsageError:
         text = line.text.decode("latin-1")
         if not line.source:
-            return UsageError(f"nothing was sent: {text}: {message}", advice)
-        return ProgramError(f"nothing was sent: {message}", advice, Place(line.file or self.name, line.source, text))
+            return UsageError(f"{self.sent}: {text}: {message}", advice)
+        return ProgramError(f"{self.sent}: {message}", advice, Place(line.file or self.name, line.source, text))

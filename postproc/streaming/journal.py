@@ -6,11 +6,13 @@
     {"t": 0.014, "sent": 2, "source": 1, "piece": 0, "text": "G1X4", "correction_um": [0.4, 0.0], "file": "pocket.ngc"}
     {"t": 0.020, "answered": 1}
     {"t": 0.220, "state": "run", "place_mm": [1.0, 2.0], "executed": 1}
+    {"offsets": {"G54": {"X": 0.0}}}
     {"t": 9.1, "outcome": "done", "message": "...", "position": "known"}
 
 file: of a line that stands in a subprogram's file. A last line that was cut by a crash is no error. What was answered was accepted, not
 executed: what is surely over says `executed`. end_mm, via_mm: where a line goes, machine coordinates, and places on an arc before it;
-null: not known. zero: "homed" or "unlocked" where gcomp did that before the job.
+null: not known. zero: "homed" or "unlocked" where gcomp did that before the job. offsets: the controller's, when the job began, and again
+behind a tool change that touched off.
 """
 
 from __future__ import annotations
@@ -60,6 +62,11 @@ def head(
         offsets=offsets or {},
         place_mm=list(place),
     )
+
+
+def zeros(offsets: dict[str, dict[str, float]]) -> bytes:
+    """A line for work offsets that were set in the middle of the job."""
+    return _record(offsets=offsets)
 
 
 def record(kind: str, what: object, t: float, executed: int = 0) -> bytes:
@@ -147,6 +154,8 @@ def read(data: bytes, name: str) -> Past:
         elif "state" in entry:
             past.state, past.detail = str(entry["state"]), str(entry.get("detail", ""))
             past.executed = max(past.executed, int(entry.get("executed", 0)))
+        elif "offsets" in entry:
+            past.head["offsets"] = entry["offsets"]
         elif "outcome" in entry:
             past.outcome = str(entry["outcome"])
     if past is None:
@@ -171,7 +180,8 @@ def begins(past: Past, first: int) -> int:
     while back > 0 and left:
         back -= 1
         left -= _moves(past.recent, back)
-    sources = [int(entry["source"]) for entry in past.recent[back:] if entry["source"]]
+    # Lines of another file are those of a tool change, whose own line comes with them.
+    sources = [int(entry["source"]) for entry in past.recent[back:] if entry["source"] and "file" not in entry]
     return min(sources, default=int(past.head.get("begin", 1)))
 
 

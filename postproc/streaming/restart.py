@@ -75,14 +75,14 @@ def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Bef
     return before, b"".join(rest)
 
 
-def refuse(filter_: Filter, rest: bytes, line: int) -> None:
+def refuse(filter_: Filter, rest: bytes, line: int, what: str = "the job can not begin again here") -> None:
     """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all before it."""
     modal = filter_.modal
     frame = modal.frame
 
     def no(message: str, advice: str) -> ProgramError:
         text = rest.split(b"\n", 1)[0].decode("latin-1")
-        return ProgramError(f"the job can not begin again here: {message}", advice, Place(filter_.name, line, text))
+        return ProgramError(f"{what}: {message}", advice, Place(filter_.name, line, text))
 
     earlier = "name an earlier line, before that begins"
     if modal.ended:
@@ -128,8 +128,10 @@ def digits(value: float) -> str:
 class Preamble:
     """The blocks of one restart, in the program's language."""
 
-    def __init__(self, filter_: Filter, before: Before, safe: dict[str, float], stands: dict[str, float]):
-        self.filter, self.before = filter_, before
+    def __init__(
+        self, filter_: Filter, before: Before, safe: dict[str, float], stands: dict[str, float], stays: bool = False
+    ):
+        self.filter, self.before, self.stays = filter_, before, stays
         self.modal, self.dialect, self.setup = filter_.modal, filter_.dialect, filter_.setup
         self.kind, self.lift = kind_of(filter_), lifts(filter_)
         self.row = self.setup.axes.index(self.lift)
@@ -143,7 +145,7 @@ class Preamble:
             x: (modal.position[i] - origin[i]) / TICKS_PER_MM * self.half[x] for i, x in enumerate(self.setup.axes)
         }
         # Never back in: where it stands farther out than that already, it goes across from there.
-        self.top = max(self._top(safe), stands.get(self.lift, -math.inf))
+        self.top = max(-math.inf if stays else self._top(safe), stands.get(self.lift, -math.inf))
 
     def _top(self, safe: dict[str, float]) -> float:
         """mm, machine coordinates: where the tool is taken first along the axis that lifts it."""
@@ -208,13 +210,15 @@ class Preamble:
             lines.append(self.word("diameter"))
         if self.word("work offset") and (self.kind != PRINTER or self.word("work offset") != "G54"):
             lines.append(self.word("work offset"))
-        lines.append(self._out())
+        lines += [] if self.stays else [self._out()]
         lines += self._tool()
-        if across:
+        if across and not self.stays:
             lines.append("G0 " + " ".join(f"{x}{digits(self.place[x])}" for x in across))
         lines += self._spindle()
         per_minute = self.modal.codes.get("feed mode", 940) == 940
-        if before.feed:
+        if self.stays:
+            pass
+        elif before.feed:
             down = min(PLUNGE, before.feed) if per_minute else PLUNGE
             lines.append(f"G1 {self.lift}{digits(self.place[self.lift])} F{down:g}")
         else:  # the program has come here by rapids alone
@@ -300,8 +304,9 @@ class Preamble:
 
 
 def preamble(
-    filter_: Filter, before: Before, safe: dict[str, float] | None = None, stands: dict[str, float] | None = None
-) -> list[bytes]:
+    filter_: Filter, before: Before, safe: dict[str, float] | None = None, stands: dict[str, float] | None = None,
+    stays: bool = False,
+) -> list[bytes]:  # fmt: skip
     """The blocks that bring it about, in the program's language. safe: of the axis that takes the tool out (Z, on a lathe X in
-    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine coordinates. Raises UsageError."""
-    return [line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}).lines()]
+    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine coordinates. stays: nothing shall move, only modes come back. Raises UsageError."""
+    return [line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}, stays).lines()]

@@ -52,6 +52,11 @@ class Sender:
         self.log: list[tuple[str, object, float]] = []
         self.asks: list[tuple[WireLine, str]] = []
         self._queue: deque[WireLine] = deque()
+        self._left = self._put = 0  # bytes that have left, and that have been put into _out
+        self._marks: deque[tuple[int, WireLine]] = (
+            deque()
+        )  # lines of a link without answers, by where their last byte stands
+        self._marked: WireLine | None = None
         self._sent: dict[int, WireLine] = {}
         self._urgent = self._out = b""
         self._last: WireLine | None = None  # the last line answered
@@ -170,11 +175,20 @@ class Sender:
             return self.urgent_out()
         n = min(self.protocol.release(), len(self._out))
         data, self._out = self._out[:n], self._out[n:]
+        self._left += n
         return data
+
+    def written(self) -> tuple[int, WireLine | None]:
+        """Of a link without answers: bytes that have left, and the last line of which all have."""
+        while self._marks and self._marks[0][0] <= self._left:
+            line = self._marks.popleft()[1]
+            self._marked = line if line.number > 0 else self._marked
+        return self._left, self._marked
 
     def unwritten(self, data: bytes) -> None:
         """The port did not take these bytes: they go first next time. Realtime bytes still pass them."""
         self._out = data + self._out
+        self._left -= len(data)
 
     @property
     def waiting(self) -> tuple[WireLine, ...]:
@@ -199,6 +213,10 @@ class Sender:
             data = self.protocol.send(line.number, line.text)
             if self.protocol.confirms != "nothing":
                 self._sent[line.number] = line
+            else:
+                self._marks.append((self._put + len(data), line))
+                self.written()
+            self._put += len(data)
             self._out += data
             self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
             if line.number > 0:
@@ -245,7 +263,7 @@ class Sender:
         if self.protocol.confirms == "answers":
             self._done(self.status)
         elif self.protocol.confirms == "nothing":
-            self._finish(endings.sent(self.tally.sent))
+            self._finish(endings.sent(self.tally.sent, self._left))
         elif self._drained is None:
             self._drained, self._rests = now, 0
 
@@ -287,8 +305,7 @@ class Sender:
         self.tally.answered += 1
         self.tally.seconds += line.seconds
         self.tally.source = line.source
-        if line.end:
-            self._end = line.end
+        self._end = line.end
         self.log.append(("answered", line, now))
 
     def _rejected(self, event: events.Rejected, now: float) -> None:

@@ -1,9 +1,10 @@
 """What streaming promises, on a real GRBL 1.1h image, judged by the step pulses of its motors.
 
-    python -m proof.streaming whole          12 programs, whole python -m proof.streaming
-    interrupted    each of them, interrupted in seven ways at random lines, and begun again python
-    -m proof.streaming faults         100 schedules of faults on the wire and at the machine python
-    -m proof.streaming short          20 clean jobs of pieces of 0.1 to 1 mm at F1000 to F5000
+    python -m proof.streaming whole          12 programs, whole
+    python -m proof.streaming interrupted    each of them, interrupted in seven ways at random lines,
+                                             and begun again
+    python -m proof.streaming faults         100 schedules of faults on the wire and at the machine
+    python -m proof.streaming short          20 clean jobs of pieces of 0.1 to 1 mm at F1000 to F5000
 
 Needs ../shared/receivers and as many seconds as the machine would (10 to 40 a job). A job in which
 the simulator could not keep up with the clock is made again. Exit status 1 where something was not

@@ -24,6 +24,7 @@ from tests.streaming.real_grbl import STEPS, RealGrbl
 RATE = 5000.0  # mm/min: the fastest that the machine moves ($110)
 # What goes aside and comes back between two reports can not be seen (docs/STREAMING.md): mm.
 UNSEEN = RATE / 60 * Limits.watch / 2
+WAITS = 8.0  # s that a person lets a machine hold
 JOBS = (
     programs.zigzag, programs.fine, programs.fast, programs.surface, programs.inch, programs.no_block,
 )  # fmt: skip
@@ -94,6 +95,9 @@ def schedule(seed: int) -> Row:
             process = real_grbl.start(place, real.path, "job.nc", "--quiet")
             doing = threading.Thread(target=_do, args=(real, place, r, names, process), daemon=True)
             doing.start()
+            went_on: list[str] = []
+            person = threading.Thread(target=_person, args=(real, place, process, went_on), daemon=True)
+            person.start()
             try:
                 said = process.communicate(timeout=180)[1]
             except subprocess.TimeoutExpired:
@@ -105,7 +109,7 @@ def schedule(seed: int) -> Row:
             slow = real.behind
     way = Way(program, ZERO)
     status = process.returncode
-    what = f"{program.name}: {', '.join(names)}{' ' + ' '.join(latency) if latency else ''}"
+    what = f"{program.name}: {', '.join([*names, *went_on])}{' ' + ' '.join(latency) if latency else ''}"
     verdict = judged(way, steps, np.zeros((0, 3)))
     right = verdict.right(0)
     if status == 0 and not right:
@@ -136,6 +140,23 @@ def _do(real: RealGrbl, place: Path, r: random.Random, names: list[str], process
         time.sleep(r.uniform(0.2, 6.0))
         if process.poll() is None:
             KINDS[name][0](real, r)
+
+
+def _person(real: RealGrbl, place: Path, process: subprocess.Popen, went_on: list[str]) -> None:
+    """Whoever stands at a machine that holds for no reason (a flipped bit makes `!` of a 1) presses
+    start: gcomp waits for that, as it does at M0."""
+    journal, since = place / "job.nc.journal", 0.0
+    while process.poll() is None:
+        time.sleep(0.5)
+        states = re.findall(rb'"state":"([a-z]+)"', journal.read_bytes()[-2000:] if journal.exists() else b"")
+        if not states or states[-1] != b"hold":
+            since = time.monotonic()
+        elif time.monotonic() - since > WAITS:
+            real.tell("btn start 1")
+            time.sleep(0.05)
+            real.tell("btn start 0")
+            went_on.append("a hold that nobody ordered, start pressed")
+            since = time.monotonic()
 
 
 def quick(number: int) -> Row:

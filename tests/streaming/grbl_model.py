@@ -51,6 +51,8 @@ class GrblModel:
         self.state = ALARM if homing else IDLE
         self.place = [0.0, 0.0, 0.0]
         self.lost = [0.0, 0.0, 0.0]  # mm by which its zero lies off since the power was lost
+        self.plate = -math.inf  # mm, machine coordinates: where a probe that goes down touches
+        self.probed = [0.0, 0.0, 0.0]
         self._reset()
         self._say(self.banner)
         if homing:
@@ -226,7 +228,7 @@ class GrblModel:
             places = {**self.stored, "G28": [0.0] * 3, "G30": [0.0] * 3, "G92": self.preset}
             for name, place in places.items():
                 self._say(f"[{name}:{','.join(f'{v:.3f}' for v in place)}]\r\n")
-            self._say(f"[TLO:{self.length:.3f}]\r\n[PRB:0.000,0.000,0.000:0]\r\n")
+            self._say(f"[TLO:{self.length:.3f}]\r\n{self._touch()}")
         elif text == "$G":
             m = self.modal
             self._say(
@@ -282,7 +284,7 @@ class GrblModel:
         m_words = [int(v) for a, v in values if a == "M"]
         stores = bool({"10", "28.1", "30.1"} & set(codes))
         if (
-            (stores or any(m in (0, 1, 2, 30, 3, 4, 5, 7, 8, 9) for m in m_words) or "4" in codes)
+            (stores or "38.2" in codes or any(m in (0, 1, 2, 30, 3, 4, 5, 7, 8, 9) for m in m_words) or "4" in codes)
             and waited != "rest"
             and self._planner
         ):
@@ -330,6 +332,9 @@ class GrblModel:
         elif "4" in codes and number.get("P"):
             self._until, self._pending = self.now + number["P"], (text, "time")
             return
+        elif moves and "38.2" in codes:
+            self._probe(text, codes, number)
+            return
         elif moves:
             self._plan(codes, number, motion)
         if 0 in m_words:
@@ -338,6 +343,22 @@ class GrblModel:
         if 2 in m_words or 30 in m_words:
             self._say("[MSG:Pgm End]\r\n")
             self.modal.update(motion="1", work="G54", distance="90", feed="94", plane="17")
+        self._finish(text)
+
+    def _touch(self) -> str:
+        place = ",".join(f"{v:.3f}" for v in self.probed)
+        return f"[PRB:{place}:{int(any(self.probed))}]\r\n"
+
+    def _probe(self, text: str, codes: list[str], number: dict[str, float]) -> None:
+        """Down to the plate, at once; an alarm where it is not met (motion_control.c, mc_probe_cycle)."""
+        end = target(self, codes, number, 25.4 if self.modal["units"] == "20" else 1.0)
+        if end[2] > self.plate:
+            self._say("ALARM:5\r\n")
+            self.state = ALARM
+            return
+        end[2] = self.plate
+        self.place, self.target, self.probed = end, list(end), list(end)
+        self._say(self._touch())
         self._finish(text)
 
     def _units(self, codes: list[str]) -> str:

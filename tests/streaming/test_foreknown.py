@@ -48,6 +48,21 @@ def test_travel_feeds_and_tool_changes(place, body, machine, says):  # noqa: F81
         assert bool(sent_rows(host)) == (not says)
 
 
+@pytest.mark.parametrize(
+    ("body", "says"),
+    [("G1 X199 Y-149 F900\nM2\n", ""), ("G1 X-5 F900\nM2\n", "X -5.000"), ("G1 Y5 F900\nM2\n", "Y 5.000")],
+)
+def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, says):  # noqa: F811
+    """HOMING_FORCE_SET_ORIGIN: Z in $I; X homes in the negative direction ($23)."""
+    made = model(settings=LIMITS | {"23": "1"}, options="VZ,15,{rx}")
+    made.stored["G54"] = [0.0, 0.0, 0.0]
+    head = HEAD.replace("X-1", "X1")
+    with PtyHost(made, speed=20.0) as host:
+        (place / "job.nc").write_text(head + body)
+        status, _, err = stream(place, host, "job.nc", "--offset", "G54=X0,Y0,Z0", machine=PERFECT)
+    assert (status, f"{says} (machine coordinates) is beyond" in err) == ((2, True) if says else (0, False)), err
+
+
 def test_more_way_than_the_machine_has_is_told_before_the_job(place):  # noqa: F811
     with PtyHost(made(settings=LIMITS | {"20": "0"}), speed=400.0) as host:
         status, err = job(place, "G0 X250\nG0 X0\nM2\n", host)

@@ -78,6 +78,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="what becomes of M6: wait there for a person, leave it out, or refuse the program (default with GRBL, which has no M6; others get it)",
     )
     job.add_argument(
+        "--park",
+        metavar="FILE",
+        help="with --tool-change pause, GRBL and its kin: lines to send before the pause, spindle and coolant off (G53 G0 Z-5)",
+    )
+    job.add_argument(
+        "--touch-off",
+        metavar="FILE",
+        help="lines to send behind the pause (G38.2 Z-20 F50, G10 L20 P0 Z5); then the zeros are asked for, the map is put there, and the tool "
+        "goes back by a safe Z. {longer}: mm by which the tool touched higher than the job's first",
+    )
+    job.add_argument(
         "--spindle-at-stop",
         choices=("off", "on"),
         default="off",
@@ -213,9 +224,7 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
             "--resume-from names a line, and with --expand a line may be executed more than once",
             "write the program out first: gcomp --expand -o plain.nc; then stream that",
         )
-    for name in ("safe_z", "safe_x"):
-        if getattr(options, name) is not None and not options.resume_from:
-            raise UsageError(f"--{name.replace('_', '-')} is for --resume-from alone", "leave it out")
+    _refuse_changes(options, is_file)
     if options.protocol == "linuxcnc" and not (is_file or options.expand):
         raise UsageError("LinuxCNC takes its program as a whole, and a pipe has no end yet", "name a file")
     if options.resume_from and not is_file:
@@ -243,6 +252,29 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
         raise UsageError(f"{options.file} can not be read: there is no such file")
     if options.baud <= 0:
         raise UsageError(f"--baud {options.baud} is no speed")
+
+
+def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:
+    """Options of tool changes, and of safe places, that do not go together."""
+    macros = bool(options.park or options.touch_off)
+    for name in ("safe_z", "safe_x"):
+        if getattr(options, name) is not None and not (options.resume_from or macros):
+            raise UsageError(
+                f"--{name.replace('_', '-')} is for --resume-from, and for tool changes with --park or --touch-off",
+                "leave it out",
+            )
+    if not macros:
+        return
+    if options.tool_change not in (None, "pause"):
+        raise UsageError(
+            f"--park and --touch-off are for --tool-change pause, not for {options.tool_change}", "leave them out"
+        )
+    if options.expand or not is_file:
+        raise UsageError(
+            "--park and --touch-off need the program as a file in which every line is executed once",
+            "write the program out first: gcomp --expand -o plain.nc; then stream that",
+        )
+    options.tool_change = "pause"
 
 
 def _keys(options: argparse.Namespace) -> bool:
@@ -341,7 +373,7 @@ def _stream(
     options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import handed, loop, told
+    from postproc.commands.stream import handed, loop, told, tools
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -376,11 +408,15 @@ def _stream(
         quiet = options.quiet or getattr(options, "dry", False)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        prefetch = Prefetch(job.lines).start()
+        answers = None if job.macros is None or options.check else tools.Answers(controller, machine.letters)
+        prefetch = Prefetch(lambda: job.lines(answers, options.check)).start()
+        run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:
-            outcome = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys).to_the_end()
+            outcome = run.to_the_end()
         finally:
             prefetch.close()
+            if answers is not None:
+                answers.close()
         dry = getattr(options, "dry", False)
         if not dry or outcome.exit_status:
             show.tell(("nothing has moved: in the controller's check mode, " if dry else "") + outcome.text())

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from postproc import ports
 from postproc.commands import expansion, reading
+from postproc.commands.stream import tools
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
 from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
-from postproc.streaming.foreknown import REFUSE, Foreknown, tool_change
+from postproc.streaming.foreknown import NO_MORE, NOTHING, REFUSE, Foreknown, tool_change
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
 from postproc.streaming.protocols import Protocol
@@ -29,6 +30,7 @@ from postproc.streaming.source import RAPID_MM_MIN, Source
 from postproc.streaming.trace import CHORD
 
 if TYPE_CHECKING:
+    from postproc.commands.stream.tools import Answers, Macros
     from postproc.filter import Filter
     from postproc.machine.model import Machine
 
@@ -46,10 +48,11 @@ def is_file(path: str | None) -> bool:
 @dataclass
 class Job:
     """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it; copy: the
-    program as it was at first, None of a pipe; whole: its text, where it is written out; library: texts of its subprograms."""
+    program as it was at first, None of a pipe; whole: its text, where it is written out; library: texts of its subprograms. macros: of its
+    tool changes."""
 
     options: argparse.Namespace
-    fresh: Callable[[], Filter]
+    fresh: Callable[..., Filter]
     protocol: Protocol
     live: lives.Live
     notices: list[Notice]
@@ -59,27 +62,39 @@ class Job:
     copy: ports.Copy | None = None
     whole: bytes | None = None
     library: dict[str, bytes | None] = field(default_factory=dict)
-    source: Source | None = None
+    macros: Macros | None = None
+    sources: list[Source] = field(default_factory=list)
     known: Foreknown | None = None
     pace: Pace | None = None
 
-    def lines(self, fresh: Filter | None = None) -> Iterator[list[WireLine]]:
-        """Wire lines, batch by batch."""
-        filter_ = fresh or self.fresh()
+    def lines(self, answers: Answers | None = None, bare: bool = False) -> Iterator[list[WireLine]]:
+        """Wire lines, batch by batch. answers, bare: of tool changes, as tools.lines says."""
+        self.sources.clear()
+        if self.macros is not None:
+            return tools.lines(self, answers, bare)
+        return self.leg(self.fresh(), self.begin, self.preamble)
+
+    def leg(
+        self, filter_: Filter, begin: int, preamble: tuple[bytes, ...], number: int = 1
+    ) -> Iterator[list[WireLine]]:
+        """Wire lines from a source line on. number: of the first."""
         absolute = "G90" in self.live.modal
         shorten = Compact(absolute, "G94" in self.live.modal).line if self.options.compact else None
-        prepare = tool_change(self.changes(), self.protocol.prepare) if self.changes() else self.protocol.prepare
-        source = self.source = Source(filter_, prepare, shorten, self._rapid(), sampled=self._sampled())
-        if self.preamble:
-            yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in self.preamble))]
+        how = "" if self.macros is not None else self.changes()
+        prepare = tool_change(how, self.protocol.prepare) if how else self.protocol.prepare
+        source = Source(filter_, prepare, shorten, self._rapid(), sampled=self._sampled())
+        source.number = number
+        self.sources.append(source)
+        if preamble:
+            yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in preamble))]
         if self.whole is not None:
             from postproc.commands.stream import expanded
 
             yield from expanded.lines(source, self.whole, self.options, self.library)
             return
-        filter_.summary.lines = self.begin - 1
+        filter_.summary.lines = begin - 1
         try:
-            for data in self._text():
+            for data in self._text(begin):
                 yield source.feed(data)
             yield source.finish()
         except ProgramError:
@@ -110,47 +125,72 @@ class Job:
         known = [float(r) for r in rates if r.replace(".", "", 1).isdigit() and float(r) > 0]
         return min(known, default=RAPID_MM_MIN)
 
-    def _text(self) -> Iterator[bytes]:
+    def _text(self, begin: int) -> Iterator[bytes]:
         if self.copy is None:
             with ports.opened(self.options.file) as (stream, _, _):
                 yield from ports.chunks(stream, live=True)
             return
-        skip = self.begin - 1
+        skip = begin - 1
         with self.copy.opened() as stream:
             for _ in range(skip):
                 stream.readline()
             while data := stream.read(CHUNK):
                 yield data
 
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The machine's axes."""
+        return tuple(self.fresh().setup.axes)
+
+    def order(self) -> tuple[int, ...]:
+        """Where each axis stands in the controller's settings. A printer's E is none of the axes of which they tell."""
+        return tuple(lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS for x in self.letters)
+
+    def safe(self) -> dict[str, float]:
+        """mm, machine coordinates: where the user says that the tool is clear of the part."""
+        options = self.options
+        return {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
+
+    def _known(self, sent: str = NOTHING) -> Foreknown:
+        return Foreknown(self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent)
+
     def precheck(self, rate: float) -> Load:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
         load = Load(rate)
-        letters = self.fresh().setup.axes
-        # A printer's E is none of the axes of which settings tell.
-        order = tuple(lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS for x in letters)
-        known = self.known = Foreknown(self.protocol.controller, letters, order, self.name, self.is_grbl)
-        planner = Pace(self.protocol.controller, order, load.link)
+        known = self.known = self._known()
+        planner = Pace(self.protocol.controller, self.order(), load.link)
         pace = planner if planner.knows else None
         for batch in self.lines():
             for line in batch:
                 load.add(line)
-                known.look(line)
+                if self.macros is None or not line.file:
+                    known.look(line)
                 if pace is not None:
                     pace.add(line)
         self.notices += known.notices()
         if pace is not None:
             pace.end()
             self.pace, load.expected = pace, pace.total
-        assert self.source is not None
-        self.notices += self.source.filter.notices
-        if self.source.dropped:
+        told = {notice.message for notice in self.notices}
+        for notice in (notice for source in self.sources for notice in source.filter.notices):
+            self.notices += [notice] * (notice.message not in told)
+            told.add(notice.message)
+        dropped = max(source.dropped for source in self.sources)
+        if dropped:
             self.notices.append(
                 Notice(
                     "behind",
-                    f"{self.source.dropped} lines behind the end of the program are not sent: the controller would execute them",
+                    f"{dropped} lines behind the end of the program are not sent: the controller would execute them",
                 )
             )
         return load
+
+    def look_again(self, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
+        """The program from a line on, with zeros that were set in between. Raises what is wrong with it then."""
+        known = self._known(NO_MORE)
+        for batch in self.leg(self.fresh(live), begin, preamble):
+            for line in batch:
+                known.look(line)
 
 
 def prepare(
@@ -168,12 +208,15 @@ def prepare(
     setup = replace(base.setup, offsets={**stated, **offsets})
     name = options.file if is_file(options.file) else "<stdin>"
 
-    def fresh() -> Filter:
-        filter_ = Filter(base.machine, base.dialect, setup, base.options, name, heat=base.heat)
-        lives.stand(filter_, live)
+    def fresh(now: lives.Live = live) -> Filter:
+        """now: with zeros that were set in the middle of the job."""
+        zeros = setup if now is live else replace(setup, offsets={**setup.offsets, **now.work})
+        filter_ = Filter(base.machine, base.dialect, zeros, base.options, name, heat=base.heat)
+        lives.stand(filter_, now)
         return filter_
 
-    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy)
+    macros = tools.read(options, protocol)
+    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros)
     if options.expand:
         with copy.opened() if copy else _piped(options.file) as stream:
             job.whole = stream.read(expansion.LARGEST + 1)
@@ -258,8 +301,7 @@ def restarted(job: Job, line: int) -> None:
         with job.copy.opened() as stream:
             before, rest = restart.read_before(filter_, stream, line)
         restart.refuse(filter_, rest, line)
-        safe = {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
-        job.preamble = tuple(restart.preamble(filter_, before, safe, job.live.place))
+        job.preamble = tuple(restart.preamble(filter_, before, job.safe(), job.live.place))
     job.begin = line
     shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
     ahead = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"

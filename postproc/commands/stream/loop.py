@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import time
 import traceback
+from dataclasses import replace
 
 from postproc.commands.stream import keys as keyboard
 from postproc.commands.stream.journal_file import JournalFile
@@ -17,9 +18,11 @@ from postproc.commands.stream.port import Lost, Port
 from postproc.commands.stream.prefetch import Prefetch
 from postproc.commands.stream.show import Show
 from postproc.commands.stream.signals import Interrupted, Signals
+from postproc.commands.stream.tools import Answers
 from postproc.errors import UsageError
 from postproc.streaming import endings
 from postproc.streaming import journal as journals
+from postproc.streaming import outcome as ends
 from postproc.streaming.events import Status
 from postproc.streaming.greeting import Greeting
 from postproc.streaming.lines import WireLine
@@ -70,12 +73,13 @@ def greet(port: Port, greeting: Greeting) -> None:
 
 
 class Run:
-    """One job to its outcome. keys: a person's; record: where the trace is written."""
+    """One job to its outcome. keys: a person's; record: where the trace is written; answers: who waits for what the controller says."""
 
     def __init__(
         self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, signals: Signals, journal: JournalFile | None = None,
-        trace: Trace | None = None, record: Outlet | None = None, keys: Keys | None = None,
+        trace: Trace | None = None, record: Outlet | None = None, keys: Keys | None = None, answers: Answers | None = None,
     ):  # fmt: skip
+        self.answers = answers
         self.port, self.sender, self.prefetch, self.show, self.signals = port, sender, prefetch, show, signals
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
         self.begun = time.monotonic()
@@ -98,7 +102,10 @@ class Run:
             self._write()
         self._log()
         if self.journal is not None:
-            self.journal.write(journals.end(self.sender.outcome, time.monotonic() - self.begun))
+            outcome, fault = self.sender.outcome, self.prefetch.fault
+            if fault is not None and outcome.kind in (ends.DONE, ends.SENT):  # of what there was
+                outcome = replace(outcome, kind=ends.ERROR, message=f"the program ended there, because of: {fault}")
+            self.journal.write(journals.end(outcome, time.monotonic() - self.begun))
             self.journal.close()
             self._fault("journal", self.journal.fault)
         return self.sender.outcome
@@ -115,7 +122,7 @@ class Run:
         self._log()  # before it is written: after a crash nothing is on the wire that the journal does not say
         try:
             self._write()
-            hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished
+            hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished and not sender.held
             dripping = sender.queued and 0 < sender.protocol.release() < UNLIMITED
             data = self.port.read(0.0 if dripping else HUNGRY if hungry else WAIT)
         except Lost as error:
@@ -272,6 +279,7 @@ class Run:
         entries, self.sender.log = self.sender.log, []
         out = []
         for kind, what, t in entries:
+            answer = self.answers is not None and self.answers.hears(kind, what)
             if self.journal is not None:
                 out.append(journals.record(kind, what, t - self.begun, self.sender.account.executed))
             if self.trace is not None:
@@ -279,9 +287,12 @@ class Run:
             if kind in ("hold", "resumed"):
                 self.show.tell(str(what))
                 self.show.event(kind, str(what))
-            if kind == "told" and isinstance(what, str) and "echo" not in what:
+            if kind == "told" and isinstance(what, str) and "echo" not in what and not answer:
                 self.show.tell(f"the controller says: {what}")
+        live = self.answers.fresh() if self.answers is not None else None
         if self.journal is not None:
+            if live is not None:
+                out.append(journals.zeros(live.work))
             self.journal.write(b"".join(out))
             self._fault("journal", self.journal.fault)
         if self.record is not None:

@@ -38,7 +38,7 @@ class Show:
     def __call__(self, now: float) -> None:
         if self._begun is None:
             self._begun = self._looked = now
-        if self.clock is not None and self.sender.held:
+        if self.clock is not None and (self.sender.held or self._waits()):
             self.clock.held += now - self._looked
         self._looked = now
         if self.sender.status and self.sender.status.rates:
@@ -77,15 +77,41 @@ class Show:
         if self._rates:
             names = ("feed", "rapid", "spindle")
             result["override_percent"] = dict(zip(names, self._rates, strict=False))
+        if sender.protocol.confirms == "nothing":
+            result.update(self._fed())
         if sender.waiting:
             result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
         if self.clock is not None:
-            self.clock.over(sender.account, status)
+            if "bytes" in result:
+                self.clock.done = self.clock.expected * (result["percent"] or 0.0) / 100
+            else:
+                self.clock.over(sender.account, status)
             self.clock.rate = self._rates[0] / 100 if self._rates and self._rates[0] > 0 else 1.0
             result["eta_s"] = round(self.clock.left(now), 1)
         return result
 
+    def _fed(self) -> dict[str, Any]:
+        """Of a control that answers nothing: what has left, and whether it lets more leave. No line is known to be over."""
+        bytes_, line = self.sender.written()
+        return {
+            "state": self._waits() or "sending", "bytes": bytes_, "sent": line.number if line else 0, "executed": None,
+            "executed_source_line": None, "source_line": line.source if line else 0,
+            "percent": round(100 * (line.number if line else 0) / self.total, 2) if self.total else None,
+        }  # fmt: skip
+
+    def _waits(self) -> str:
+        """What a control that steers the link waits for, in words; ""."""
+        return str(getattr(self.sender.protocol, "waits", ""))
+
     def _words(self, state: dict[str, Any]) -> str:
+        if "bytes" in state:
+            parts = [str(state["state"]), f"{state['percent']:.1f} %" if state["percent"] is not None else ""]
+            parts += [
+                f"line {state['source_line']} sent, {state['bytes']} bytes",
+                f"{_minutes(state['elapsed_s'])} gone",
+            ]
+            parts += [f"{_minutes(state['eta_s'])} left"] if "eta_s" in state else []
+            return "  ".join(part for part in parts if part)
         parts = [str(state["state"])]
         if state["total"]:
             parts.append(f"{state['percent']:.1f} %")

@@ -38,7 +38,7 @@ class Controller:
     planner: motions that it may have accepted and not executed (130 where it does not say so: FluidNC's may be configured up to 120);
     segments: those that it may have taken out of its planner and not made. settings: number or name to value, its own text.
     offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force ("G54"). inches: whether it
-    reports inches. homing: whether it can home, None: not said. compensates: what it corrects by itself, in words.
+    reports inches. homing: whether it can home, None: not said. flags: letters of what it was built with ($I). compensates: what it corrects by itself, in words.
     """
 
     name: str = ""
@@ -52,6 +52,7 @@ class Controller:
     modal: list[str] = field(default_factory=list)
     inches: bool = False
     homing: bool | None = None
+    flags: str = ""
     compensates: list[str] = field(default_factory=list)
 
 

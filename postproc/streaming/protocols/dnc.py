@@ -141,6 +141,13 @@ class Dnc:
     def check_mode(self) -> bytes:
         return b""
 
+    @property
+    def waits(self) -> str:
+        """Why nothing may leave, in words; ""."""
+        if not self.stopped:
+            return ""
+        return "stopped by the control (DC3)" if self.stops else "waiting for DC1"
+
     # -- what the control says -----------------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:

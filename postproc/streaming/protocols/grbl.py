@@ -273,6 +273,8 @@ class Grbl:
                 version, options = VERSION.match(text), OPTIONS.match(text)
                 if version:
                     c.version = version[1].rstrip(":")
+                if options:
+                    c.flags = options[1]
                 if options and options[3]:
                     c.planner, c.window = int(options[2]) + 1, max(16, int(options[3]) - self.keep)
         elif question in (b"$$", b"$+"):

@@ -1,0 +1,97 @@
+"""A program that a control sends (its PUNCH or SEND key): what is the program, when it has ended, and whether a byte was damaged.
+
+Rules: Haas, mill operator's manual (June 1999), RS-232: two `%` stand about what is sent, with DC CODES a DC2 comes first and a DC4
+last; lines end with CR LF or LF. Fanuc's punch interface is alike (general knowledge, unverified on hardware). With 7 bits and a parity
+the line is read as 8 bits, so that each byte's parity is looked at here: a serial port that checks it may drop the byte, or pass it.
+"""
+
+from __future__ import annotations
+
+DC1, DC2, DC3, DC4 = 0x11, 0x12, 0x13, 0x14
+SKIPPED = {0x00, 0x7F, DC1, DC2, DC3}  # leader and trailer of tapes, and what steers a reader
+LARGEST = 1 << 26  # bytes
+ODD = bytes(bin(value).count("1") & 1 for value in range(256))
+
+
+class Reception:
+    """receive() what comes. seven: bytes have 7 bits; parity: "E", "O", or "N": none is looked at.
+
+    begun: the program has; done: it is whole; fault: what is wrong with it, in words, ""; bytes, lines: of it so far."""
+
+    def __init__(self, seven: bool = True, parity: str = "N"):
+        self.seven, self.parity = seven, parity
+        self.begun = self.done = False
+        self.fault = ""
+        self._text = bytearray()
+
+    @property
+    def bytes(self) -> int:
+        return len(self._text)
+
+    @property
+    def lines(self) -> int:
+        return self._text.count(b"\n")
+
+    @property
+    def text(self) -> bytes:
+        """The program, lines ended by LF."""
+        return bytes(self._text)
+
+    def receive(self, data: bytes) -> None:
+        """Bytes as they came; they may be cut anywhere."""
+        for value in data:
+            if self.done or self.fault:
+                return
+            self._take(value)
+
+    def _take(self, value: int) -> None:
+        here = f"line {self.lines + 1} of what came in"
+        wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
+        letter = value & 0x7F if self.seven else value
+        if wrong and self.begun:
+            self.fault = (
+                f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or the frame is another"
+            )
+        elif letter == DC4 and self.begun:
+            self._closed("DC4")
+        elif letter in SKIPPED or letter in (0x0D, DC4) or (not self.begun and (wrong or not 0x20 < letter < 0x7F)):
+            return  # what a plug makes, and a tape's leader
+        elif letter not in b"\n\t" and not 0x20 <= letter < 0x7F:
+            self.fault = f"{here}: byte {value:#04x} is no letter of a program: it was damaged on the way, or frame or speed are others"
+        else:
+            self._add(letter)
+
+    def _add(self, value: int) -> None:
+        self.begun = True
+        self._text.append(value)
+        if len(self._text) > LARGEST:
+            self.fault = f"more than {LARGEST:,} bytes came in: no program is as long as that"
+        if value == ord("%") and self.lines and self._text.endswith(b"\n%"):
+            self._text += b"\n"
+            self._closed("%")
+
+    def _closed(self, how: str) -> None:
+        """% or DC4, where the program can have ended with it."""
+        opened = self._text.startswith(b"%")
+        if how == "%" and not opened:
+            self.fault = "it ends with %, and the % before it is missing: its beginning may be, too"
+        elif how == "DC4" and self._text.startswith(b"%\n"):
+            self.fault = (
+                f"the control has stopped (DC4) after {self.lines} lines, and the % that ends the program is missing"
+            )
+        else:
+            self._whole()
+
+    def _whole(self) -> None:
+        self.done = True
+        if not self._text.endswith(b"\n"):
+            self._text += b"\n"
+
+    def silent(self, anyhow: bool) -> None:
+        """Nothing came for a while. anyhow: that is how this control ends."""
+        if not self.begun or self.done or self.fault:
+            return
+        if anyhow:
+            self._whole()
+        else:
+            self.fault = f"it fell silent after {self.lines} lines, and no % or DC4 has ended the program: the rest of it may be missing"
