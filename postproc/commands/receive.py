@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     if reception.fault:
         return _ended(reception, reception.fault, DAMAGED)
     _written(Path(options.output), reception.text)
-    print(f"gcomp: {options.output}: {reception.lines} lines, {reception.bytes} bytes received", file=sys.stderr)
+    print(f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received", file=sys.stderr)
     return 0
 
 
@@ -94,9 +94,9 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
             told = now
             state = "receiving" if reception.begun else "waiting"
             if terminal:
-                err.say(f"gcomp: {state}, {reception.bytes} bytes, {reception.lines} lines")
+                err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
             else:
-                fields = {"event": "progress", "state": state, "bytes": reception.bytes, "lines": reception.lines}
+                fields = {"event": "progress", "state": state, "bytes": reception.size, "lines": reception.lines}
                 out.say(json.dumps(fields))
     out.close()
     err.close()
@@ -105,7 +105,7 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
 def _ended(reception: Reception, why: str, status: int) -> int:
     """Without a program."""
     print(
-        f"gcomp: nothing was written: {why} ({reception.bytes} bytes, {reception.lines} lines had come in)",
+        f"gcomp: nothing was written: {why} ({reception.size} bytes, {reception.lines} lines had come in)",
         file=sys.stderr,
     )
     if status == DAMAGED:

@@ -16,7 +16,7 @@ ODD = bytes(bin(value).count("1") & 1 for value in range(256))
 class Reception:
     """receive() what comes. seven: bytes have 7 bits; parity: "E", "O", or "N": none is looked at.
 
-    begun: the program has; done: it is whole; fault: what is wrong with it, in words, ""; bytes, lines: of it so far."""
+    begun: the program has; done: it is whole; fault: what is wrong with it, in words, ""; size, lines: bytes and lines of it so far."""
 
     def __init__(self, seven: bool = True, parity: str = "N"):
         self.seven, self.parity = seven, parity
@@ -25,7 +25,7 @@ class Reception:
         self._text = bytearray()
 
     @property
-    def bytes(self) -> int:
+    def size(self) -> int:
         return len(self._text)
 
     @property

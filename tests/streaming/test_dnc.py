@@ -176,3 +176,17 @@ def test_a_control_that_is_fed_is_never_recognised():
 
 def test_success_is_never_claimed():
     assert {p.confirms for p in (Dnc, DncHaas, DncSiemens)} == {"nothing"}
+
+
+def test_what_has_left_is_counted_and_what_is_waited_for_is_said():
+    sender = Sender(Dnc())
+    protocol = sender.protocol
+    sender.give(lines_of("G21\nG1 X1\nG1 X22\n"))
+    sender.tick(0.0)
+    assert (protocol.waits, sender.bytes_out(), sender.written()) == ("waiting for DC1", b"", (0, None))
+    sender.receive(bytes([DC1]), 0.1)
+    assert (protocol.waits, sender.bytes_out()) == ("", b"%\nG21\nG1 X1\nG1 X")
+    left, line = sender.written()
+    assert (left, line.number, line.text) == (16, 2, b"G1 X1")
+    sender.receive(bytes([DC3]), 0.2)
+    assert (protocol.waits, sender.bytes_out()) == ("stopped by the control (DC3)", b"")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -66,6 +67,11 @@ def test_A14_a_drip_feed_ends_as_sent(tmp_path):
     assert status == 17, err
     assert [row.replace(" ", "") for row in model.received] == WANT and model.early == 0
     assert "tells nothing of what became of them" in err
+    told = [json.loads(row) for row in out.splitlines()]
+    waited = [row for row in told if row.get("state") == "waiting for DC1"]
+    assert waited and not any(row["bytes"] for row in waited)
+    size = len("%\n%\n") + sum(len(row) + 1 for row in ROWS)
+    assert f"{len(ROWS)} lines, {size} bytes were sent" in told[-1]["message"]
 
 
 class Options:
