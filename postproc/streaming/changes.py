@@ -90,14 +90,14 @@ class Longer:
 
     def put(self, text: bytes, answers: list[str] | None) -> bytes:
         """The line with its number. answers: to ZEROS; None: before the job, when nothing has been probed. Raises GcompError."""
-        value = 0.0
+        value, line = 0.0, text.decode()
         if answers is not None:
             found = [match[1] for match in map(PROBED.fullmatch, answers) if match]
             try:
                 z = float(found[-1].split(",")[2]) * self.per
             except (IndexError, ValueError):
                 raise GcompError(
-                    f"{text.decode()}: nothing was probed before this line, so how much longer the tool is is not known",
+                    f"{line}: nothing was probed before this line, so how much longer the tool is is not known",
                     "put G38.2 before it in the file of --touch-off",
                 ) from None
             self.first = z if self.first is None else self.first

@@ -32,6 +32,14 @@ def test_A16_a_machine_that_stands_elsewhere_is_no_success():
     assert sender.outcome.kind == "altered" and "0.500 mm" in sender.outcome.message
 
 
+def test_behind_a_line_whose_end_is_not_known_no_place_is_judged():
+    """G28 in the middle of a job, or a macro's probe: what the line before said of the end says nothing any more."""
+    model = GrblModel()
+    sender = new_sender(model)
+    run(sender, model, lines_of("G21G90G94F600\nG1X1\nG28X0\nM30", ends=[(0, 0, 0), (1, 0, 0), (), ()]))
+    assert (sender.outcome.kind, model.place) == ("done", [0.0, 0.0, 0.0])
+
+
 def test_A5_an_error_holds_at_once_and_nothing_more_leaves():
     text = SLOW.replace("G1X20", "G1X20Q9Q9")
     model = GrblModel()

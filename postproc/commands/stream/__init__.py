@@ -373,7 +373,7 @@ def _stream(
     options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import handed, loop, told, tools
+    from postproc.commands.stream import handed, kept, loop, told, tools
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -400,8 +400,8 @@ def _stream(
         spindle_off=options.spindle_at_stop == "off",
     )
     with contextlib.ExitStack() as stack:
-        trace, record = _recording(options, machine, job, order, reported, stack)
-        journal = _journal(options, machine, job, sender.account.holds)
+        trace, record = kept.recording(options, machine, job, order, reported, stack)
+        journal = kept.journal_of(options, machine, job, sender.account.holds)
         clock = Clock(load.expected, time.monotonic(), job.pace) if load else None
         keys = Keys() if _keys(options) else None
         letters = tuple(CONTROLLER_AXES[:reported]) or machine.letters
@@ -436,39 +436,3 @@ def _stream(
     if prefetch.fault is not None:
         return outcome.exit_status or REFUSED
     return outcome.exit_status
-
-
-def _recording(options: argparse.Namespace, machine, job: Job, order: tuple[int, ...], reported: int, stack):
-    """The trace and where it is written; None twice where none is asked for."""
-    from postproc.commands.stream.outlets import Outlet
-    from postproc.streaming.trace import Trace
-
-    if not options.record:
-        return None, None
-    name = job.protocol.controller.name
-    if any(i >= reported for i in order):
-        raise UsageError(f"{name} does not report all axes of {machine.name}: there is nothing to record")
-    start = tuple(job.live.place.get(x, float("nan")) for x in machine.letters)
-    trace = Trace(machine.name, machine.letters, name, start)
-    file = stack.enter_context(open(options.record, "w", encoding="utf-8"))  # noqa: SIM115
-    file.write(trace.head())
-    record = Outlet(file)
-    stack.callback(record.close)
-    return trace, record
-
-
-def _journal(options: argparse.Namespace, machine, job: Job, holds: int):
-    """The journal, begun; None where none is kept."""
-    from postproc.commands.stream import job as jobs
-    from postproc.commands.stream.journal_file import JournalFile
-    from postproc.streaming import journal as journals
-
-    place = jobs.journal_path(options)
-    if place is None or options.check:
-        return None
-    sha = job.copy.digest if job.copy else ""
-    place_now = [job.live.place.get(x) for x in machine.letters]
-    head = journals.head(
-        job.name, sha, machine.name, machine.digest, holds, job.begin, options.expand, jobs.zero_done(options), job.live.work, place_now
-    )  # fmt: skip
-    return JournalFile(place, head)
