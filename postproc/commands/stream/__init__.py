@@ -274,6 +274,11 @@ def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:
             "--park and --touch-off need the program as a file in which every line is executed once",
             "write the program out first: gcomp --expand -o plain.nc; then stream that",
         )
+    if options.temperatures and not options.live_temperatures:
+        raise UsageError(
+            "--temperatures follows the clock from the program's start, and how long a person takes to change a tool is not known",
+            "--live-temperatures, with a log that goes on while the job runs",
+        )
     options.tool_change = "pause"
 
 
