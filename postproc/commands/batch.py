@@ -111,6 +111,8 @@ def _pool(pool, open_jobs: Iterator, options: argparse.Namespace):
     if options.scheduler:
         for name in ("library", "offsets"):
             setattr(plain, name, [str(Path(path).resolve()) for path in getattr(plain, name)])
+        if plain.temperatures:
+            plain.temperatures = str(Path(plain.temperatures).resolve())
         return pool.cluster(map(_absolute, open_jobs), plain, options.scheduler, options.retries)
     if options.jobs == 1:
         return pool.alone(open_jobs, plain)

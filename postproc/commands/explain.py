@@ -14,6 +14,7 @@ import numpy as np
 
 from postproc import ports
 from postproc.commands import as_json, expansion, reading
+from postproc.machine import growth
 from postproc.machine.model import Machine
 from postproc.machine.tip import TipMachine, seen_by_tip
 from postproc.machine.uncertainty import MapUncertainty, micrometres
@@ -136,6 +137,8 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
         return ["its place is not known: left as it is"]
     target = motions.target[:, i : i + 1] / TICKS_PER_MM
     length, space = motions.length[:, i] / TICKS_PER_MM, motions.spaces[int(motions.space[i])]
+    if machine.growth:
+        machine = growth.grown(machine, machine.growth, motions.heat[:, i] * filter_.heat.step)
     machine = seen_by_tip(machine, length, space, filter_.options.orientation)
     says, slides = [f"to {_told(machine, target)} (slide position, mm)"], target
     if isinstance(machine, TipMachine):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postproc import cli, effects
+from postproc import cli, effects, recordings
 from postproc.commands import reading, warming
 from postproc.effects import State
 from postproc.errors import GcompError, Notice
@@ -230,6 +230,38 @@ def test_a_spindle_warms_as_the_effect_says():
     wanted = effects.deviation(module, state, "Z", **p)[2] / 1e-3
     shift = 3.0 * ((rpm / 12000) ** 2 - (turns / 12000) ** 2)
     assert found == pytest.approx(wanted + shift, abs=1e-9)
+
+
+def test_the_simulators_own_physics_sees_the_growth_gone(tmp_path, capsys):
+    """A spindle that warms the head for 25 min: the simulator, with its planner's times and the effect's own equation, reads 21 um
+    along Z before, and after it what grows within one rest of 20 s (0.9 um at first)."""
+    folder = machine(tmp_path, "", SPINDLE.replace("5.0", "-3.0").replace("housing_um = 2.0", "housing_um = 1.0"))
+    cold = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
+    text = ["G21 G90 G54 G94", "M3 S9000", "G0 X100 Y100 Z300"]
+    for k in range(40):
+        text += [f"G1 X{100 + (k % 2) * 300} F600", f"G1 Z{300 - k} F600", "G4 P20"] + (["S4000"] if k == 25 else [])
+    nominal, corrected = tmp_path / "a.nc", tmp_path / "b.nc"
+    nominal.write_text("\n".join([*text, "M2"]) + "\n")
+    assert gcomp(nominal, "--machine", folder, "--temperatures", cold, "-o", corrected) == 0
+    worst = []
+    for words in ((nominal,), (corrected, "--nominal", nominal)):
+        more = (
+            "--machine",
+            folder,
+            "--instrument",
+            "laser",
+            "--set",
+            "along=Z",
+            "--set",
+            "dwell=15",
+            "-o",
+            tmp_path / "z.csv",
+        )
+        assert gcomp("simulate", *words, *more) == 0
+        read = recordings.read(recordings.Source("z.csv", (tmp_path / "z.csv").read_bytes()))
+        worst.append(np.abs(read.reading).max() / 1e-3)
+    assert worst[0] > 15 and worst[1] < 1.0, worst
+    capsys.readouterr()
 
 
 @pytest.mark.parametrize(
