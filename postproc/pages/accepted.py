@@ -72,7 +72,8 @@ def _outcome(made: Page, k: int, one: Outcome) -> None:
 
 def _curves(k: int, one: Outcome) -> charts.Figure:
     """Means over the targets, about their own mean."""
-    unit, letter = report.unit_of(one), one.subject[2:3] if len(one.subject) == 3 else one.subject
+    unit, name = report.unit_of(one), one.subject.partition(",")[0]
+    letter = name[2] if len(name) == 3 and name[0] == "E" else name
     x = charts.column([v for v in one.curves["target"] if v is not None], 4)
     data = []
     for name, role, dash in CURVES:

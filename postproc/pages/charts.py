@@ -70,14 +70,15 @@ def lying(
 ) -> Figure:
     """Lying bars: (name, role, lengths) for each group, a label for each bar; more: entries of each group's bars."""
     data = [
-        bars(column(sizes, 3), labels, said, role, orientation="h", text=[f"{v:.3g}" for v in sizes], textposition="outside",
-             cliponaxis=False, hovertemplate=f"%{{y}}: %{{x:.3g}}<extra>{said}</extra>", **more)
+        bars(column(sizes, 3), labels, said, role, orientation="h", cliponaxis=False, hovertemplate=f"%{{y}}: %{{x:.3g}}<extra>{said}</extra>",
+             **({"text": [f"{v:.3g}" for v in sizes], "textposition": "outside"} | more))
         for said, role, sizes in groups
     ]  # fmt: skip
+    most = max((v for _, _, sizes in groups for v in sizes), default=0.0) or 1.0
     height = 110 + (26 + 16 * (len(groups) - 1)) * len(labels)
     return figure(
         name, caption, data, x, "", height, yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"}, bargap=0.25,
-        xaxis={"rangemode": "tozero"}, showlegend=len(groups) > 1,
+        xaxis={"rangemode": "tozero"} if "error_x" in more else {"range": [0, round(1.2 * most, 4)]}, showlegend=len(groups) > 1,
     )  # fmt: skip
 
 

@@ -111,7 +111,7 @@ def _finding(made: Page, d: Diagnosis, k: int, f: Finding) -> None:
         )
     if len(f.names) > 1:
         rows = [(words.named(name), f"{100 * p:.0f}") for name, p in f.names.items()]
-        made.table(("name", ">probability if it is one of these, %"), rows)
+        made.table(("name, if it is one of these", ">probability, %"), rows)
 
 
 def _not_named(made: Page, d: Diagnosis) -> None:

@@ -189,10 +189,12 @@ def _causes(made: Page, causes: Causes, name: str) -> None:
     said = (
         f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none of these explains"
     )
+    roles = ["@command" if c.range > c.U_range else "@still" for c in told]
     bars = charts.lying(
-        name, f"What makes it out of round, of each cause alone, with U (95 %); {said}.", [c.name for c in told],
+        name, f"What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero; {said}.", [c.name for c in told],
         [("range round the circle", "command", [c.range / UM for c in told])], "um",
         error_x={"type": "data", "array": charts.um([c.U_range for c in told], 2), "thickness": 1},
+        marker={"color": roles}, text=None,
     )  # fmt: skip
     made.figure(bars)
     rows = [

@@ -23,6 +23,7 @@ FLAT = 0.02  # of the longest extent: a plane in which the path is no longer tha
 SOLID = 0.25  # of the longest extent: a path whose cuts are that high is first shown in space
 SHARE = 0.06  # of the longest extent, as which the largest error is drawn
 STEPS = 18  # of the slider: 1, 2, 5, ... a million
+NOTHING = 1e-9  # mm: what arithmetic leaves
 EVEN = 8.0  # times: more than that between before and after asks for logarithmic steps
 
 
@@ -66,7 +67,7 @@ def _headline(verifier: Verifier) -> str:
         f"Replayed on the machine's model, the corrected program stays within {after.deviation / UM:.2f} um of its nominal "
         f"path (worst in line {after.line}); as it was it would be up to {before.deviation / UM:.1f} um off (line {before.line})."
     )
-    if not before.deviation and not after.deviation:
+    if max(before.deviation, after.deviation) < NOTHING:
         said = "The map has no error where this program goes: nothing is changed."
     return said if verifier.passed else f"NOT WITHIN THE TOLERANCE. {said}"
 

@@ -72,3 +72,24 @@ def test_a_narrow_page_in_dark_and_a_path_in_space(pages, opened):
         page.wait_for_selector("#path canvas", state="attached")
         kinds = page.evaluate("document.getElementById('path').data.map(t => t.type)")
         assert set(kinds) == {"scatter3d"}
+
+
+def test_a_page_with_nothing_to_draw_opens_in_silence(opened, tmp_path):
+    """It told the console of an error: it looked for the path that is not there."""
+    out = tmp_path / "nothing.html"
+    assert (
+        main(
+            [
+                "show",
+                str(ROOT / "sample_programs" / "pocket_mill.ngc"),
+                "--machine",
+                "perfect",
+                "-o",
+                str(out),
+                "--quiet",
+            ]
+        )
+        == 0
+    )
+    with opened(out, 400) as page:
+        assert "nothing is changed" in page.inner_text("main")

@@ -149,6 +149,7 @@
 
   gcomp.begin = function () {
     const path = gcomp.data.path, slider = document.getElementById("magnify");
+    if (!path) return; /* nothing of this program is known to the map */
     Object.assign(view, { name: path.views[0], step: path.magnify, at: null, commanded: false });
     slider.value = view.step;
     slider.addEventListener("input", () => { view.step = Number(slider.value); draw(); });
