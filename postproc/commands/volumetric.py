@@ -99,9 +99,9 @@ def _tables(name: str) -> dict[str, str]:
 
 
 def _of_slides_only(kinds: list[str]) -> None:
-    if set(kinds) - {"sphere", "shift"}:
+    if set(kinds) - {"sphere", "shift", "length"}:
         raise UsageError(
-            "rotary axes turn in these recordings: they are read with a sphere or an R-test",
+            "rotary axes turn in these recordings: they are read with a sphere, an R-test or a ballbar",
             'kind = "sphere", or points with dx_um dy_um dz_um',
         )
 

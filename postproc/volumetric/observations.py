@@ -6,7 +6,7 @@ path of a station, a zero of every line, a zero and a slope of every straightnes
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from postproc.volumetric import VolumetricError
 from postproc.volumetric.unknowns import Unknowns
 
 SAME = 1e-3  # mm
+STATED = 1.0  # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
 FITS = 0.1  # mm: lengths from a station fit its place so well where it is the right one
 PLACES = ("mx_mm", "my_mm", "mz_mm")
 SHIFTS = ("dx_um", "dy_um", "dz_um")
@@ -30,7 +31,7 @@ SHIFTS = ("dx_um", "dy_um", "dz_um")
 class Rows:
     """N readings of one set-up. kind: cloud, shift, length, line, straightness, angle, sphere; q, approach (A, N); value: mm, of clouds and
     shifts (3, N), else (N,); u: mm or rad, nan: not stated; tool (3,) mm; along (3,): direction of lines; letter, row: of angles;
-    start: nuisances to begin with; name: of the file; lines (N,)."""
+    start: nuisances to begin with; loose: 1/mm, by how much each is held there, nothing: not at all; name: of the file."""
 
     kind: str
     q: np.ndarray
@@ -43,6 +44,7 @@ class Rows:
     along: np.ndarray
     letter: str = ""
     row: int = 0
+    loose: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return self.value.size
@@ -187,7 +189,10 @@ def _lengths(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
         if len(which) < 5:
             raise VolumetricError("a station needs five lengths at least: its own place and its dead path are four numbers", "", Place(recording.file, 1))  # fmt: skip
         nominal = nominal_tip(machine, base.q[:, which], base.tool)
-        found.append(_picked(base, which, kind="length", value=value, start=_station(recording, which, value, nominal)))
+        said = f"station_{XYZ[0]}_mm" in recording.columns
+        loose = np.array([1 / STATED] * 3 + [0.0]) if said else np.zeros(4)
+        start = _station(recording, which, value, nominal)
+        found.append(_picked(base, which, kind="length", value=value, start=start, loose=loose))
     return found
 
 

@@ -59,7 +59,7 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     start = np.concatenate([np.zeros(unknowns.number), *(r.start for r in rows)])
     for _ in range(1 if all(said) else ROUNDS):
         x, jacobian, residual = _solved(rows, fixed, unknowns, start)
-        parts = np.split(residual[: -unknowns.number], np.cumsum([len(r) for r in rows])[:-1])
+        parts = np.split(residual[:number], np.cumsum([len(r) for r in rows])[:-1])
         again = []
         for r, s, part in zip(rows, said, parts, strict=True):
             taken = _leverage(jacobian, rows, r)
@@ -68,8 +68,8 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
         if all(said):
             break
         rows, start = again, x
-    free = max(number - own - round(_leverage_all(jacobian, unknowns)), 1)
-    data = residual[: -unknowns.number]
+    free = max(number - own - round(_leverage_all(jacobian, unknowns, number)), 1)
+    data = residual[:number]
     chi = float(data @ data) / free
     covariance = np.linalg.inv(jacobian.T @ jacobian)[: unknowns.number, : unknowns.number]
     # Readings that scatter more than they say: what was found is known as much worse.
@@ -104,6 +104,8 @@ def _solved(
     """Numbers and nuisances, and Jacobian and residuals there, in units of u; the prior stands below."""
     p = unknowns.number
     edges = p + np.cumsum([0, *(len(r.start) for r in rows)])
+    stated = np.concatenate([r.start for r in rows])
+    loose = np.concatenate([r.loose if len(r.loose) else np.zeros(len(r.start)) for r in rows])
 
     def residual(x: np.ndarray) -> np.ndarray:
         found = []
@@ -111,10 +113,10 @@ def _solved(
             off = f.known + np.einsum("p,pin->in", x[:p], f.columns)
             angle = x[:p] @ f.angles if f.angles.shape[1] else np.zeros(r.q.shape[1])
             found.append(r.residual(off, x[edges[k] : edges[k + 1]], f.nominal, angle) / r.u)
-        return np.concatenate([*found, x[:p] / unknowns.prior])
+        return np.concatenate([*found, x[:p] / unknowns.prior, (x[p:] - stated) * loose])
 
     def jacobian(x: np.ndarray) -> np.ndarray:
-        made = np.zeros((sum(map(len, rows)) + p, len(x)))
+        made = np.zeros((sum(map(len, rows)) + len(x), len(x)))
         at = 0
         for k, (r, f) in enumerate(zip(rows, fixed, strict=True)):
             off = f.known + np.einsum("p,pin->in", x[:p], f.columns)
@@ -122,7 +124,7 @@ def _solved(
             made[at : at + len(r), :p] = by / r.u
             made[at : at + len(r), edges[k] : edges[k + 1]] = more / r.u
             at += len(r)
-        made[at:, :p] = np.diag(1 / unknowns.prior)
+        made[at:] = np.diag(np.concatenate([1 / unknowns.prior, loose]))
         return made
 
     scale = np.concatenate([unknowns.prior, np.ones(len(start) - p)])
@@ -141,9 +143,9 @@ def _leverage(jacobian: np.ndarray, rows: Sequence[Rows], which: Rows) -> float:
     return float(np.trace(np.linalg.solve(jacobian.T @ jacobian, part.T @ part)))
 
 
-def _leverage_all(jacobian: np.ndarray, unknowns: Unknowns) -> float:
+def _leverage_all(jacobian: np.ndarray, unknowns: Unknowns, number: int) -> float:
     """How many of the unknowns the readings decide, and not the prior."""
-    prior = jacobian[-unknowns.number :]
+    prior = jacobian[number : number + unknowns.number]
     return unknowns.number - float(np.trace(np.linalg.solve(jacobian.T @ jacobian, prior.T @ prior)))
 
 

@@ -314,6 +314,34 @@ def test_an_r_test_tells_the_same():
         assert abs(value[0] / one - truth[group.name]) <= 3.5 * s[0] / one, group.name
 
 
+def test_a_ballbar_beside_a_turning_table_tells_the_same():
+    """ISO 10791-6: one ball on the table, the other in the spindle, which follows it; the bar lies along X, Y and Z of the table, so that it
+    reads radially and along the axis. 100 mm, 0.3 um; the ball's place is stated to a millimetre."""
+    rng = np.random.default_rng(4)
+    u = Unknowns(tuple(locations(FIVE, NONE)), written.without_errors(FIVE), command._slides(FIVE))
+    rows = []
+    for ball in ((120.0, 30.0, -330.0), (-40.0, 90.0, -300.0)):
+        for way in np.eye(3):
+            place = np.array(ball) + 100 * way
+            q = slides_at(FIVE, np.repeat(place[:, None], 60, axis=1), poses(60, rng))
+            tip = tips(FIVE, q) + FIVE.carried(q, 0 * q)[0]
+            columns = {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": q[i] for i, x in enumerate(FIVE.letters)}
+            columns["length_mm"] = (
+                np.linalg.norm(tip - np.array(ball)[:, None], axis=0) + 0.05 + 3e-4 * rng.normal(size=60)
+            )
+            columns |= {
+                f"station_{x}_mm": np.full(60, v + rng.normal() * 0.3) for x, v in zip("XYZ", ball, strict=True)
+            }
+            rows += rows_of(Recording("lengths", {"u_um": 0.3}, columns, "b.csv", np.arange(60)), u.bare, {})
+    fit = solve.fit(rows, u)
+    assert not identify.untold(fit)
+    truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
+    for group in u.groups:
+        value, s = fit.values(group)
+        one = 1e-3 if group.row < 3 else 1e-6
+        assert abs(value[0] / one - truth[group.name]) <= 3.5 * s[0] / one and s[0] / one < 5, group.name
+
+
 def test_from_clouds_to_a_corrected_program(tmp_path, capsys):
     """example-mill seen by a tracker with three reflectors: the map that comes out, held against the machine itself, leaves a small
     part of its deviation, and U holds it."""
