@@ -10,11 +10,16 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
     exit 1
 }
 if ! [ -x .venv/bin/pip ]; then
+    echo "setup.sh: making .venv in this folder; nothing outside of it is changed" >&2
     rm -rf .venv
     if ! python3 -m venv .venv >/dev/null 2>&1; then
         rm -rf .venv
-        echo "python3 has no venv module here: installing Debian's python3-venv" >&2
         if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
+        if [ -n "$sudo" ] && ! command -v sudo >/dev/null; then
+            echo "python3 has no venv module here, and this user may not install it: ask for 'apt-get install python3-venv'" >&2
+            exit 1
+        fi
+        echo "setup.sh: python3 has no venv module here: installing Debian's python3-venv${sudo:+ (sudo asks for your password)}" >&2
         $sudo apt-get update -qq >/dev/null
         $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null 2>&1 || {
             echo "python3-venv could not be installed: try '$sudo apt-get install python3-venv'" >&2
@@ -23,4 +28,5 @@ if ! [ -x .venv/bin/pip ]; then
         python3 -m venv .venv
     fi
 fi
+echo "setup.sh: installing gcomp${1:+ with $1} and what it needs into .venv" >&2
 .venv/bin/pip install --quiet --disable-pip-version-check --use-pep517 --editable ".$extra"
