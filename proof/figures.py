@@ -7,9 +7,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from postproc.pages import style
 from proof.score_table import wilson
 
-NAMED, TARGET, OTHER, LIGHT = "#1b5e8c", "#b3402a", "#7a7a7a", "#c9d6df"
+NAMED, TARGET, OTHER, LIGHT = (style.LIGHT[role] for role in ("command", "limit", "still", "rule"))
 SHOWN = {  # rows of the table that are shares with a target, and how they are written beside the bars
     "nulls with any name": "nulls with a name", "adversarial nulls with any name": "adversarial nulls with a name",
     "one effect, 8 to 16 um: first name right": "one effect, 8 to 16 um", "one effect, 4 to 8 um: first name right": "4 to 8 um",

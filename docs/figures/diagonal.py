@@ -25,6 +25,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.machine.model import Machine
 from postproc.nc import dialects
+from postproc.pages.style import LIGHT
 from postproc.units import TICKS_PER_MM, UM
 
 HERE = Path(__file__).resolve().parent
@@ -36,7 +37,7 @@ EVERY = 30.0  # mm of Z between two error vectors: the spacing of the measuremen
 DPI = 112  # 9 inches: 1008 pixels
 
 # Okabe and Ito's colours, which the colour-blind can tell apart; every curve differs in its line too.
-NOMINAL, PLAIN, ENDS, GCOMP, INK = "#BBBBBB", "#D55E00", "#009E73", "#0072B2", "#333333"
+NOMINAL, PLAIN, ENDS, GCOMP, INK = (LIGHT[role] for role in ("nominal", "before", "command", "after", "ink"))
 
 
 def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
@@ -183,7 +184,7 @@ def main() -> None:
             "axes.spines.top": False,
             "axes.spines.right": False,
             "axes.grid": True,
-            "grid.color": "#E6E6E6",
+            "grid.color": LIGHT["grid"],
             "axes.axisbelow": True,
             "svg.hashsalt": "gcomp",
         }

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.diagnose.answer import Diagnosis
+from postproc.pages.style import LIGHT
 from proof.seed.experiment import X, Z, table
 from proof.seed.suspects import column, sizes
 
@@ -18,6 +19,9 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
+    plt.rcParams["axes.prop_cycle"] = plt.cycler(
+        color=[LIGHT[role] for role in ("plus", "minus", "after", "limit", "still")]
+    )
     place = np.array([float(row["x_mm"]) for row in table(X)])
     jump = next(f for f in d.findings if f.block.name == "shared_jump")
     ratio, start = jump.value["ratio"], jump.value["from_mm"]
@@ -30,7 +34,7 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     plots[0].plot(place, off[0], "o-", label="straightness, in Z")
     plots[0].plot(place, off[1], "s-", label="positioning, in X")
     plots[0].plot(place, ratio * off[0], "k:", label=f"{ratio:.3f} times the straightness")
-    plots[0].axvspan(start, place[-1], color="gold", alpha=0.3)
+    plots[0].axvspan(start, place[-1], color=LIGHT["open"], alpha=0.2)
     plots[0].set(xlabel="X, mm", ylabel="departure from the line before, um", title="Two measurements, one jump")
     plots[0].legend()
     plots[1].plot(place, off[1] - ratio * off[0], "o-")
@@ -41,7 +45,7 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     z = np.array([float(row["z_mm"]) for row in table(Z)])
     plots[0].plot(place, column(X, "dxx_forward_mm") - column(X, "dxx_reverse_mm"), "o-", label="X, positioning")
     plots[0].plot(place, column(X, "dzx_forward_mm") - column(X, "dzx_reverse_mm"), "s-", label="X, straightness")
-    plots[0].axvline(90, color="tab:red", ls=":", label="the slip at 90 mm")
+    plots[0].axvline(90, color=LIGHT["limit"], ls=":", label="the slip at 90 mm")
     plots[0].set(xlabel="X, mm", ylabel="forward minus reverse, um", title="Reversal of X")
     plots[0].legend()
     plots[1].plot(z, column(Z, "dzz_forward_mm") - column(Z, "dzz_reverse_mm"), "o-")
