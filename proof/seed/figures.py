@@ -62,7 +62,7 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     for i, (name, label) in enumerate(labels.items()):
         plot.bar(np.arange(2) + 0.25 * i - 0.25, said[name], 0.22, label=label)
     plot.set(xticks=[0, 1], xticklabels=["part 1", "part 2"], ylabel="too large by, um", title="Table 7.3")
-    plot.legend()
+    plot.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=3, fontsize=8, frameon=False)
     _save(plt, figure, paths[2])
     return paths
 
