@@ -122,7 +122,7 @@ def test_a_circle_that_is_not_there_is_not_measured():
 
 
 def test_every_instrument_says_what_it_is_and_an_unknown_one_is_answered_with_the_names():
-    assert instruments.names() == ["angle", "ballbar", "laser", "log", "probe", "straightness"]
+    assert instruments.names() == ["angle", "ballbar", "laser", "log", "probe", "straightness", "tracker"]
     for name in instruments.names():
         module = instruments.load(name)
         assert module.TITLE and module.SETTINGS and callable(module.measure)
