@@ -283,7 +283,7 @@ def _grammar(dialect: Dialect) -> Grammar:
     head = r"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?"
     if dialect.g_takes:
         numbers = "|".join(map(str, dialect.g_takes))
-        ignores += (head + rf"(G[ \t]*0*(?:{numbers}))(?![0-9.])[^;\n]*",)
+        ignores += (head + rf"(G[ \t]*0*(?:{numbers}))(?![0-9.])[^;{dialect.block_end}\n]*",)
     if dialect.m_takes:
         text = "|".join(map(str, dialect.m_text))
         if text:

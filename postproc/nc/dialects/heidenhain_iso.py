@@ -71,6 +71,7 @@ DIALECT = Dialect(
     grammar=Grammar(ignores=(r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",)),  # the name; its unit stays
     plane=170,
     dwell="F",
+    g_takes=(*range(200, 247), *range(251, 280)),  # Q200=2 and its kin are a cycle's own
     tip_codes={128: True, 129: False},
     arc_centre="pole",
     length_letter="T",
