@@ -45,12 +45,13 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "misses its own end", "is not text", "a comment is opened", "words in one block", "without its centre words",
     "is not defined in this program", "has no number", "no sequence number", "an arc of radius 0", "WHILE without DO1",
     "calls it unimplemented", "is not a code of", "a value is missing, or is none", "no motion code (G0 G1 G2 G3) is in force",
+    "'$' is not part of a plain NC block", "'#' is not part of a plain NC block",
 )  # fmt: skip
 NOT_THERE = (  # what the text does not say
     "{", "[%", "(probe)", "only the control knows", "the machine has no axis", "the machine has no rotary axes",
     "only the machine knows", "belongs to the control", "a value is missing",
-    "there is no program O",
-)  # fmt: skip  # fmt: skip
+    "there is no program O", "nor a subprogram that it has",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

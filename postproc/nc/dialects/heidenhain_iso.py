@@ -15,6 +15,8 @@ _POLE = "its centre is the pole, which I and J set for all blocks behind: --expa
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
+_AT_ONCE = (220, 221, 239)  # move as soon as they are defined: two patterns of points, the load of an axis
+_CALLED = tuple(n for n in (*range(200, 247), *range(251, 280)) if n not in _AT_ONCE)
 
 DIALECT = Dialect(
     name="heidenhain-iso",
@@ -48,7 +50,9 @@ DIALECT = Dialect(
         *rows("", {"79": "cycle call"}, refuses=codes.WRITE_OUT),
         *rows("", {str(n): "cycle, defined" for n in (56, 57, 58, 59, 74, 75, 76, 77, 78, 83, 84, 85, 86, *range(120,
             130),
-              135, *range(200, 247), *range(251, 280))}, takes=True, does="words"),
+              135, *_CALLED)}, takes=True, does="words"),
+        *rows("", {str(n): "cycle that moves where it is defined" for n in _AT_ONCE}, takes=True,
+              refuses=codes.WRITE_OUT),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
@@ -71,7 +75,7 @@ DIALECT = Dialect(
     grammar=Grammar(ignores=(r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",)),  # the name; its unit stays
     plane=170,
     dwell="F",
-    g_takes=(*range(200, 247), *range(251, 280)),  # Q200=2 and its kin are a cycle's own
+    g_takes=(*_CALLED, *_AT_ONCE),  # Q200=2 and its kin are a cycle's own
     tip_codes={128: True, 129: False},
     arc_centre="pole",
     length_letter="T",
