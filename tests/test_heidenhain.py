@@ -1,0 +1,39 @@
+"""Heidenhain, DIN/ISO: a cycle's definition passes with its Q values; what moves where it is defined does not."""
+
+from __future__ import annotations
+
+import pytest
+
+from postproc.nc import dialects
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
+from postproc.nc.state import Setup
+from postproc.units import TICKS_PER_MM
+
+SETUP = Setup(
+    axes=("X", "Y", "Z"), least_increment=dict.fromkeys("XYZ", 1e-4), offsets={"G54": {}}, start=dict.fromkeys("XYZ", 0.0)
+)
+HEAD = "%PART G71 *|N10 G00 G40 G90 X+0 Y+0 Z+50 *|"
+
+
+def follow(program: str):
+    """X of the ends of the motions (mm), and why they can not be followed."""
+    dialect = dialects.load("heidenhain-iso")
+    interpreter = Interpreter(dialect, SETUP)
+    words = lex((HEAD + program).replace("|", "\n").encode() + b"\n", dialect.grammar, False)
+    assert words.fault is None, words.fault
+    motions, _, _ = interpreter.run(words, interpreter.initial())
+    return (motions.target[0] / TICKS_PER_MM).tolist(), [motions.reasons[r][0] for r in motions.reason]
+
+
+def test_a_motion_behind_the_definition_of_a_cycle_is_read():
+    ends, reasons = follow("N20 G200 Q200=+2 Q201=-15 Q206=+250 * N30 G01 X+10 F500 *|N40 X+20 *")
+    assert ends == [0.0, 10.0, 20.0]
+    assert not any(reasons)
+
+
+@pytest.mark.parametrize("cycle", ["G220 Q216=+50 Q217=+50 Q244=80", "G221 Q225=+15 Q226=+15", "G239 Q570=+0"])
+def test_what_moves_where_it_is_defined_is_refused(cycle):
+    """Cycles 220, 221 and 239 act without a call (from memory of the manual; to refuse is the safe side)."""
+    _, reasons = follow(f"N20 {cycle} *|N40 G01 X+20 F100 *")
+    assert cycle[:4] in "".join(reasons)
