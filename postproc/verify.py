@@ -8,7 +8,7 @@ Ends of rapids count, their ways do not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,6 +165,10 @@ class Verifier:
         if self.source is None:
             return lines
         return np.array([self.source(int(n))[0] for n in lines])
+
+    def at_line(self, lines: Iterable[int]) -> bool:
+        """Whether the largest deviation is in one of these lines of what was read."""
+        return self.corrected.line in self._own(np.array(list(lines), dtype=int))
 
     def _measure_holes(
         self, nominal: Motions, run: Motions, led: Led, line, ends: Largest, axes: Largest, taps: Largest

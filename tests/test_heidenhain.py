@@ -11,7 +11,10 @@ from postproc.nc.state import Setup
 from postproc.units import TICKS_PER_MM
 
 SETUP = Setup(
-    axes=("X", "Y", "Z"), least_increment=dict.fromkeys("XYZ", 1e-4), offsets={"G54": {}}, start=dict.fromkeys("XYZ", 0.0)
+    axes=("X", "Y", "Z"),
+    least_increment=dict.fromkeys("XYZ", 1e-4),
+    offsets={"G54": {}},
+    start=dict.fromkeys("XYZ", 0.0),
 )
 HEAD = "%PART G71 *|N10 G00 G40 G90 X+0 Y+0 Z+50 *|"
 

@@ -107,6 +107,20 @@ def test_what_the_lead_is_off_by_is_said():
     assert quiet == []
 
 
+def test_a_thread_that_nothing_leads_to_is_named():
+    """The program begins where --start says, uncorrected: the thread begins off, and the verifier names its line."""
+    machine = lathe()
+    setup = setup_of(machine, None, {"X": 20.0, "Z": 100.0})
+    filter_ = Filter(machine, dialects.load("fanuc-lathe-a"), setup, Options(tolerance=0.001))
+    verifier = Verifier(filter_)
+    filter_.feed(b"G21\nG32 Z0. F2.\nG0 X30.\n")
+    filter_.finish()
+    assert [n.line for n in filter_.notices if n.code == "unled"] == [2]
+    assert not verifier.passed
+    assert verifier.at_line([2])
+    assert not verifier.at_line([1, 3])
+
+
 @pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
 def test_linuxcnc_accepts_what_is_written():
     program = "G21 G90 G8 G18\nM3 S100\nF100\nG0 X20 Z100\nG33 Z0 K2\nX19.5 Z-20 K2\nG0 X30\nZ100\nM2\n"

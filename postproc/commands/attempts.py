@@ -134,11 +134,7 @@ class _Tries:
                     done.spool.write(done.filter.feed(data))
                     self.step(len(data))
                 done.spool.write(done.filter.finish())
-            if done.verifier and not done.verifier.passed:
-                raise GcompError(
-                    f"verification failed: {done.verifier.report()}",
-                    "nothing was written; this is an error of gcomp: please report the program",
-                )
+            _keeps_its_tolerance(done)
         except BaseException:
             done.spool.close()
             raise
@@ -166,3 +162,19 @@ class _Tries:
             return found
 
         return text
+
+
+def _keeps_its_tolerance(done: Attempt) -> None:
+    """Raises GcompError where the verifier finds that the output does not."""
+    verifier = done.verifier
+    if not verifier or verifier.passed:
+        return
+    if verifier.at_line(n.line for n in done.filter.notices if n.code == "unled"):
+        raise GcompError(
+            f"a thread begins where nothing was corrected before it: {verifier.report()}",
+            "nothing was written; write a motion to the start of the thread before it",
+        )
+    raise GcompError(
+        f"verification failed: {verifier.report()}",
+        "nothing was written; this is an error of gcomp: please report the program",
+    )
