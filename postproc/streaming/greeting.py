@@ -52,7 +52,7 @@ class Greeting:
         self._answers: list[str] = []
         self._script: list[bytes] = []
         self._number = 0
-        self._asks_status = self._settles = False
+        self._asks_status = self._settles = self._mute = False  # mute: a question was not answered
 
     @property
     def moves(self) -> bool:
@@ -78,6 +78,8 @@ class Greeting:
                 self.status = event
                 if self._asks_status:
                     self.done = True
+                elif self._mute and (why := unfit(self.protocol, event)):
+                    self.fault = why
             elif isinstance(event, Accepted):
                 self._answered(now)
             elif isinstance(event, Rejected):
@@ -108,10 +110,17 @@ class Greeting:
             elif self._asks_status:
                 self.done = True  # a link without reports
             else:
-                asked = (self._asked or b"").decode()
-                self._fail(
-                    f"the controller did not answer {asked} within {ANSWER:g} s", "is another program using the port?"
-                )
+                self._unanswered(now)
+
+    def _unanswered(self, now: float) -> None:
+        """A GRBL that holds, or sleeps, answers no line, and says its state all the same."""
+        assert self.protocol is not None
+        request = self.protocol.urgent("status")
+        if request and not self._mute:
+            self._mute, self._out, self._deadline = True, self._out + request, now + ANSWER
+            return
+        asked = (self._asked or b"").decode()
+        self._fail(f"the controller did not answer {asked} within {ANSWER:g} s", "is another program using the port?")
 
     def _listen(self, now: float) -> None:
         assert self._begun is not None

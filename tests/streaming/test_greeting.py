@@ -126,6 +126,21 @@ def test_a_controller_that_is_not_idle_is_not_given_a_job(state):
     assert unfit(Grbl(), Status(state)).advice
 
 
+@pytest.mark.parametrize("state", ["Hold", "Sleep", ""])
+def test_a_controller_that_answers_no_line_is_named_by_its_state(state):
+    """As a real GRBL in a hold, or asleep: it takes no line, and answers ? all the same. One that says nothing is told as that."""
+    greeting, now = Greeting("grbl"), 0.0
+    greeting.receive(b"Grbl 1.1h ['$' for help]\r\n", now)
+    while greeting.fault is None and now < 30.0:
+        greeting.tick(now := now + 0.05)
+        if b"?" in greeting.bytes_out() and state:
+            greeting.receive(f"<{state}|MPos:0.000,0.000,0.000|FS:0,0>\r\n".encode(), now)
+    said = str(greeting.fault)
+    assert (
+        (f"not idle. {state.lower()}: it" in said and "gcomp control" in said) if state else "did not answer $I" in said
+    )
+
+
 CONTROLLER = Controller(
     offsets=["[G54:-100.000,-50.000,-20.000]", "[G55:1.000,2.000,3.000]", "[G92:0.000,0.000,0.000]", "[TLO:-7.500]", "[PRB:0,0,0:0]"],
     modal=["G1", "G55", "G17", "G20", "G91", "G94", "M5", "F0"],
