@@ -151,8 +151,9 @@ def _fit(axis: str, signal: str, unit: str, files: tuple[str, ...], parts: list[
 
 def _halves(motion: Motion) -> np.ndarray:
     """(N,) bool: the second half; of several recordings every other one, else by time."""
-    if motion.passage.max() >= 1:
-        order = np.argsort(np.bincount(motion.passage.astype(int)))[::-1]
+    passages, many = np.unique(motion.passage, return_counts=True)
+    if len(passages) > 1:
+        order = passages[np.argsort(many)[::-1]]
         size, second = [0, 0], np.zeros(len(motion.response), bool)
         for p in order:  # the long ones first, each to the half that has less
             own = motion.passage == p
