@@ -6,7 +6,8 @@ has not read the tool.
     python -m proof.strangers_trial --kinds fresh     # kinds that no run at all has used: their page gives them by number
 
 Kinds of noise, of physics and of tests that `held` draws were opened in no development run, but a trial has shown them by name; a
-third family, `fresh`, bears numbers instead of names, and stays fresh as long as its modules are not read and trials of it are rare. The seed of a tier is SHA-256 of the freeze
+third family, `fresh`, bears numbers instead of names; its cases of commit `3eaefd253c` were looked at one by one after their trial,
+so it is fresh no more. The seed of a tier is SHA-256 of the freeze
 commit, "strangers" and the tier; the truth's salted hash is laid down before the tool is run, that of the answers before the
 truth is opened. Follow-up recordings and the loop are not part of it (see proof.trial).
 """
