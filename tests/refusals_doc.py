@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import lru_cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -51,6 +52,7 @@ where a correction depends on them.
 """
 
 
+@lru_cache
 def sentences() -> dict[str, list[tuple[str, str]]]:
     """Chapter to (message, way out), sorted; every message once."""
     result: dict[str, dict[str, str]] = {title: {} for title, _ in CHAPTERS}

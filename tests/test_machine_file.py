@@ -245,7 +245,7 @@ REFUSED = {
     "chain without bed": ('"w-b-Z-X-t"', '"w-Z-X-t"', "chain ", ("'w-Z-X-t'", "hold one b")),
     "chain without tool": ('"w-b-Z-X-t"', '"w-b-Z-X"', "chain ", ("end with t",)),
     "chain with an axis twice": ('"w-b-Z-X-t"', '"w-Z-b-Z-X-t"', "chain ", ("an axis twice",)),
-    "chain with a stranger": ('"w-b-Z-X-t"', '"w-b-Z-U-t"', "chain ", ("'U' is not one of X Y Z",)),
+    "chain with a stranger": ('"w-b-Z-X-t"', '"w-b-Z-Q-t"', "chain ", ("'Q' is not one of X Y Z",)),
     "chain with a rotary axis": ('"w-b-Z-X-t"', '"w-C-b-Z-X-t"', "chain ", ("the chain names C, and there is no [axes.C]",)),
     "chain no text": ('"w-b-Z-X-t"', "1", "chain ", ("chain = 1 is not a text",)),
     "axis in the chain without section": ('"w-b-Z-X-t"', '"w-Y-b-Z-X-t"', "chain ", ("Y", "there is no [axes.Y]")),
