@@ -22,7 +22,11 @@ from tests.calibrate.simulation import coverage, three_axes, two_axes
 
 MACHINES = {
     "grinder, X and Z, 5 components": (two_axes, "w-b-Z-X-t", {"X": 80.0, "Z": 200.0}),
-    "mill, X Y Z, 18 components": (three_axes, "w-X-Y-b-Z-t", {"X": 200.0, "Y": 150.0, "Z": -100.0}),
+    "mill, X Y Z, 18 components": (
+        three_axes,
+        "w-X-Y-b-Z-t",
+        {"X": 200.0, "Y": 150.0, "Z": -100.0},
+    ),
 }
 
 
@@ -52,13 +56,17 @@ def conditions(seed: int) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--machines", type=int, default=200)
     parser.add_argument("--runs", type=int, nargs="+", default=[2, 3, 5], help="in each direction")
     parser.add_argument("--noise", type=float, default=0.3, help="um and urad")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
-        "--conditions", action="store_true", help="20 machines, 3, 5 and 8 runs with 0.1, 0.4 and 1.5 um"
+        "--conditions",
+        action="store_true",
+        help="20 machines, 3, 5 and 8 runs with 0.1, 0.4 and 1.5 um",
     )
     options = parser.parse_args()
     if options.conditions:
@@ -71,7 +79,10 @@ def main() -> None:
             inside, count, spread, u = coverage(
                 make, chain, rest, Options(parse(chain)), calibrate, options.machines, options.seed, runs=runs, noise=options.noise
             )  # fmt: skip
-            print(f"| {title} | {runs} | {count} | {100 * inside / count:.2f} % | {spread:.3f} | {u:.3f} |", flush=True)
+            print(
+                f"| {title} | {runs} | {count} | {100 * inside / count:.2f} % | {spread:.3f} | {u:.3f} |",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

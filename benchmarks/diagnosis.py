@@ -39,10 +39,13 @@ def answer(folder: Path) -> tuple[str, dict | None, list[tuple[str, int]], float
         options = recordings.ReadingOptions(strict=False)
         data = [f.read_bytes() for f in files]
         read = [
-            recordings.read(recordings.Source(str(f), d), options=options) for f, d in zip(files, data, strict=True)
+            recordings.read(recordings.Source(str(f), d), options=options)
+            for f, d in zip(files, data, strict=True)
         ]
         d = diagnose(read, read_machine(folder / "machine"))
-        scores = [(f.block.key, int(min(f.score, 1e9))) for f in d.findings if f.status == "accepted"]
+        scores = [
+            (f.block.key, int(min(f.score, 1e9))) for f in d.findings if f.status == "accepted"
+        ]
         return folder.name, report.as_json(d, data), scores, time.process_time() - began, ""
     except Exception:
         return folder.name, None, [], time.process_time() - began, traceback.format_exc()
@@ -56,7 +59,9 @@ def show(outcomes: list[Outcome], scores: dict[str, list], listed: bool) -> None
         said = f"said {scores[o.case]}{' unknown' if o.unknown else ''}"
         for key, size, named, in_set in zip(o.truths, o.peaks, o.named, o.in_set, strict=True):
             band = next(b for b in BANDS if b[0] <= size < b[1])
-            outcome = "right" if named else "in set" if in_set else "missed" if not o.names else "wrong"
+            outcome = (
+                "right" if named else "in set" if in_set else "missed" if not o.names else "wrong"
+            )
             by_band[band].update((outcome, "n"))
             effects.setdefault(key.partition(":")[0], Counter())[outcome] += 1
             if listed and outcome != "right":
@@ -108,7 +113,9 @@ def main() -> None:
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--table", action="store_true", help="the table of a trial as well")
     parser.add_argument(
-        "--cases", metavar="FOLDER", help="cases that exist already, with ../truth/truth.json beside them"
+        "--cases",
+        metavar="FOLDER",
+        help="cases that exist already, with ../truth/truth.json beside them",
     )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:

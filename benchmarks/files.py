@@ -116,7 +116,9 @@ def turning_lines(rng: np.random.Generator) -> Iterator[str]:
         if turn % 2:
             way = way[::-1]
         z = np.interp(way, length, SHAFT[:, 0])
-        diameter = np.interp(way, length, SHAFT[:, 1]) + STOCK * (1.0 - turn % PASSES / (PASSES - 1))
+        diameter = np.interp(way, length, SHAFT[:, 1]) + STOCK * (
+            1.0 - turn % PASSES / (PASSES - 1)
+        )
         dwells = rng.integers(1, 50, size=len(way)) / 100.0
         for x_, z_, dwell in zip(diameter.tolist(), z.tolist(), dwells.tolist(), strict=True):
             yield f"G01 X{x_:.4f} Z{z_:.4f}"
@@ -172,7 +174,12 @@ def write_c(lines: int) -> Iterator[str]:
 
 # ---- writing ---------------------------------------------------------------------------------------------------------
 
-PROGRAMS: dict[str, Callable[[int], Iterator[str]]] = {"a": write_a, "a2": write_a2, "b": write_b, "c": write_c}
+PROGRAMS: dict[str, Callable[[int], Iterator[str]]] = {
+    "a": write_a,
+    "a2": write_a2,
+    "b": write_b,
+    "c": write_c,
+}
 
 
 def write_program(name: str, path: Path, lines: int = LINES) -> None:
@@ -195,8 +202,15 @@ def names_of(text: str) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Write the NC programs of the benchmarks.")
     parser.add_argument("folder", type=Path, metavar="DIR")
-    parser.add_argument("--lines", type=int, default=LINES, help="lines of motion (default %(default)s; c has a fifth)")
-    parser.add_argument("--only", type=names_of, default=list(PROGRAMS), metavar="a,c", help="write only these")
+    parser.add_argument(
+        "--lines",
+        type=int,
+        default=LINES,
+        help="lines of motion (default %(default)s; c has a fifth)",
+    )
+    parser.add_argument(
+        "--only", type=names_of, default=list(PROGRAMS), metavar="a,c", help="write only these"
+    )
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     for name in options.only:

@@ -36,7 +36,9 @@ WARM = 50  # lines before the first that counts
 ROWS = (("b", "studer-s36", "turning"), ("a", "mill", "surfacing"), ("c", "mill", "arcs"))
 
 
-def timed(feed: Callable[[bytes], object], count: Callable[[object], int], lines: list[bytes]) -> np.ndarray:
+def timed(
+    feed: Callable[[bytes], object], count: Callable[[object], int], lines: list[bytes]
+) -> np.ndarray:
     """(n, 2): CPU seconds of each line, and how many lines came out."""
     rows = []
     for line in lines:
@@ -47,12 +49,22 @@ def timed(feed: Callable[[bytes], object], count: Callable[[object], int], lines
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--lines", type=int, default=1000, help="lines of each program (default %(default)s)")
-    parser.add_argument("--passes", type=int, default=5, help="times that each is fed (default %(default)s)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all figures to this file")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--lines", type=int, default=1000, help="lines of each program (default %(default)s)"
+    )
+    parser.add_argument(
+        "--passes", type=int, default=5, help="times that each is fed (default %(default)s)"
+    )
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="also write all figures to this file"
+    )
     options = parser.parse_args()
-    print("| program | machine | way | lines | ms a line: median | 99 % | ms a line out: median | 99 % | longest |")
+    print(
+        "| program | machine | way | lines | ms a line: median | 99 % | ms a line out: median | 99 % | longest |"
+    )
     print("|---|---|---|---|---|---|---|---|---|")
     figures = []
     with tempfile.TemporaryDirectory(prefix="gcomp-latency-") as place:
@@ -70,7 +82,9 @@ def main() -> None:
                     if way == "filter":
                         again = timed(filter_.feed, lambda out: out.count(b"\n"), lines)
                     else:
-                        again = timed(Source(filter_, Grbl().prepare, sampled=True).feed, len, lines)
+                        again = timed(
+                            Source(filter_, Grbl().prepare, sampled=True).feed, len, lines
+                        )
                     rows = np.minimum(rows, again) if len(rows) else again
                 each, out = rows[:, 0] * 1e3, rows[rows[:, 1] > 0]
                 per = np.repeat(out[:, 0] / out[:, 1], out[:, 1].astype(int)) * 1e3

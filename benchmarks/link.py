@@ -87,14 +87,21 @@ def gcomp(folder: Path, port: str, *options: str) -> tuple[float, float]:
 
     status, said = real_grbl.stream(folder, port, "job.nc", "--quiet", *options)
     assert status == 0, said
-    entries = [json.loads(row) for row in (folder / "job.nc.journal").read_text().split("\n") if row]
+    entries = [
+        json.loads(row) for row in (folder / "job.nc.journal").read_text().split("\n") if row
+    ]
     sent = next(e["t"] for e in entries if "sent" in e)
     return sent, max(e["t"] for e in entries if "answered" in e)
 
 
 def printcore(folder: Path, port: str) -> tuple[float, float]:
     """As it says by itself."""
-    command = [str(CACHE / "bin" / "python"), str(HERE / "peer_printcore_grbl.py"), port, str(folder / "job.nc")]
+    command = [
+        str(CACHE / "bin" / "python"),
+        str(HERE / "peer_printcore_grbl.py"),
+        port,
+        str(folder / "job.nc"),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
     begun, ended = map(float, done.stdout.split())
     return begun, ended
@@ -134,16 +141,24 @@ def kept_up(sender: str, rows: list[str], latency: float) -> tuple[float, float]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=8.0, help="of motion at the programmed feed")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=8.0, help="of motion at the programmed feed"
+    )
     parser.add_argument("--feeds", type=int, nargs="+", default=[1000, 2000, 5000], help="mm/min")
     parser.add_argument("--latency", type=float, nargs="+", default=[0.0, 16.0], help="ms")
-    parser.add_argument("--fetch", action="store_true", help="install printcore into the cache first")
+    parser.add_argument(
+        "--fetch", action="store_true", help="install printcore into the cache first"
+    )
     options = parser.parse_args()
     if options.fetch:
         fetch()
     senders = SENDERS if (CACHE / "complete").exists() else SENDERS[:-1]
-    print("| latency ms | F | lines a second wanted | sender | bytes a second | of ideal | motion s | of the feed |")
+    print(
+        "| latency ms | F | lines a second wanted | sender | bytes a second | of ideal | motion s | of the feed |"
+    )
     print("|---:|---:|---:|---|---:|---:|---:|---:|")
     for latency in options.latency:
         for feed in options.feeds:

@@ -40,7 +40,9 @@ def write(file: Path, samples: int) -> None:
     )  # fmt: skip
     off += np.stack([-0.002 * vx, -0.001 * vz - 0.004 * side[1]]) + rng.normal(0, 4e-4, off.shape)
     with file.open("w") as out:
-        out.write('# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "studer-s36"\n# sees = "tool"\n')
+        out.write(
+            '# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "studer-s36"\n# sees = "tool"\n'
+        )
         out.write("run,t_s,X_cmd_mm,Z_cmd_mm,X_act_mm,Z_act_mm\n")
         rows = np.stack([1 + t // 200, t, x, z, x + off[0], z + off[1]], axis=1)
         np.savetxt(out, rows, fmt="%d,%.3f,%.6f,%.6f,%.6f,%.6f")
@@ -55,7 +57,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "long.csv"
         write(file, samples)
-        before, wall, own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.perf_counter(), time.process_time()
+        before, wall, own = (
+            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+            time.perf_counter(),
+            time.process_time(),
+        )
         gcomp(["diagnose", str(file), "--machine", "studer-s36", "--quiet"])
         wall, own = time.perf_counter() - wall, time.process_time() - own
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -52,7 +52,9 @@ def smooth(rng: np.random.Generator, share: np.ndarray, size: float) -> np.ndarr
     """A slope and three waves over `share` of the travel (0..1), zero at its start, `size` at its largest."""
     values = rng.normal() * share
     for waves in (0.5, 1.0, 2.0):
-        values = values + rng.normal() / (1.0 + waves) * np.sin(2.0 * np.pi * (waves * share + rng.random()))
+        values = values + rng.normal() / (1.0 + waves) * np.sin(
+            2.0 * np.pi * (waves * share + rng.random())
+        )
     values = values - values[0]
     return size * values / np.abs(values).max()
 
@@ -75,7 +77,10 @@ def table(axis: str, two_way: bool) -> str:
             else:
                 columns[f"{name}_{unit}"] = values
     rows = zip(*columns.values(), strict=True)
-    lines = [",".join(columns), *(f"{at:g}," + ",".join(f"{value:.3f}" for value in values) for at, *values in rows)]
+    lines = [
+        ",".join(columns),
+        *(f"{at:g}," + ",".join(f"{value:.3f}" for value in values) for at, *values in rows),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -93,7 +98,9 @@ def write_machine(folder: Path, two_way: bool = False) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Write the machine of the benchmarks.")
     parser.add_argument("folder", type=Path, metavar="DIR")
-    parser.add_argument("--two-way", action="store_true", help="positioning measured in both directions")
+    parser.add_argument(
+        "--two-way", action="store_true", help="positioning measured in both directions"
+    )
     options = parser.parse_args()
     write_machine(options.folder, options.two_way)
 

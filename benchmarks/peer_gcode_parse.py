@@ -41,7 +41,9 @@ class Canon:
     def ignore(self, *args):
         pass
 
-    next_line = straight_traverse = straight_feed = arc_feed = dwell = set_feed_rate = comment = ignore  # the frequent
+    next_line = straight_traverse = straight_feed = arc_feed = dwell = set_feed_rate = comment = (
+        ignore  # the frequent
+    )
 
     def __getattr__(self, name):
         return self.ignore  # the rare

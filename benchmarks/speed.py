@@ -30,7 +30,9 @@ LINUXCNC = CACHE / "linuxcnc"
 PYGCODE_VERSION = "0.2.1"
 PYGCODE = CACHE / f"pygcode-{PYGCODE_VERSION}"
 PYGCODE_TOOL = f"pygcode {PYGCODE_VERSION}"
-PYGCODE_LINES = 10_000  # it would take minutes on a whole file; its rate does not depend on the length
+PYGCODE_LINES = (
+    10_000  # it would take minutes on a whole file; its rate does not depend on the length
+)
 TWO_WAY = "gcomp, two-way tables"
 STARTS = 10
 TIME_LIMIT = 900.0  # s, for one process
@@ -116,7 +118,9 @@ def run(command: Command) -> Usage:
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
         raise Absent(f"stopped after {TIME_LIMIT:g} s") from None
-    said = [line for line in complaint.splitlines() if line and not line[0].isspace()]  # indented: details
+    said = [
+        line for line in complaint.splitlines() if line and not line[0].isspace()
+    ]  # indented: details
     last = said[-1].strip() if said else "no message"
     if process.returncode:
         raise Absent(last)
@@ -172,7 +176,18 @@ class Bench:
         machine = [str(self.mill)]
         if program.stem == "b":
             machine = [str(ROOT / "machines" / "studer-s36"), "--dialect", "linuxcnc"]
-        return Command([sys.executable, "-m", "postproc", "--machine", *machine, str(program), "-o", os.devnull])
+        return Command(
+            [
+                sys.executable,
+                "-m",
+                "postproc",
+                "--machine",
+                *machine,
+                str(program),
+                "-o",
+                os.devnull,
+            ]
+        )
 
     def gcomp_two_way(self, program: Path) -> Command:
         if program.stem == "b":
@@ -198,7 +213,11 @@ class Bench:
     def linuxcnc(self) -> dict[str, str]:
         if not (LINUXCNC / "usr/bin/rs274").exists():
             raise Absent(f"not in {LINUXCNC}; --fetch gets it (Debian 12)")
-        libraries = [LINUXCNC / "usr/lib", *LINUXCNC.glob("usr/lib/*-linux-gnu"), *LINUXCNC.glob("lib/*-linux-gnu")]
+        libraries = [
+            LINUXCNC / "usr/lib",
+            *LINUXCNC.glob("usr/lib/*-linux-gnu"),
+            *LINUXCNC.glob("lib/*-linux-gnu"),
+        ]
         return {"LD_LIBRARY_PATH": os.pathsep.join(map(str, libraries)), "HOME": str(self.home)}
 
     def pygcode(self, program: Path) -> Command:
@@ -206,7 +225,9 @@ class Bench:
         if PYGCODE.is_dir():
             environment["PYTHONPATH"] = str(PYGCODE)
         elif installed("pygcode") != PYGCODE_VERSION:
-            raise Absent(f"not installed; --fetch gets it, or pip install pygcode=={PYGCODE_VERSION}")
+            raise Absent(
+                f"not installed; --fetch gets it, or pip install pygcode=={PYGCODE_VERSION}"
+            )
         return Command([sys.executable, str(HERE / "peer_pygcode.py"), str(program)], environment)
 
 
@@ -313,7 +334,9 @@ def measure_memory(bench: Bench, lines: int) -> list[Row]:
 
 def computer() -> dict[str, object]:
     try:
-        model = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+        model = re.search(
+            r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE
+        )
     except OSError:
         model = None
     describe = ["git", "-C", str(ROOT), "describe", "--always", "--dirty"]
@@ -347,7 +370,16 @@ def ratio(row: Row, rows: list[Row]) -> str:
 
 
 def speed_table(rows: list[Row]) -> str:
-    heads = ["file", "tool", "lines", "CPU s", "lines per CPU s", "wall s", "peak MB", "gcomp is x times as fast"]
+    heads = [
+        "file",
+        "tool",
+        "lines",
+        "CPU s",
+        "lines per CPU s",
+        "wall s",
+        "peak MB",
+        "gcomp is x times as fast",
+    ]
     lines = []
     for row in rows:
         if row.usage is None:
@@ -382,13 +414,32 @@ def memory_table(rows: list[Row]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measure gcomp beside its peers.")
-    parser.add_argument("--lines", type=int, default=1_000_000, help="lines of motion per file (default %(default)s)")
-    parser.add_argument("--only", default="a,a2,b,c", metavar="a,c", help="only these files (default %(default)s)")
-    parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default %(default)s)")
-    parser.add_argument("--memory", action="store_true", help="also peak memory on file a and on one 5 times as long")
-    parser.add_argument("--fetch", action="store_true", help="first get the peers that are missing (apt, pip)")
-    parser.add_argument("--dir", type=Path, help="keep the programs in this folder (default: a temporary one)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all figures to this file")
+    parser.add_argument(
+        "--lines",
+        type=int,
+        default=1_000_000,
+        help="lines of motion per file (default %(default)s)",
+    )
+    parser.add_argument(
+        "--only", default="a,a2,b,c", metavar="a,c", help="only these files (default %(default)s)"
+    )
+    parser.add_argument(
+        "--repeat", type=int, default=2, help="runs of each, the best counts (default %(default)s)"
+    )
+    parser.add_argument(
+        "--memory",
+        action="store_true",
+        help="also peak memory on file a and on one 5 times as long",
+    )
+    parser.add_argument(
+        "--fetch", action="store_true", help="first get the peers that are missing (apt, pip)"
+    )
+    parser.add_argument(
+        "--dir", type=Path, help="keep the programs in this folder (default: a temporary one)"
+    )
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="also write all figures to this file"
+    )
     options = parser.parse_args()
     names = options.only.split(",")
     if unknown := [name for name in names if name not in ("a", "a2", "b", "c")]:
@@ -403,7 +454,11 @@ def main() -> None:
         speed = measure_speed(bench, names, options.lines, max(1, options.repeat))
         start = measure_start(bench)
         memory = measure_memory(bench, options.lines) if options.memory else []
-    machine = "{cpu}, {cores} cores, {system}, Python {python}, numpy {numpy}, gcomp {gcomp}".format(**about)
+    machine = (
+        "{cpu}, {cores} cores, {system}, Python {python}, numpy {numpy}, gcomp {gcomp}".format(
+            **about
+        )
+    )
     print(f"{machine}; best of {options.repeat}\n")
     print(speed_table(speed))
     print(start_table(start))

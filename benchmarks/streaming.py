@@ -66,7 +66,14 @@ def fetch() -> None:
     """Both peers into an environment of their own. printrun's GUI dependencies are left out."""
     if not (CACHE / "complete").exists():
         subprocess.run([sys.executable, "-m", "venv", CACHE], check=True)
-        pip = [CACHE / "bin" / "python", "-m", "pip", "install", "-q", "--disable-pip-version-check"]
+        pip = [
+            CACHE / "bin" / "python",
+            "-m",
+            "pip",
+            "install",
+            "-q",
+            "--disable-pip-version-check",
+        ]
         subprocess.run([*pip, "pyserial", "grbl-streamer"], check=True)
         subprocess.run([*pip, "--no-deps", "printrun"], check=True)
         (CACHE / "complete").touch()
@@ -84,7 +91,9 @@ def command(sender: str, control: str, port: str, path: Path) -> list[str]:
     ]
 
 
-def job(sender: str, control: str, kind: str, seed: int, limit: float, folder: Path) -> tuple[bool, bool, bool, float]:
+def job(
+    sender: str, control: str, kind: str, seed: int, limit: float, folder: Path
+) -> tuple[bool, bool, bool, float]:
     """Whether the program was executed as it is, whether success was said, whether it hung, and its seconds."""
     r = random.Random(f"{control} {kind} {seed}")
     text = (
@@ -114,7 +123,9 @@ def job(sender: str, control: str, kind: str, seed: int, limit: float, folder: P
             process.kill()
             out, hung = process.communicate()[0], True
         time.sleep(0.2)
-    said = not hung and (process.returncode == 0 if sender == "gcomp" else out.strip().endswith("done"))
+    said = not hung and (
+        process.returncode == 0 if sender == "gcomp" else out.strip().endswith("done")
+    )
     rows = model.executed if control == "marlin" else model.accepted
     return places(rows) == places(text.split("\n")), said, hung, time.monotonic() - begun
 
@@ -122,8 +133,12 @@ def job(sender: str, control: str, kind: str, seed: int, limit: float, folder: P
 def places(rows: list[str]) -> list[tuple[tuple[str, float], ...]]:
     """The axis words of every block that has any, to the um that a machine resolves: senders ask questions of their own, write G1 as
     G01 and repeat feeds, and a nought that is lost does no harm."""
-    blocks = [row.replace(" ", "") for row in rows if row.startswith("G") and not row.startswith("G92")]
-    found = [tuple((k, round(float(v), 3)) for k, v in AXIS_WORD.findall(block)) for block in blocks]
+    blocks = [
+        row.replace(" ", "") for row in rows if row.startswith("G") and not row.startswith("G92")
+    ]
+    found = [
+        tuple((k, round(float(v), 3)) for k, v in AXIS_WORD.findall(block)) for block in blocks
+    ]
     return [words for words in found if words]
 
 
@@ -152,14 +167,25 @@ def memory(counts: list[int]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fetch", action="store_true", help="install the peers into the cache first")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
-        "--jobs", type=int, default=10, help="jobs of each sender on each model with each kind of fault"
+        "--fetch", action="store_true", help="install the peers into the cache first"
+    )
+    parser.add_argument(
+        "--jobs",
+        type=int,
+        default=10,
+        help="jobs of each sender on each model with each kind of fault",
     )
     parser.add_argument("--limit", type=float, default=40.0, help="s after which a job hangs")
     parser.add_argument(
-        "--memory", type=int, nargs="+", metavar="LINES", help="jobs of so many lines, and their memory"
+        "--memory",
+        type=int,
+        nargs="+",
+        metavar="LINES",
+        help="jobs of so many lines, and their memory",
     )
     options = parser.parse_args()
     if options.memory:
@@ -178,11 +204,15 @@ def main() -> None:
             for kind in KINDS:
                 for sender in names:
                     if sender != "gcomp" and not (CACHE / "complete").exists():
-                        print(f"| {control} | {kind} | {sender} | not installed: --fetch | | | | | |")
+                        print(
+                            f"| {control} | {kind} | {sender} | not installed: --fetch | | | | | |"
+                        )
                         continue
                     row = Row()
                     for seed in range(options.jobs):
-                        right, said, hung, seconds = job(sender, control, kind, seed, options.limit, Path(place))
+                        right, said, hung, seconds = job(
+                            sender, control, kind, seed, options.limit, Path(place)
+                        )
                         row.right += right and said
                         row.said += not said and not hung
                         row.wrong += not right

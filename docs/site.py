@@ -9,7 +9,11 @@ from pathlib import Path
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = {"index.md": "README.md", "machines.md": "machines/README.md", "changelog.md": "CHANGELOG.md"}
+PAGES = {
+    "index.md": "README.md",
+    "machines.md": "machines/README.md",
+    "changelog.md": "CHANGELOG.md",
+}
 LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)#:]+)(#[^)]*)?\)")
 PICTURE = re.compile(r"!\[([^\]]*)\]\(docs/([^)]+)\)")
 
@@ -19,7 +23,9 @@ def on_files(files, config):
         files.append(File.generated(config, name, content=(ROOT / source).read_text("utf-8")))
     known = {uri for uri in ("/".join(Path(n).parts) for n in (nav_names(config["nav"])))}
     for path in sorted((ROOT / "docs").glob("*.md")):
-        if path.name not in known:  # a page that is written later is found by the search, and is no fault of the nav
+        if (
+            path.name not in known
+        ):  # a page that is written later is found by the search, and is no fault of the nav
             config["nav"].append({path.stem.replace("_", " ").capitalize(): path.name})
     return files
 

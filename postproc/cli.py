@@ -59,7 +59,11 @@ def commands() -> list[str]:
     """Names of the subcommands."""
     from postproc import commands as package
 
-    return sorted(module.name for module in pkgutil.iter_modules(package.__path__) if module.name not in HELPERS)
+    return sorted(
+        module.name
+        for module in pkgutil.iter_modules(package.__path__)
+        if module.name not in HELPERS
+    )
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -93,7 +97,10 @@ def _answered(argv: list[str] | None) -> int:
     except GcompError as error:
         return _complain(str(error), REFUSED)
     except KeyboardInterrupt:
-        return _complain("interrupted: nothing was overwritten, and what was not yet written is dropped", INTERRUPTED)
+        return _complain(
+            "interrupted: nothing was overwritten, and what was not yet written is dropped",
+            INTERRUPTED,
+        )
     except BrokenPipeError:
         _forget_output()
         return CLOSED_PIPE
@@ -177,7 +184,9 @@ def _no_slip(word: str) -> None:
     """Raises UsageError for a first word that is no file and almost a command."""
     near = [] if word.startswith("-") or os.path.exists(word) else alike(word, commands())
     if near:
-        raise UsageError(f"there is no program and no command {word}", f"did you mean gcomp {near[0]}?")
+        raise UsageError(
+            f"there is no program and no command {word}", f"did you mean gcomp {near[0]}?"
+        )
 
 
 def _overview(argv: list[str]) -> int:

@@ -22,7 +22,9 @@ class Place:
         """The line with the columns marked below it, or nothing where the columns are not known."""
         if not self.text:
             return ""
-        shown = "".join(c if c.isprintable() else " " if c == "\t" else "?" for c in self.text.rstrip("\r\n"))
+        shown = "".join(
+            c if c.isprintable() else " " if c == "\t" else "?" for c in self.text.rstrip("\r\n")
+        )
         lead = max(0, self.start - 60)
         shown = ("..." if lead else "") + shown[lead : lead + 120]
         if not self.stop:
@@ -73,7 +75,13 @@ class BlockFault(Exception):
 
     def __init__(self, block: int, message: str, advice: str = "", start: int = 0, stop: int = 0):
         super().__init__(message)
-        self.block, self.message, self.advice, self.start, self.stop = block, message, advice, start, stop
+        self.block, self.message, self.advice, self.start, self.stop = (
+            block,
+            message,
+            advice,
+            start,
+            stop,
+        )
 
 
 class MotionFault(Exception):
@@ -92,5 +100,10 @@ class Notice:
     message: str
     line: int = 0
     size: float = 0.0  # of several of one code the largest is told
-    refusal: tuple[str, str] = ("", "")  # message and way out, if it turns out that nothing else could be done
-    counts: tuple[int, ...] = ()  # of several of one code the sums are told, in the message's {0}, {1}...
+    refusal: tuple[str, str] = (
+        "",
+        "",
+    )  # message and way out, if it turns out that nothing else could be done
+    counts: tuple[
+        int, ...
+    ] = ()  # of several of one code the sums are told, in the message's {0}, {1}...

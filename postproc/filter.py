@@ -30,11 +30,18 @@ from postproc.units import UM
 if TYPE_CHECKING:
     from postproc.heat.follow import Heat, Warmth
 
-Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]  # a batch, its output, the lines before it
-LONGEST_LINE = 1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
+Watcher = Callable[
+    [Words, Motions, Pieces, bytes, int], None
+]  # a batch, its output, the lines before it
+LONGEST_LINE = (
+    1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
+)
 MOST_ARCS = 2000
 DEFAULTS = Options()
-TOO_LONG = (f"a line of more than {LONGEST_LINE:,} characters", "this is no NC program, or its line ends were lost")
+TOO_LONG = (
+    f"a line of more than {LONGEST_LINE:,} characters",
+    "this is no NC program, or its line ends were lost",
+)
 OWN_OUTPUT = (
     "this program is gcomp's own output: it is corrected already",
     "give the nominal program; correcting twice doubles the correction",
@@ -72,7 +79,13 @@ def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
         start = 0
         for _ in range(wrong[0]):
             start = text.find(b"\n", start) + 1
-        found.append((start, wrong[1], "the line came damaged, or was edited by hand: take N and * out of all lines"))
+        found.append(
+            (
+                start,
+                wrong[1],
+                "the line came damaged, or was edited by hand: take N and * out of all lines",
+            )
+        )
     return min(found) if found else None
 
 
@@ -131,7 +144,9 @@ class Filter:
 
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
-        mismatch = max(self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values()))
+        mismatch = max(
+            self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values())
+        )
         written_out = self.dialect.holes_written_out
         options = replace(
             self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes, holes_written_out=written_out,
@@ -173,7 +188,9 @@ class Filter:
         text, self._rest = self._rest, b""
         out = self._lines(text) if text else b""
         unknown = self._counted.get("unknown")
-        if unknown is not None and unknown.refusal[0] and not self.summary.changed:  # no feed ever had a place
+        if (
+            unknown is not None and unknown.refusal[0] and not self.summary.changed
+        ):  # no feed ever had a place
             error = ProgramError(*unknown.refusal, Place(self.name, unknown.line))
             error.delivered = out
             raise error
@@ -205,13 +222,19 @@ class Filter:
         start = text.rfind(b"\n", 0, words.tape) + 1
         stop = text.find(b"\n", words.tape) + 1 or len(text)
         if start:
-            return self._handled([partial(self._lines, text[:start]), partial(self._lines, text[start:])])
+            return self._handled(
+                [partial(self._lines, text[:start]), partial(self._lines, text[start:])]
+            )
         return self._handled([partial(self._tape, text[:stop]), partial(self._lines, text[stop:])])
 
     def _tape(self, line: bytes) -> bytes:
         """The first "%" opens the program, one after blocks ends it: the control reads no further."""
         if line.strip()[:1] != b"%":
-            raise self._error(line, "'%' stands inside a block", "'%' begins and ends a program, in a line of its own")
+            raise self._error(
+                line,
+                "'%' stands inside a block",
+                "'%' begins and ends a program, in a line of its own",
+            )
         if self._begun:
             self.modal = replace(self.modal, ended=True)
         self._begun = True
@@ -245,13 +268,22 @@ class Filter:
             motions, warmth = self.heat.run(words, motions, self.warmth)
             notices = [
                 *notices,
-                Notice("heat", self.heat.told(warmth), -self.summary.lines - 1, size=1.0 + warmth.ticking.now),
+                Notice(
+                    "heat",
+                    self.heat.told(warmth),
+                    -self.summary.lines - 1,
+                    size=1.0 + warmth.ticking.now,
+                ),
             ]
         try:
             pieces, carry, more = self.compensator.run(motions, self.carry)
         except MotionFault as fault:
-            raise BlockFault(int(motions.block[fault.motion]), fault.message, fault.advice) from None
-        contours = self.contours if self.machine.is_zero else follow_both(self.contours, motions, pieces)
+            raise BlockFault(
+                int(motions.block[fault.motion]), fault.message, fault.advice
+            ) from None
+        contours = (
+            self.contours if self.machine.is_zero else follow_both(self.contours, motions, pieces)
+        )
         result, written, changed, added = self.emitter.run(words, motions, pieces, self.written)
         result = self._numbered(result)
         for watcher in self.watchers:
@@ -259,8 +291,19 @@ class Filter:
         for notice in notices:
             self._tell(replace(notice, line=self.summary.lines + notice.line + 1))
         for notice in more:
-            self._tell(replace(notice, line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1))
-        self.modal, self.carry, self.written, self.contours, self.warmth = modal, carry, written, contours, warmth
+            self._tell(
+                replace(
+                    notice,
+                    line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1,
+                )
+            )
+        self.modal, self.carry, self.written, self.contours, self.warmth = (
+            modal,
+            carry,
+            written,
+            contours,
+            warmth,
+        )
         self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks
@@ -285,12 +328,17 @@ class Filter:
         before = b""
         if line_start:
             try:
-                before = self._pass(lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete))
+                before = self._pass(
+                    lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete)
+                )
             except BlockFault as earlier:
                 return self._deliver(
-                    lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete), earlier
+                    lex(words.text[:line_start], self.dialect.grammar, self.setup.block_delete),
+                    earlier,
                 )
-        columns = (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
+        columns = (
+            (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
+        )
         advice = fault.advice
         if advice in (faults.ADVICE_EXPRESSION, faults.ADVICE_POLAR) and not self.dialect.language:
             advice = faults.ADVICE_NO_LANGUAGE
@@ -298,10 +346,14 @@ class Filter:
         error.delivered = before
         return error
 
-    def _error(self, text: bytes, message: str, advice: str, start: int = 0, stop: int = 0) -> ProgramError:
+    def _error(
+        self, text: bytes, message: str, advice: str, start: int = 0, stop: int = 0
+    ) -> ProgramError:
         """An error in the first line of `text`, where all lines before it are handled."""
         line = text.split(b"\n", 1)[0][:1000].decode("latin-1")
-        return ProgramError(message, advice, Place(self.name, self.summary.lines + 1, line, start, stop))
+        return ProgramError(
+            message, advice, Place(self.name, self.summary.lines + 1, line, start, stop)
+        )
 
     def _tell(self, notice: Notice) -> None:
         if notice.counts:

@@ -46,7 +46,9 @@ class Arcs:
         return len(self.motion)
 
 
-def centre_by_radius(start: np.ndarray, end: np.ndarray, radius: np.ndarray, counter: np.ndarray) -> np.ndarray:
+def centre_by_radius(
+    start: np.ndarray, end: np.ndarray, radius: np.ndarray, counter: np.ndarray
+) -> np.ndarray:
     """(2, n): the centre of arcs with an R word, from start and end (2, n) and R with its sign: left of the chord for
     a short counter-clockwise arc, else right of it; in its middle where R is too short."""
     chord = end - start
@@ -217,7 +219,11 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
             columns.setdefault(name, []).append(column)
         reasons += part.reasons[1:]
         spaces += part.spaces[1:]
-        tables = ((part.arcs, arcs, "words"), (part.holes, holes, "word"), (part.presets, presets, "word"))
+        tables = (
+            (part.arcs, arcs, "words"),
+            (part.holes, holes, "word"),
+            (part.presets, presets, "word"),
+        )
         for table, into, index in tables:
             for name in table.__dataclass_fields__:
                 column = getattr(table, name)
@@ -236,5 +242,7 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
 
 
 _COLUMNS = tuple(
-    name for name in Motions.__dataclass_fields__ if name not in ("arcs", "holes", "presets", "reasons", "spaces")
+    name
+    for name in Motions.__dataclass_fields__
+    if name not in ("arcs", "holes", "presets", "reasons", "spaces")
 )

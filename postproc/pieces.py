@@ -57,12 +57,16 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     if len(parts) == 1:
         stroke, place = parts[0][0].T
         step = stroke[1:] - stroke[:-1]
-        if ((step > 0) | ((step == 0) & (place[1:] > place[:-1]))).all():  # straight strokes come in order already
+        if (
+            (step > 0) | ((step == 0) & (place[1:] > place[:-1]))
+        ).all():  # straight strokes come in order already
             return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))
     fields = Pieces.__dataclass_fields__
-    joined = {f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1)[..., order] for f in fields}
+    joined = {
+        f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1)[..., order] for f in fields
+    }
     return Pieces(**joined)
 
 

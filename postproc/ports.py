@@ -22,7 +22,11 @@ HEAD = 1 << 16
 def chunks(source: BinaryIO | Kept, live: bool) -> Iterator[bytes]:
     """Pieces of a file or pipe: large ones, or, when `live`, whatever has come so far."""
     while True:
-        data = os.read(source.fileno(), CHUNK) if live and not isinstance(source, Kept) else source.read(CHUNK)
+        data = (
+            os.read(source.fileno(), CHUNK)
+            if live and not isinstance(source, Kept)
+            else source.read(CHUNK)
+        )
         if not data:
             return
         yield data
@@ -108,7 +112,9 @@ class Copy:
                     ) from None
             written = self._stamp != _stamp(os.fstat(source.fileno()))
         if written or self.changed():
-            raise UsageError(f"{path} is being written", "wait until the program that writes it has finished")
+            raise UsageError(
+                f"{path} is being written", "wait until the program that writes it has finished"
+            )
         self.digest = sha.hexdigest()
 
     @contextlib.contextmanager
@@ -234,7 +240,11 @@ def write_standard(data: bytes) -> None:
 
 
 def copy_folder(
-    source: Path, target: Path, force: bool, change: Callable[[str], str], more: dict[str, bytes] | None = None
+    source: Path,
+    target: Path,
+    force: bool,
+    change: Callable[[str], str],
+    more: dict[str, bytes] | None = None,
 ) -> None:
     """A copy of a machine's folder with its machine.toml changed and more files in it; whole or not at all. Raises UsageError where there is one
     already."""

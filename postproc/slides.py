@@ -56,7 +56,14 @@ class Led:
         way = np.sign(self.legs.end - self.legs.begin)[:, leg]
         return np.where(np.isnan(way), 0.0, way)
 
-    def at(self, motion: np.ndarray, t: np.ndarray, command: np.ndarray, sense: np.ndarray, rapid: np.ndarray):
+    def at(
+        self,
+        motion: np.ndarray,
+        t: np.ndarray,
+        command: np.ndarray,
+        sense: np.ndarray,
+        rapid: np.ndarray,
+    ):
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
         motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell;
         rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
@@ -87,7 +94,9 @@ class Slides:
         self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
         self.hysteresis = hysteresis
         self.more = [machine.pretravel.get(machine.letters[row], 0.0) for row in self.rows]
-        self.band = [hysteresis + a.least_increment if x in XYZ else 0.0 for x, a in machine.axes.items()]
+        self.band = [
+            hysteresis + a.least_increment if x in XYZ else 0.0 for x, a in machine.axes.items()
+        ]
         self.one = [_Slide(band) for band in self.band]
 
     def half(self, position: np.ndarray) -> np.ndarray:
@@ -154,7 +163,9 @@ def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
         for places in (begin, end):
             known = of[np.isfinite(places[:, of]).all(axis=0)]
             slides = poses.out_of(machine, space, length, places[:, known])
-            places[:, known] = np.round(slides, 9)  # a slide that stays has not moved by the last digit of a sum
+            places[:, known] = np.round(
+                slides, 9
+            )  # a slide that stays has not moved by the last digit of a sum
     return Legs(legs.motion, legs.until, begin, end)
 
 

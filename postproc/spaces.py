@@ -31,15 +31,24 @@ class Space:
 
     def of(self, inner: Space) -> Space:
         """The frame of places of `inner` that are told in this one."""
-        turn, origin = self.matrix @ inner.matrix, self.matrix @ np.array(inner.origin) + np.array(self.origin)
-        return Space(tuple(turn.ravel().tolist()), (float(origin[0]), float(origin[1]), float(origin[2])), self.held)
+        turn, origin = (
+            self.matrix @ inner.matrix,
+            self.matrix @ np.array(inner.origin) + np.array(self.origin),
+        )
+        return Space(
+            tuple(turn.ravel().tolist()),
+            (float(origin[0]), float(origin[1]), float(origin[2])),
+            self.held,
+        )
 
 
 class Kinematics(Protocol):
     """What the text layer asks of a machine with rotary axes. Positions (A,) mm and degrees in the order of its axes,
     lengths (A,) mm; a space of None: slide positions."""
 
-    lacking: tuple[str, str] | None  # message and advice: what must be stated before the tip can be followed
+    lacking: (
+        tuple[str, str] | None
+    )  # message and advice: what must be stated before the tip can be followed
     carrying: tuple[str, ...]  # rotary axes that carry the part
     rotary: tuple[str, ...]
     needs: tuple[int, ...]  # rows on whose positions the tip's place depends
@@ -50,7 +59,10 @@ class Kinematics(Protocol):
     at_start: bool  # whether it is on when a program begins
 
     def convert(
-        self, position: np.ndarray, one: tuple[Space | None, np.ndarray], other: tuple[Space | None, np.ndarray]
+        self,
+        position: np.ndarray,
+        one: tuple[Space | None, np.ndarray],
+        other: tuple[Space | None, np.ndarray],
     ) -> np.ndarray:
         """(A,): the place that `position` of the first space and length is in the second."""
 

@@ -18,7 +18,9 @@ from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
-MOST = 4000  # places of a series: more can not be told apart on a screen, and a page stays below 3 MB
+MOST = (
+    4000  # places of a series: more can not be told apart on a screen, and a page stays below 3 MB
+)
 TURNS = 600  # take-ups
 WORST = 10  # lines
 KEPT = 5 * WORST  # of which so many are remembered
@@ -50,13 +52,16 @@ class Places:
 
     def pick(self, which: np.ndarray) -> Places:
         """These of them."""
-        return Places(**{name: getattr(self, name)[..., which] for name in Places.__dataclass_fields__})
+        return Places(
+            **{name: getattr(self, name)[..., which] for name in Places.__dataclass_fields__}
+        )
 
     @staticmethod
     def joined(parts: list[Places]) -> Places:
         """All of several, in the order of the path."""
         columns = {
-            name: np.concatenate([getattr(p, name) for p in parts], axis=-1) for name in Places.__dataclass_fields__
+            name: np.concatenate([getattr(p, name) for p in parts], axis=-1)
+            for name in Places.__dataclass_fields__
         }
         whole = Places(**columns)
         return whole.pick(np.lexsort((whole.distance, whole.order[1], whole.order[0])))
@@ -66,7 +71,16 @@ class Places:
         """No place on a machine of so many axes."""
         flat, tall = np.zeros(0), np.zeros((axes, 0))
         return Places(
-            flat, tall, tall, tall, flat, flat, flat.astype(int), flat.astype(int), flat > 0, np.zeros((2, 0))
+            flat,
+            tall,
+            tall,
+            tall,
+            flat,
+            flat,
+            flat.astype(int),
+            flat.astype(int),
+            flat > 0,
+            np.zeros((2, 0)),
         )
 
 
@@ -164,7 +178,9 @@ class Trace:
         length = np.sqrt((np.where(known, way[rows], 0.0) ** 2).sum(axis=0))
         length[motions.arcs.motion] = np.abs(motions.arcs.sweep * motions.arcs.radius)
         begin = self.length + np.cumsum(length) - length
-        self._batch = _Batch(first_line, first_line + words.line[motions.block] + 1, line, begin, length)
+        self._batch = _Batch(
+            first_line, first_line + words.line[motions.block] + 1, line, begin, length
+        )
         self.length += float(length.sum())
 
     def see(
@@ -224,7 +240,9 @@ class Trace:
             known = self._worst.get(line)
             if known is None or known.after < after:
                 self._worst[line] = Worst(line, batch.before.get(line, 0.0), after, plain[line])
-        self._worst = {w.line: w for w in sorted(self._worst.values(), key=lambda w: -w.after)[:KEPT]}
+        self._worst = {
+            w.line: w for w in sorted(self._worst.values(), key=lambda w: -w.after)[:KEPT]
+        }
         self._texts(words, pieces, output, lines)
         self._batch = None
 
@@ -250,7 +268,9 @@ class Trace:
         of_piece = batch.plain[pieces.motion]
         low, high = (np.searchsorted(of_piece, new, side) for side in ("left", "right"))
         for n, i, j in zip(new.tolist(), low.tolist(), high.tolist(), strict=True):
-            became = [_shown(made[k]) for k in np.unique(lines[i:j])[:SHOWN].tolist() if k < len(made)]
+            became = [
+                _shown(made[k]) for k in np.unique(lines[i:j])[:SHOWN].tolist() if k < len(made)
+            ]
             self.text[n] = (_shown(own[n - 1 - batch.first]), tuple(became))
 
 

@@ -10,4 +10,6 @@ TICKS_PER_INCH = 254_000_000_000
 
 UM = 1e-3  # mm
 URAD = 1e-6  # rad
-LARGEST_WORD_MM = 1e6  # a larger coordinate is a slip of the pen, and would come near the end of int64
+LARGEST_WORD_MM = (
+    1e6  # a larger coordinate is a slip of the pen, and would come near the end of int64
+)

@@ -35,7 +35,9 @@ from postproc.verify_heat import Warm
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
 SEEN = 0.005 * UM  # less is said as 0.00, and has no ratio
-PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0  # golden section: never in step with the nodes
+PLACES = (
+    np.arange(1, 129) * 0.6180339887498949
+) % 1.0  # golden section: never in step with the nodes
 
 
 NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
@@ -69,7 +71,9 @@ class Verifier:
         self.interpreter = Interpreter(filter_.dialect, filter_.setup)
         self.state: ModalState = self.interpreter.initial()
         self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
-        self.grid = max(axis.least_increment for axis in self.machine.axes.values())  # mm, larger in inch blocks
+        self.grid = max(
+            axis.least_increment for axis in self.machine.axes.values()
+        )  # mm, larger in inch blocks
         filter_.watchers.append(self.check)
         self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
         self.corrected, self.uncorrected = Largest(), Largest()
@@ -79,7 +83,9 @@ class Verifier:
             Largest(),
         )  # how far axes of holes stay off sideways, whose cycle holds its place
         self.map = AlongPath(self.machine)
-        self.at_contour = Largest()  # inside cutter radius compensation, where the centre is not followed
+        self.at_contour = (
+            Largest()
+        )  # inside cutter radius compensation, where the centre is not followed
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.seen_by: dict[tuple[Space | None, tuple[int, ...]], Machine] = {}
@@ -90,7 +96,9 @@ class Verifier:
         self.warm = Warm(filter_)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
-    def check(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int) -> None:
+    def check(
+        self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int
+    ) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back or lost a motion."""
         again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
         try:
@@ -109,7 +117,9 @@ class Verifier:
             why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
                 f"the output can not be followed: {why}",
-                LIMIT if why == self.state.beside.fault else "this is an error of gcomp: please report the program",
+                LIMIT
+                if why == self.state.beside.fault
+                else "this is an error of gcomp: please report the program",
                 self._near(words, motions, pieces, int(i), first_line),
             )
         if len(back) != len(pieces) or (back.code != pieces.code).any():
@@ -118,12 +128,16 @@ class Verifier:
             raise GcompError(
                 f"the output has {len(back)} motions where {len(pieces)} were planned",
                 "this is an error of gcomp: please report the program",
-                self._near(words, motions, pieces, int(differ[0]) if len(differ) else most, first_line),
+                self._near(
+                    words, motions, pieces, int(differ[0]) if len(differ) else most, first_line
+                ),
             )
         self.tips |= bool(motions.space.any())
         self.warm.see(words, motions, again, back)
         if len(motions):
-            self.grid = max(self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM)
+            self.grid = max(
+                self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM
+            )
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
@@ -132,7 +146,17 @@ class Verifier:
             if self.trace:
                 self.trace.begin(words, motions, line, first_line)
             led, own = self.slides.run(back), self.nominal_slides.run(motions)
-            self._measure(motions, every, 0 * one, one, motions, (own, own), line, self.uncorrected, 0 * every + PATH)
+            self._measure(
+                motions,
+                every,
+                0 * one,
+                one,
+                motions,
+                (own, own),
+                line,
+                self.uncorrected,
+                0 * every + PATH,
+            )
             owner = pieces.motion
             begin = np.cumsum(pieces.share) - pieces.share
             first = np.concatenate([[True], owner[1:] != owner[:-1]])
@@ -140,11 +164,16 @@ class Verifier:
             ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
             counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
             end, sense = begin + pieces.share, own.way(own.leg(every, one))
-            there = self._slides(motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0))
+            there = self._slides(
+                motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0)
+            )
             ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
             followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
             inside = (motions.cutter != FREE)[owner]
-            for into, of in ((self.corrected, ~inside), (self.at_contour, inside & ~followed[owner])):
+            for into, of in (
+                (self.corrected, ~inside),
+                (self.at_contour, inside & ~followed[owner]),
+            ):
                 some = np.where(of, counts, NOTHING)
                 self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
             self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
@@ -152,7 +181,9 @@ class Verifier:
             if self.trace:
                 self.trace.end(words, pieces, output, again.line[back.block])
 
-    def _near(self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int) -> Place:
+    def _near(
+        self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int
+    ) -> Place:
         """The program's line that a piece was made of; of one too many, the line of the last."""
         if not len(pieces):
             return Place(self.name, int(self._own(np.array([first_line + 1]))[0]))
@@ -171,7 +202,14 @@ class Verifier:
         return self.corrected.line in self._own(np.array(list(lines), dtype=int))
 
     def _measure_holes(
-        self, nominal: Motions, run: Motions, led: Led, line, ends: Largest, axes: Largest, taps: Largest
+        self,
+        nominal: Motions,
+        run: Motions,
+        led: Led,
+        line,
+        ends: Largest,
+        axes: Largest,
+        taps: Largest,
     ) -> None:
         """The axis of each hole from R to its bottom sideways (`axes`, `taps`), and the bottom along it (`ends`)."""
         holes, drilled = nominal.holes, run.holes
@@ -191,11 +229,16 @@ class Verifier:
                 weight[row] = np.sign(bottom - top)
                 if ends is self.corrected and not slides:
                     self.map.see(
-                        command, weight * self.follows, run.length[:, of] / TICKS_PER_MM, line[0 * of + motion]
+                        command,
+                        weight * self.follows,
+                        run.length[:, of] / TICKS_PER_MM,
+                        line[0 * of + motion],
                     )
                 off = command + self._deviation(run, of, command, weight * self.follows)
                 off -= nominal.target[:, [motion]] / TICKS_PER_MM
-                deep = float(off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM)
+                deep = float(
+                    off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
+                )
                 off[row] = 0.0
                 aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
                 if row in self.machine.corrected:
@@ -203,15 +246,30 @@ class Verifier:
                 (taps if holes.tap[k] else axes).take(aside, int(line[motion]), bool(slides))
 
     def _measure(
-        self, nominal: Motions, owner, t0, t1, run: Motions, led: tuple[Led, Led], line, into: Largest, counts
+        self,
+        nominal: Motions,
+        owner,
+        t0,
+        t1,
+        run: Motions,
+        led: tuple[Led, Led],
+        line,
+        into: Largest,
+        counts,
     ) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led: the slides of the nominal
         program and of this one. counts: PATH; END of a take-up, which counts for the slides alone; or NOTHING."""
         known = self._all(run.target_known)
         known &= self._all(nominal.target_known)[owner] & ~nominal.alone[owner]
-        known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))  # a rapid that was cut has one end
-        whole = self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
-        whole &= ~nominal.whole[owner]  # a thread in one block is corrected at its ends, as a notice says
+        known &= (run.code != HOLE) & (
+            (run.code != RAPID) | (t1 > 1.0 - 1e-9)
+        )  # a rapid that was cut has one end
+        whole = (
+            self._all(run.start_known) & self._all(nominal.start_known)[owner] & (run.code != RAPID)
+        )
+        whole &= ~nominal.whole[
+            owner
+        ]  # a thread in one block is corrected at its ends, as a notice says
         moves = (nominal.target != nominal.start).any(axis=0) | ~self._all(nominal.start_known)
         moves[nominal.arcs.motion] = True
         known &= (counts != NOTHING) & moves[owner]
@@ -222,12 +280,19 @@ class Verifier:
         nominal_curved[nominal.arcs.motion] = np.arange(len(nominal.arcs))
         arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
         length[run.arcs.motion] = arc_length
-        count = np.where(whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0).astype(np.int64)
+        count = np.where(
+            whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0
+        ).astype(np.int64)
         group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
-        for g in range(int(group[-1]) + 1 if len(group) else 0):  # so many at a time that memory stays flat
+        for g in range(
+            int(group[-1]) + 1 if len(group) else 0
+        ):  # so many at a time that memory stays flat
             which = np.flatnonzero(group == g)
             row = np.repeat(which, count[which])
-            place = PLACES[np.arange(len(row)) - np.repeat(np.cumsum(count[which]) - count[which], count[which])]
+            place = PLACES[
+                np.arange(len(row))
+                - np.repeat(np.cumsum(count[which]) - count[which], count[which])
+            ]
             ends = which[known[which]]
             begins = which[count[which] > 0]  # where a take-up has brought the slides
             row = np.concatenate([row, ends, begins])
@@ -239,17 +304,26 @@ class Verifier:
             # The end of a piece may be where an axis turns back: it is still reached in the direction it had before.
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
-            weights = led[1].at(row, place, self._slides(run, row, command), sense, run.code[row] == RAPID)
+            weights = led[1].at(
+                row, place, self._slides(run, row, command), sense, run.code[row] == RAPID
+            )
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
-                self.map.see(self._slides(run, row, command), weights[0] * self.follows, lengths, line[owner[row]])
+                self.map.see(
+                    self._slides(run, row, command),
+                    weights[0] * self.follows,
+                    lengths,
+                    line[owner[row]],
+                )
             if self.machine.chain.rotary:
                 self._lean(nominal, run, (row, owner[row], t), (command, weights[0]), line, into)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
                 actual = command + self._deviation(run, row, command, weight * self.follows)
                 distance = self._distance(nominal, owner[row], t, actual)
                 turns = np.flatnonzero(~path[row])
-                if len(turns):  # a take-up stands where the path turns: ahead or behind is off there too
+                if len(
+                    turns
+                ):  # a take-up stands where the path turns: ahead or behind is off there too
                     there = self._points(nominal, nominal_curved, owner[row[turns]], t[turns])
                     off = (actual[:, turns] - there)[list(self.machine.corrected)]
                     distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
@@ -260,7 +334,9 @@ class Verifier:
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
-    def _trace(self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray) -> None:
+    def _trace(
+        self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray
+    ) -> None:
         """Tell the trace of places: motions of the run and t of nominal motions, and there (nominal, command, actual,
         distance). path (K,): whether it is one of the way, not of a take-up."""
         assert self.trace is not None
@@ -268,17 +344,26 @@ class Verifier:
         def u(some: np.ndarray) -> np.ndarray:
             rows = row[path][some]
             slides = self._slides(run, rows, there[1][:, path][:, some])
-            return self.map.at(slides, weight[:, path][:, some] * self.follows, run.length[:, rows] / TICKS_PER_MM)
+            return self.map.at(
+                slides, weight[:, path][:, some] * self.follows, run.length[:, rows] / TICKS_PER_MM
+            )
 
         name = "before" if into is self.uncorrected else "after"
         motion, t = (column[path] for column in where)
-        self.trace.see(name, motion, t, run.code[row[path]] != RAPID, tuple(a[..., path] for a in there), u)
+        self.trace.see(
+            name, motion, t, run.code[row[path]] != RAPID, tuple(a[..., path] for a in there), u
+        )
 
-    def _lean(self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest) -> None:
+    def _lean(
+        self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest
+    ) -> None:
         """How far the tool leans at commands (A, K) reached with weights (A, K), away from its nominal direction. which: (K,)
         motions of the run, those of the nominal program, and t there."""
         (row, owner, t), (command, weight) = which, commands
-        start, target = (nominal.start / TICKS_PER_MM)[:, owner], (nominal.target / TICKS_PER_MM)[:, owner]
+        start, target = (
+            (nominal.start / TICKS_PER_MM)[:, owner],
+            (nominal.target / TICKS_PER_MM)[:, owner],
+        )
         moves = self._all(nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
         should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
         actual = np.zeros_like(should)
@@ -291,7 +376,9 @@ class Verifier:
         if lean[worst] > into.lean:
             into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
 
-    def _deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    def _deviation(
+        self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray
+    ) -> np.ndarray:
         """(A, K) mm at commands that belong to motions `row`, each with the tool that it had."""
         result = np.zeros_like(command)
         for machine, of in self._machines(run, row):
@@ -304,11 +391,15 @@ class Verifier:
         if not (self.machine.turns and run.length.any()) and not run.space.any():
             yield self.machine, np.ones(len(row), bool)
             return
-        every, which = np.unique(np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True)
+        every, which = np.unique(
+            np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
+        )
         for k, key in enumerate(every.T):
             told = (run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
             if told not in self.seen_by:
-                self.seen_by[told] = seen_by_tip(self.machine, key[:-1] / TICKS_PER_MM, told[0], self.oriented)
+                self.seen_by[told] = seen_by_tip(
+                    self.machine, key[:-1] / TICKS_PER_MM, told[0], self.oriented
+                )
             yield self.seen_by[told], which.ravel() == k
 
     def _slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
@@ -333,18 +424,27 @@ class Verifier:
         on = curved[row] >= 0
         if on.any():
             of = motions.arcs.motion
-            result[:, on] = points(motions.arcs, start[:, of], target[:, of], curved[row[on]], t[on])
+            result[:, on] = points(
+                motions.arcs, start[:, of], target[:, of], curved[row[on]], t[on]
+            )
         return result
 
     def _distance(self, nominal: Motions, owner, t, actual) -> np.ndarray:
         """(K,) mm from actual points to their nominal path, in the corrected axes."""
         rows = list(self.machine.corrected)
-        start, target = (nominal.start / TICKS_PER_MM)[:, owner], (nominal.target / TICKS_PER_MM)[:, owner]
+        start, target = (
+            (nominal.start / TICKS_PER_MM)[:, owner],
+            (nominal.target / TICKS_PER_MM)[:, owner],
+        )
         point = actual[rows]
         way = (target - start)[rows]
         rapid = (nominal.code[owner] == RAPID) | ~self._all(nominal.start_known)[owner]
         square = (way**2).sum(axis=0)
-        along = np.where(square > 0, ((point - start[rows]) * way).sum(axis=0) / np.where(square > 0, square, 1.0), 1.0)
+        along = np.where(
+            square > 0,
+            ((point - start[rows]) * way).sum(axis=0) / np.where(square > 0, square, 1.0),
+            1.0,
+        )
         turning = [self.machine.letters.index(x) for x in self.machine.chain.rotary]
         if turning:  # while the part or the tool turns, being ahead on the path is as wrong as being beside it
             along = np.where((target - start)[turning].any(axis=0), t, along)
@@ -357,7 +457,9 @@ class Verifier:
             arc_of = np.full(len(nominal), -1)
             arc_of[nominal.arcs.motion] = np.arange(len(nominal.arcs))
             k = np.flatnonzero(curved)
-            distance[k] = self._from_arc(nominal, arc_of[owner[k]], t[k], actual[:, k], start[:, k], target[:, k])
+            distance[k] = self._from_arc(
+                nominal, arc_of[owner[k]], t[k], actual[:, k], start[:, k], target[:, k]
+            )
         return distance
 
     def _from_arc(self, nominal: Motions, arc, t, actual, start, target) -> np.ndarray:
@@ -378,7 +480,9 @@ class Verifier:
         square, along, length = turn**2, turn * pace, pace**2
         for row in self.machine.corrected:
             way = np.where((first != row) & (second != row), (target - start)[row], 0.0)
-            off = np.where((first != row) & (second != row), actual[row] - start[row] - way * t, 0.0)
+            off = np.where(
+                (first != row) & (second != row), actual[row] - start[row] - way * t, 0.0
+            )
             square, along, length = square + off**2, along + off * way, length + way**2
         square = outwards + np.maximum(square - along**2 / np.maximum(length, 1e-30), 0.0)
         return np.sqrt(square)
@@ -389,7 +493,9 @@ class Verifier:
         hysteresis at the ends of strokes and half of it along them, and what the sides of all axes move the others by,
         which no take-up can bring about in the same moment; and what heat does within one block."""
         axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
-        beyond = 1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
+        beyond = (
+            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
+        )
         return self.tolerance + float(beyond) + self.warm.within + self.grid / 2 + 1e-9
 
     @property
@@ -400,7 +506,9 @@ class Verifier:
         centre = self.centre
         better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
         holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        return better and (self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed))
+        return better and (
+            self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
+        )
 
     def _beside(self) -> str:
         said = self.centre.report(self.tolerance + self.grid / 2)
@@ -424,7 +532,9 @@ class Verifier:
 
     def _lost_motion(self) -> str:
         if not self.follows:
-            return "; lost motion is left to the control (reversal mean)" * bool(self.machine.two_way.any())
+            return "; lost motion is left to the control (reversal mean)" * bool(
+                self.machine.two_way.any()
+            )
         after, before = self.corrected, self.uncorrected
         return (
             f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}), uncorrected {before.slide / UM:.2f} um, "
@@ -436,7 +546,11 @@ class Verifier:
         if not self.machine.chain.rotary:
             return ""
         after, before = self.corrected, self.uncorrected
-        how = "" if self.oriented else " (--orientation corrects it in programs of the tool tip)" * self.tips
+        how = (
+            ""
+            if self.oriented
+            else " (--orientation corrects it in programs of the tool tip)" * self.tips
+        )
         return (
             f"; the tool leans by {after.lean / URAD:.0f} urad at most (line {after.lean_line}), "
             f"uncorrected {before.lean / URAD:.0f}{how}"

@@ -109,11 +109,22 @@ class CentreVerifier:
         nominal, run = begun(motions, i), begun(motions, i)
         if nominal is None or run is None:
             return
-        self.nominal, self.run = Contour(nominal, weights[:, i].copy()), Contour(run, weights[:, i].copy())
+        self.nominal, self.run = (
+            Contour(nominal, weights[:, i].copy()),
+            Contour(run, weights[:, i].copy()),
+        )
         self.at_work = self.machine
         if self.machine.turns and motions.length.any():
-            length = dict(zip(self.machine.letters, (motions.length[:, i] / TICKS_PER_MM).tolist(), strict=True))
-            self.at_work = self.machine.with_tool((length.get("X", 0.0), length.get("Y", 0.0), length.get("Z", 0.0)))
+            length = dict(
+                zip(
+                    self.machine.letters,
+                    (motions.length[:, i] / TICKS_PER_MM).tolist(),
+                    strict=True,
+                )
+            )
+            self.at_work = self.machine.with_tool(
+                (length.get("X", 0.0), length.get("Y", 0.0), length.get("Z", 0.0))
+            )
 
     def _step(self, shifted: Shifted, of: Motions, row: int, nominal: Motions, i: int) -> None:
         """One motion of a program, which belongs to nominal motion i."""
@@ -146,12 +157,18 @@ class CentreVerifier:
         self.nominal.ways = [w for w in self.nominal.ways if w.owner >= limit - 2]
 
     def _measure(self, contour: Contour, way: Way, near: list[Way], into: Found) -> None:
-        t = np.ones(1) if way.rapid else np.linspace(0.0, 1.0, min(max(ceil(_length(way) / STEP_MM) + 1, FEWEST), MOST))
+        t = (
+            np.ones(1)
+            if way.rapid
+            else np.linspace(0.0, 1.0, min(max(ceil(_length(way) / STEP_MM) + 1, FEWEST), MOST))
+        )
         point = _points(way, t)
         weight = self._approach(contour, way, t)
         actual = point + self.at_work.deviation(point, weight)
         rows = list(self.machine.corrected)
-        distance = np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
+        distance = (
+            np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
+        )
         worst = int(np.argmax(distance))
         if distance[worst] > into.deviation:
             into.deviation, into.line = float(distance[worst]), self.lines.get(way.owner, 0)
@@ -164,7 +181,10 @@ class CentreVerifier:
         if way.centre is not None:
             angle = _angle(way) + way.sweep * np.clip(t, 1e-6, 1 - 1e-6)
             sense = np.sign(way.sweep)
-            weight[way.plane[0]], weight[way.plane[1]] = -np.sin(angle) * sense, np.cos(angle) * sense
+            weight[way.plane[0]], weight[way.plane[1]] = (
+                -np.sin(angle) * sense,
+                np.cos(angle) * sense,
+            )
             weight[list(way.plane)] = np.sign(weight[list(way.plane)])
         contour.approach = weight[:, -1].copy()
         return weight if self.directed else np.zeros_like(weight)
@@ -197,7 +217,10 @@ def _angle(way: Way) -> float:
 def _radii(way: Way) -> tuple[float, float]:
     assert way.centre is not None
     first, second = way.plane
-    of = [float(np.hypot(p[first] - way.centre[0], p[second] - way.centre[1])) for p in (way.start, way.end)]
+    of = [
+        float(np.hypot(p[first] - way.centre[0], p[second] - way.centre[1]))
+        for p in (way.start, way.end)
+    ]
     return of[0], of[1]
 
 
@@ -228,7 +251,11 @@ def _distance(way: Way, actual: np.ndarray, rows: list[int]) -> np.ndarray:
         angle = np.arctan2(actual[second] - way.centre[1], actual[first] - way.centre[0])
         # The turn nearest to where the other axes say it is; the middle of the arc where they rest.
         t = np.full(actual.shape[1], 0.5)
-        other = [row for row in rows if row not in way.plane and abs(way.end[row] - way.start[row]) > PLAY_MM]
+        other = [
+            row
+            for row in rows
+            if row not in way.plane and abs(way.end[row] - way.start[row]) > PLAY_MM
+        ]
         for row in other:
             t = (actual[row] - way.start[row]) / (way.end[row] - way.start[row])
         expected = _angle(way) + way.sweep * t

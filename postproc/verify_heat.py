@@ -37,18 +37,26 @@ class Warm:
         self.values, self.warmth = {id(motions): nominal, id(back): own}, [after, behind]
         self.within = max(self.within, self.heat.within(words, motions, first))
 
-    def deviation(self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray) -> np.ndarray | float:
+    def deviation(
+        self, run: Motions, row: np.ndarray, command: np.ndarray, weight: np.ndarray
+    ) -> np.ndarray | float:
         """(A, K) mm: what heat adds at commands that belong to motions `row`."""
         parts = zip(self.alone, self.values.get(id(run), ()), strict=False)
         return sum((value[row] * one.deviation(command, weight) for one, value in parts), 0.0)
 
     def report(self) -> str:
         """What heat does while one block lasts."""
-        return f"; heat moves it by {self.within / UM:.2f} um at most within one block" if self.heat else ""
+        return (
+            f"; heat moves it by {self.within / UM:.2f} um at most within one block"
+            if self.heat
+            else ""
+        )
 
 
 def _alone(machine: Machine) -> list[Machine]:
     """For each driver of a machine's growth the machine that has nothing else, moved by one unit of it."""
-    nothing = replace(machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=())
+    nothing = replace(
+        machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=()
+    )
     every = np.eye(len(machine.growth))
     return [growth.grown(nothing, machine.growth, one) for one in every]

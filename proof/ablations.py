@@ -19,7 +19,16 @@ from unittest.mock import patch
 
 import numpy as np
 
-from postproc.diagnose import likeness, noise, nuisances, search, shapes, shared_jump, telegraph, thermometers
+from postproc.diagnose import (
+    likeness,
+    noise,
+    nuisances,
+    search,
+    shapes,
+    shared_jump,
+    telegraph,
+    thermometers,
+)
 from proof import laid, score, trial_run
 from proof.strangers import make
 
@@ -40,20 +49,33 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
     "without wander of the instruments": lambda: [(nuisances, "wander", _unwandering)],
     "without correlation of neighbouring samples": lambda: [(noise, "ORDERS", (0,))],
     "without an error of the map": lambda: [(nuisances, "of_map", _exact)],
-    "without processes (unknown is no candidate)": lambda: [(nuisances, "processes", lambda rows, unit: [])],
-    "without errors of form": lambda: [(search, "FORM", 0.0), (search.Search, "_forms", lambda self, fit: [])],
+    "without processes (unknown is no candidate)": lambda: [
+        (nuisances, "processes", lambda rows, unit: [])
+    ],
+    "without errors of form": lambda: [
+        (search, "FORM", 0.0),
+        (search.Search, "_forms", lambda self, fit: []),
+    ],
     "without a search: the single best name": lambda: [(search, "MOST", 1)],
     "without shapes between those of the grid": lambda: [(shapes, "polished", _unpolished)],
-    "without a threshold from drawn nulls": lambda: [(search.Search, "calibrate", lambda self, rng: None)],
+    "without a threshold from drawn nulls": lambda: [
+        (search.Search, "calibrate", lambda self, rng: None)
+    ],
     "without burst noise": lambda: [(telegraph, "levels", lambda rows, units: [None] * len(units))],
-    "without a look at the thermometers": lambda: [(thermometers, "faulty", lambda value, time: None)],
+    "without a look at the thermometers": lambda: [
+        (thermometers, "faulty", lambda value, time: None)
+    ],
     "without lone wrong readings": lambda: [(noise, "isolated", _nothing_isolated)],
-    "without departures that several readings share": lambda: [(shared_jump, "find", lambda *_: [])],
+    "without departures that several readings share": lambda: [
+        (shared_jump, "find", lambda *_: [])
+    ],
     "without the comparison with the map's details": lambda: [(likeness, "doubts", lambda *_: {})],
 }
 
 
-def _nothing_isolated(rows: Any, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _nothing_isolated(
+    rows: Any, residual: np.ndarray, sigma: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     return np.zeros(len(rows)), np.zeros(len(rows))
 
 
@@ -62,7 +84,9 @@ def _exact(rows: Any, machine: Any) -> list:
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m proof.ablations", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m proof.ablations", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("--kinds", choices=("open", "held"), default="open")
     parser.add_argument("--seed", default="ablations")
     parser.add_argument("--share", type=float, default=1.0, help="of the cases of every tier")
@@ -70,7 +94,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--only", help="a word of the parts' names")
     options = parser.parse_args(argv)
     work = [(tier, k) for tier, n in TIERS.items() for k in range(max(1, round(n * options.share)))]
-    print("| | nulls named | first name right | right, if named | P | R | alien unknown | names an alien | s |")
+    print(
+        "| | nulls named | first name right | right, if named | P | R | alien unknown | names an alien | s |"
+    )
     print("|---|---|---|---|---|---|---|---|---|")
     for part in [p for p in PARTS if not options.only or options.only in p]:
         with ProcessPoolExecutor(options.jobs) as pool:
@@ -99,7 +125,9 @@ def one(part: str, seed: str, kinds: str, which: tuple[str, int]) -> score.Outco
         for path in [*laid.files(place), place / "machine"]:
             path.rename(place / case.name / path.name)
         done = trial_run.answer(place / case.name, [], Path(out))
-        return score.judge(case.name, tier, case.truth, trial_run.read(Path(out), case.name), done["seconds"])
+        return score.judge(
+            case.name, tier, case.truth, trial_run.read(Path(out), case.name), done["seconds"]
+        )
 
 
 def cells(outcomes: list[score.Outcome]) -> list[str]:

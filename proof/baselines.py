@@ -57,7 +57,9 @@ def problem(case: Path) -> Problem:
 
     options = recordings.ReadingOptions(strict=False)
     files = sorted(case.glob("r*.csv"))
-    read = [recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files]
+    read = [
+        recordings.read(recordings.Source(str(f), f.read_bytes()), options=options) for f in files
+    ]
     machine = read_machine(case / "machine")
     rows = of(read, machine)
     rows = rows.pick(noise.isolated(rows, rows.residual, _sigma(rows))[0] < 6.0)
@@ -175,7 +177,9 @@ def gaussian_process(p: Problem) -> Guess:
         learn = learn[np.unique(np.linspace(0, len(learn) - 1, POINTS).astype(int))]
         inputs = _inputs(p, which)
         at = {int(k): i for i, k in enumerate(which)}
-        left[which] -= _predicted(inputs[[at[int(k)] for k in learn]], left[learn], p.sigma[learn], inputs)
+        left[which] -= _predicted(
+            inputs[[at[int(k)] for k in learn]], left[learn], p.sigma[learn], inputs
+        )
     return Guess([], rms(p, left))
 
 
@@ -223,7 +227,12 @@ def stlsq(p: Problem) -> Guess:
     left = part(p.y[p.train])
     for k, b in enumerate(blocks):
         seen = b.columns[p.train]
-        fall = left @ seen @ np.linalg.pinv(seen.T @ part(seen), rcond=1e-9, hermitian=True) @ (left @ seen)
+        fall = (
+            left
+            @ seen
+            @ np.linalg.pinv(seen.T @ part(seen), rcond=1e-9, hermitian=True)
+            @ (left @ seen)
+        )
         if b.key not in best or fall > best[b.key][0]:
             best[b.key] = fall, k
     blocks = [blocks[k] for _, k in best.values()]
@@ -237,7 +246,9 @@ def stlsq(p: Problem) -> Guess:
     active = np.arange(len(peak))
     value = np.zeros(0)
     for _ in range(ROUNDS):
-        value = np.linalg.solve(gram[np.ix_(active, active)] + RIDGE * np.eye(len(active)), right[active])
+        value = np.linalg.solve(
+            gram[np.ix_(active, active)] + RIDGE * np.eye(len(active)), right[active]
+        )
         keep = np.abs(value) >= THRESHOLD
         if keep.all():
             break

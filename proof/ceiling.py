@@ -62,43 +62,61 @@ class Covariance:
             self.reading[own] = kept[table.line[own] - heads[number]]
             if recording.kind == "trace":
                 self.channel[own] = [
-                    recording.channels.index(int(k)) for k in np.abs(table.direction[own]).argmax(axis=1)
+                    recording.channels.index(int(k))
+                    for k in np.abs(table.direction[own]).argmax(axis=1)
                 ]
         for k, (recording, channel, *_) in enumerate(oracle.ready):
             read = np.zeros(recording.n_obs, bool)
             number = next(i for i, r in enumerate(oracle.recs) if r is recording)
             read[self.reading[(table.file == number) & (self.channel == channel)]] = True
-            behind = np.convolve(~read, np.ones(1 + MOST_ORDER))[: len(read)] > 0  # what is foretold from an unread one
+            behind = (
+                np.convolve(~read, np.ones(1 + MOST_ORDER))[: len(read)] > 0
+            )  # what is foretold from an unread one
             oracle.parts[k][4][behind] = UNREAD
         oracle.ready = [oracle.prepare(*part) for part in oracle.parts]
 
     def beside(self, fit: Any, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) and (K,): products of columns (N, K) mm with one another and with the readings."""
         both = np.column_stack([columns, self.table.residual])
-        spread = [[np.zeros((len(r.channels), r.n_obs)) for r in self.oracle.recs] for _ in range(both.shape[1])]
+        spread = [
+            [np.zeros((len(r.channels), r.n_obs)) for r in self.oracle.recs]
+            for _ in range(both.shape[1])
+        ]
         for number in range(len(self.oracle.recs)):
             own = np.flatnonzero(self.table.file == number)
             for k in range(both.shape[1]):
-                spread[k][number][self.channel[own], self.reading[own]] = both[own, k] * self.unit[own]
+                spread[k][number][self.channel[own], self.reading[own]] = (
+                    both[own, k] * self.unit[own]
+                )
         products = self.oracle.gram(spread)
         return products[:-1, :-1], products[:-1, -1]
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m proof.ceiling", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m proof.ceiling", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("--kinds", choices=("open", "held"), default="open")
     parser.add_argument("--seed", default="ceiling")
     parser.add_argument("--count", type=int, default=60)
     options = parser.parse_args(argv)
     with ProcessPoolExecutor() as pool:
-        found = list(pool.map(partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=2))
+        found = list(
+            pool.map(
+                partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=2
+            )
+        )
     answers = [a for a in found if isinstance(a, Answer)]
     print("| truth | form | um | names by the true covariance |")
     print("|---|---|---:|---|")
     for a in sorted(answers, key=lambda a: (a.right, a.truth)):
-        print(f"| {a.truth} | {a.form} | {a.peak_um:.1f} | {', '.join(f'{n} {w:.0f}' for n, w in a.names[:4])} |")
+        print(
+            f"| {a.truth} | {a.form} | {a.peak_um:.1f} | {', '.join(f'{n} {w:.0f}' for n, w in a.names[:4])} |"
+        )
     left_out = Counter(a for a in found if isinstance(a, str))
-    print(f"\nfirst name right: {sum(a.right for a in answers)} of {len(answers)}; left out: {dict(left_out)}")
+    print(
+        f"\nfirst name right: {sum(a.right for a in answers)} of {len(answers)}; left out: {dict(left_out)}"
+    )
     return 0
 
 
@@ -118,13 +136,21 @@ def one(seed: str, number: int, kinds: str) -> Answer | str:
         return "nothing shows"
     with laid.folder(case) as place:
         files, table = laid.files(place), laid.table(place)
-        heads = [1 + next(k for k, line in enumerate(f.read_text().splitlines(), 1) if line[0] != "#") for f in files]
+        heads = [
+            1 + next(k for k, line in enumerate(f.read_text().splitlines(), 1) if line[0] != "#")
+            for f in files
+        ]
     if table is None:
         return "not read"
     if len(table.files) != len(files) or table.grain.any():
         return "averaged or left out"
     truth = f"{seen[0]['effect']}:{seen[0]['axis'] or ''}"
-    return Answer(truth, seen[0]["peak_um"], seen[0]["form"], _names(Covariance(*known[0], table, heads), table))
+    return Answer(
+        truth,
+        seen[0]["peak_um"],
+        seen[0]["form"],
+        _names(Covariance(*known[0], table, heads), table),
+    )
 
 
 def _names(covariance: Covariance, table: rows.Rows) -> list[tuple[str, float]]:

@@ -59,7 +59,12 @@ def names(plt, found: dict[str, Any]):
         wanted = line["least"] if line["least"] is not None else line["most"]
         axes.plot(wanted, k, "|", color=TARGET, ms=14, mew=2.2, zorder=2)
         axes.text(
-            1.02, k, f"{line['hits']} of {line['count']}", va="center", fontsize=8, transform=axes.get_yaxis_transform()
+            1.02,
+            k,
+            f"{line['hits']} of {line['count']}",
+            va="center",
+            fontsize=8,
+            transform=axes.get_yaxis_transform(),
         )
     axes.set_yticks(range(len(lines)), [SHOWN[line["name"]] for line in lines], fontsize=9)
     axes.invert_yaxis()
@@ -68,7 +73,9 @@ def names(plt, found: dict[str, Any]):
     axes.plot([], [], color=LIGHT, lw=6, label="95 % interval (Wilson)")
     axes.plot([], [], "|", color=TARGET, ms=12, mew=2.2, label="target")
     figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
-    axes.set_title(f"What was concealed, and how often it was named\n{_title(found)}", fontsize=10, loc="left")
+    axes.set_title(
+        f"What was concealed, and how often it was named\n{_title(found)}", fontsize=10, loc="left"
+    )
     axes.spines[["top", "right"]].set_visible(False)
     return figure
 
@@ -80,10 +87,33 @@ def loop(plt, found: dict[str, Any]):
     for k, x in enumerate(cases):
         axes.plot([k, k], [x["geometry"], x["diagnosed"]], color=LIGHT, lw=2.5, zorder=1)
     at = range(len(cases))
-    axes.plot(at, [x["uncompensated"] for x in cases], "x", color=OTHER, ms=6, label="program as it is")
-    axes.plot(at, [x["geometry"] for x in cases], "s", color=TARGET, ms=5, label="corrected by the map alone")
-    axes.plot(at, [x["diagnosed"] for x in cases], "o", color=NAMED, ms=6, label="corrected by the diagnosed machine")
-    axes.plot(at, [x["limit"] for x in cases], "_", color="black", ms=10, label="map alone, nothing hidden")
+    axes.plot(
+        at, [x["uncompensated"] for x in cases], "x", color=OTHER, ms=6, label="program as it is"
+    )
+    axes.plot(
+        at,
+        [x["geometry"] for x in cases],
+        "s",
+        color=TARGET,
+        ms=5,
+        label="corrected by the map alone",
+    )
+    axes.plot(
+        at,
+        [x["diagnosed"] for x in cases],
+        "o",
+        color=NAMED,
+        ms=6,
+        label="corrected by the diagnosed machine",
+    )
+    axes.plot(
+        at,
+        [x["limit"] for x in cases],
+        "_",
+        color="black",
+        ms=10,
+        label="map alone, nothing hidden",
+    )
     axes.set_yscale("log")
     axes.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
     axes.set(
@@ -100,10 +130,15 @@ def loop(plt, found: dict[str, Any]):
 def methods(plt, found: dict[str, Any]):
     """gcomp and the other methods on the same cases."""
     rows = found["baselines"]
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(9.0, 3.0), layout="constrained", sharey=True)
+    figure, (left, middle, right) = plt.subplots(
+        1, 3, figsize=(9.0, 3.0), layout="constrained", sharey=True
+    )
     for k, m in enumerate(rows):
         color = NAMED if m["method"] == "gcomp" else OTHER
-        for axes, hits, count in ((left, m["null_named"], m["nulls"]), (middle, m["top"], m["effects"])):
+        for axes, hits, count in (
+            (left, m["null_named"], m["nulls"]),
+            (middle, m["top"], m["effects"]),
+        ):
             if m["names"] and count:
                 low, high = wilson(hits, count)
                 axes.plot([low, high], [k, k], color=LIGHT, lw=6, solid_capstyle="butt")
@@ -132,7 +167,10 @@ def methods(plt, found: dict[str, Any]):
     right.plot([], [], "d", color=OTHER, ms=5, label="90th percentile")
     right.legend(fontsize=7, frameon=False)
     figure.suptitle(
-        f"Other methods on the same nulls, singles and masked cases; {_title(found)}", fontsize=10, x=0.01, ha="left"
+        f"Other methods on the same nulls, singles and masked cases; {_title(found)}",
+        fontsize=10,
+        x=0.01,
+        ha="left",
     )
     return figure
 

@@ -30,21 +30,29 @@ NEAR = 0.003  # of the squares: a name that says so much less says it as well
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m proof.forms", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m proof.forms", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("--kinds", choices=("open", "held"), default="open")
     parser.add_argument("--seed", default="forms")
     parser.add_argument("--count", type=int, default=100)
     options = parser.parse_args(argv)
     said: dict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
     with ProcessPoolExecutor() as pool:
-        for found in pool.map(partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=4):
+        for found in pool.map(
+            partial(one, options.seed, kinds=options.kinds), range(options.count), chunksize=4
+        ):
             if found:
                 said[found[0]].append(found[1:])
-    print("| effect | form | cases | share of its squares that its own name says | names that say as much |")
+    print(
+        "| effect | form | cases | share of its squares that its own name says | names that say as much |"
+    )
     print("|---|---|---:|---|---|")
     for (effect, form), cases in sorted(said.items()):
         shares = " ".join(f"{share:.2f}" for share, _ in sorted(cases))
-        rivals = ", ".join(f"{name} {n}" for name, n in Counter(name for _, name in cases if name).most_common(4))
+        rivals = ", ".join(
+            f"{name} {n}" for name, n in Counter(name for _, name in cases if name).most_common(4)
+        )
         print(f"| {effect} | {form} | {len(cases)} | {shares} | {rivals} |")
     return 0
 
@@ -52,7 +60,10 @@ def main(argv: list[str] | None = None) -> int:
 def one(seed: str, number: int, kinds: str) -> tuple[tuple[str, str], float, str] | None:
     """(effect, form), the share of its squares that the library says, and another name that says as much or ""; None for a
     case without a truth, or one that can not be read."""
-    with patch.object(tiers, "put", _still(tiers.put)), patch.object(tiers, "map_error", _true(tiers.map_error)):
+    with (
+        patch.object(tiers, "put", _still(tiers.put)),
+        patch.object(tiers, "map_error", _true(tiers.map_error)),
+    ):
         case = tiers.make(seed, "single", number, kinds)
     if not case.truth:
         return None
@@ -62,7 +73,11 @@ def one(seed: str, number: int, kinds: str) -> tuple[tuple[str, str], float, str
     if table is None:
         return None
     own, other, rival = _said(table, f"{truth['effect']}:{truth['axis'] or ''}")
-    return (truth["effect"], truth["form"]), own, rival.partition(":")[0] if other > own - NEAR else ""
+    return (
+        (truth["effect"], truth["form"]),
+        own,
+        rival.partition(":")[0] if other > own - NEAR else "",
+    )
 
 
 def _still(put: Any) -> Any:
@@ -91,12 +106,18 @@ def _said(table: rows.Rows, key: str) -> tuple[float, float, str]:
                 wide = np.zeros((len(table), group.columns.shape[1]))
                 wide[unit.rows] = group.columns
                 free.append(wide)
-    q, r = np.linalg.qr(np.concatenate(free, axis=1) * weight[:, None]) if free else (np.zeros((len(table), 0)),) * 2
+    q, r = (
+        np.linalg.qr(np.concatenate(free, axis=1) * weight[:, None])
+        if free
+        else (np.zeros((len(table), 0)),) * 2
+    )
     size = np.abs(np.diag(r))
     q = q[:, size > 1e-9 * size.max(initial=1e-30)]
     y = table.residual * weight
     y = y - q @ (q.T @ y)
-    blocks = library.blocks(table) + library.found(table, y / weight / SURE**2, np.full(len(table), SURE))
+    blocks = library.blocks(table) + library.found(
+        table, y / weight / SURE**2, np.full(len(table), SURE)
+    )
     best: dict[str, float] = defaultdict(lambda: 0.0)
     for block in blocks:
         x = block.columns * weight[:, None]

@@ -34,7 +34,10 @@ def table(place: Path) -> rows.Rows | None:
     lenient = recordings.ReadingOptions(strict=False)
     try:
         machine = read_machine(place / "machine")
-        read = [recordings.read(recordings.Source(p.name, p.read_bytes()), options=lenient) for p in files(place)]
+        read = [
+            recordings.read(recordings.Source(p.name, p.read_bytes()), options=lenient)
+            for p in files(place)
+        ]
         return rows.of(sound.checked(read, machine).recordings, machine)
     except recordings.RecordingError:
         return None

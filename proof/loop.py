@@ -70,7 +70,9 @@ def program(machine: Machine) -> tuple[str, np.ndarray]:
     if machine.form != "mill":
         lines.insert(1, "G8")
     for k, point in enumerate(points):
-        lines.append(f"N{k + 1} G1 " + " ".join(f"{x}{point[XYZ.index(x)]:.4f}" for x in machine.axes))
+        lines.append(
+            f"N{k + 1} G1 " + " ".join(f"{x}{point[XYZ.index(x)]:.4f}" for x in machine.axes)
+        )
     return "\n".join([*lines, "M30"]) + "\n", points
 
 
@@ -80,7 +82,14 @@ def corrected(text: str, folder: Path) -> tuple[str | None, str]:
         source, target = Path(place) / "p.ngc", Path(place) / "c.ngc"
         source.write_text(text)
         status, said = gcomp(
-            "compensate", "--machine", str(folder), "--dialect", "linuxcnc", str(source), "-o", str(target)
+            "compensate",
+            "--machine",
+            str(folder),
+            "--dialect",
+            "linuxcnc",
+            str(source),
+            "-o",
+            str(target),
         )
         if status or not target.is_file():
             return None, said.strip()[-300:]
@@ -181,10 +190,14 @@ def close(case: str, details: dict, folder: Path, diagnosed: Path) -> Looped:
     plain = path_error(drawn, text, nominal)
     first, said = corrected(text, folder / "machine")
     if first is None:
-        return Looped(case, _names(drawn), plain, plain, plain, note=f"the map alone is refused: {said}")
+        return Looped(
+            case, _names(drawn), plain, plain, plain, note=f"the map alone is refused: {said}"
+        )
     geometry = path_error(drawn, first, nominal)
     limit = path_error(replace(drawn, hidden=[]), first, nominal)
-    second, said = corrected(text, diagnosed) if diagnosed.is_dir() else (None, "no machine was written")
+    second, said = (
+        corrected(text, diagnosed) if diagnosed.is_dir() else (None, "no machine was written")
+    )
     if second is None:
         return Looped(case, _names(drawn), plain, geometry, geometry, limit, said)
     return Looped(case, _names(drawn), plain, geometry, path_error(drawn, second, nominal), limit)
@@ -196,4 +209,8 @@ def _names(drawn: cases.Drawn) -> list[str]:
 
 def wanted(truth: list[dict]) -> bool:
     """Whether the loop can be closed on a case: something visible is hidden, and places decide all of it."""
-    return bool(truth) and all(t["effect"] in PLACED for t in truth) and any(t["visible"] for t in truth)
+    return (
+        bool(truth)
+        and all(t["effect"] in PLACED for t in truth)
+        and any(t["visible"] for t in truth)
+    )

@@ -12,7 +12,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 NO_AXIS = {"laser_air", "dead_path", "delay", "clock_skew", "tool_size"}
-VALUES = {"backlash": "size_um", "cyclic": "amplitude_um", "servo_lag": "tau_ms"}  # medians of these are stated
+VALUES = {
+    "backlash": "size_um",
+    "cyclic": "amplitude_um",
+    "servo_lag": "tau_ms",
+}  # medians of these are stated
 NARROWEST = 1e-9  # of the value: an interval that narrow is none
 
 
@@ -78,7 +82,11 @@ def unknown(answer: dict[str, Any]) -> bool:
 
 
 def judge(
-    case: str, tier: str, truth: list[dict[str, Any]], answer: dict[str, Any] | None, seconds: float = 0.0
+    case: str,
+    tier: str,
+    truth: list[dict[str, Any]],
+    answer: dict[str, Any] | None,
+    seconds: float = 0.0,
 ) -> Outcome:
     """The outcome of one case. answer: None where the tool gave none."""
     outcome = Outcome(case, tier, seconds=seconds)
@@ -86,7 +94,9 @@ def judge(
         outcome.failed = "no answer"
         answer = {}
     effects = accepted(answer)
-    outcome.names = list(dict.fromkeys(key_of(e) for e in effects))  # twice the same is a shape refined, one name
+    outcome.names = list(
+        dict.fromkeys(key_of(e) for e in effects)
+    )  # twice the same is a shape refined, one name
     outcome.unknown = unknown(answer)
     wanted = [key_of(t) for t in truth]
     sets = [n for e in effects for n in [key_of(e), *(e.get("equivalent") or [])]]
@@ -165,7 +175,11 @@ def openly(answer: dict[str, Any] | None, blind: dict[str, Any]) -> tuple[bool, 
 
 
 def spotted(
-    case: str, blind: dict[str, Any], first: dict[str, Any] | None, shows: list[bool], later: Outcome
+    case: str,
+    blind: dict[str, Any],
+    first: dict[str, Any] | None,
+    shows: list[bool],
+    later: Outcome,
 ) -> Spotted:
     """The blind case judged. shows: for each test that the answer asks for, whether its program would show the effect."""
     named, tests = openly(first, blind)

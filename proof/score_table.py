@@ -33,13 +33,21 @@ class Line:
         """None where nothing is asked or nothing was counted."""
         if (self.least is None and self.most is None) or not self.count or math.isnan(self.value):
             return None
-        return (self.least is None or self.value >= self.least) and (self.most is None or self.value <= self.most)
+        return (self.least is None or self.value >= self.least) and (
+            self.most is None or self.value <= self.most
+        )
 
     @property
     def target(self) -> str:
         if self.least is not None and self.most is not None:
             return f"{self.least:g} to {self.most:g}"
-        return f">= {self.least:g}" if self.least is not None else f"<= {self.most:g}" if self.most is not None else ""
+        return (
+            f">= {self.least:g}"
+            if self.least is not None
+            else f"<= {self.most:g}"
+            if self.most is not None
+            else ""
+        )
 
     def cells(self) -> list[str]:
         if not self.count:
@@ -60,7 +68,12 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def share(name: str, hits: Iterable[tuple[bool, str]], least: float | None = None, most: float | None = None) -> Line:
+def share(
+    name: str,
+    hits: Iterable[tuple[bool, str]],
+    least: float | None = None,
+    most: float | None = None,
+) -> Line:
     """A share of (hit, what to say of it if it failed). A target of `most` makes the hits the failures."""
     listed = list(hits)
     number = sum(bool(h) for h, _ in listed)
@@ -80,16 +93,16 @@ def quantile(values: Iterable[float], q: float) -> float:
     return ordered[low] + (at - low) * (ordered[high] - ordered[low])
 
 
-def number(name: str, values: list[float], q: float, least: float | None = None, most: float | None = None) -> Line:
+def number(
+    name: str, values: list[float], q: float, least: float | None = None, most: float | None = None
+) -> Line:
     return Line(name, quantile(values, q), len(values), None, least, most)
 
 
 def _told(o: Outcome, k: int | None = None) -> str:
     said = ", ".join(o.names) or "nothing"
     truth = "" if k is None else f"{o.truths[k]} of {o.peaks[k]:.1f} um: "
-    return (
-        f"{o.case} ({o.tier}) {truth}said {said}{', unknown' if o.unknown else ''}{'; ' + o.failed if o.failed else ''}"
-    )
+    return f"{o.case} ({o.tier}) {truth}said {said}{', unknown' if o.unknown else ''}{'; ' + o.failed if o.failed else ''}"
 
 
 def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
@@ -99,15 +112,25 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     single, several = of.get("single", []), [*of.get("pair", []), *of.get("triple", [])]
     named = [o for tier in LIBRARY for o in of.get(tier, [])]
     found = [
-        share("nulls with any name", [(bool(o.names), _told(o)) for o in of.get("null", [])], most=0.01),
         share(
-            "adversarial nulls with any name", [(bool(o.names), _told(o)) for o in of.get("adversarial", [])], most=0.02
+            "nulls with any name",
+            [(bool(o.names), _told(o)) for o in of.get("null", [])],
+            most=0.01,
+        ),
+        share(
+            "adversarial nulls with any name",
+            [(bool(o.names), _told(o)) for o in of.get("adversarial", [])],
+            most=0.02,
         ),
         share("nulls called unknown", [(o.unknown, _told(o)) for o in none]),
     ]
     for low, high, least in ((8.0, 16.01, 0.93), (4.0, 8.0, 0.85), (2.0, 4.0, 0.55)):
         found.append(
-            share(f"one effect, {low:g} to {high:.0f} um: first name right", _by_size(single, low, high, "top"), least)
+            share(
+                f"one effect, {low:g} to {high:.0f} um: first name right",
+                _by_size(single, low, high, "top"),
+                least,
+            )
         )
     found += [
         share("  the same where no other name explains it as well", [
@@ -129,7 +152,9 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
                 least,
             )
         )
-    withheld = [(o.in_set[k], _told(o, k)) for o in of.get("withheld", []) for k in range(len(o.truths))]
+    withheld = [
+        (o.in_set[k], _told(o, k)) for o in of.get("withheld", []) for k in range(len(o.truths))
+    ]
     found.append(share("driver withheld: truth named or in the set", withheld, 0.6))
     found += [
         share("blind test: the spot is named", [(s.named, f"{s.case} {s.spot}") for s in blind], 0.9),
@@ -151,11 +176,18 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     errors = [e for o in named for e in o.errors]
     for effect in ("backlash", "cyclic", "servo_lag"):
         found.append(
-            number(f"relative error of {effect}: median", [v for n, v in errors if n == effect], 0.5, most=0.02)
+            number(
+                f"relative error of {effect}: median",
+                [v for n, v in errors if n == effect],
+                0.5,
+                most=0.02,
+            )
         )
     held = [o.coverage for o in named if o.coverage is not None]
     inside = [(v, f"{o.case} ({o.tier}) {', '.join(o.names)}") for o in named for v in o.inside]
-    found.append(Line("held-out readings within their 95 % limits", _mean(held), len(held), None, 0.90, 0.98))
+    found.append(
+        Line("held-out readings within their 95 % limits", _mean(held), len(held), None, 0.90, 0.98)
+    )
     found.append(share("true parameters within their 95 % intervals", inside, 0.90))
     found[-1].most = 0.98
     found += [

@@ -51,18 +51,29 @@ def main(argv: list[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--small", action="store_true", help="a trial of a minute")
-    parser.add_argument("--share", type=float, default=1.0, help="of the cases of every tier, the first ones")
-    parser.add_argument("--kinds", choices=KEPT, default="held", help="the family of kinds beside the open ones")
-    parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
-    parser.add_argument("--beside", type=Path, help="a checkout of another version of the tool, on the same cases")
     parser.add_argument(
-        "--keep", type=Path, help="folder for commitment and score (proof/trials/<commit>-strangers[-fresh])"
+        "--share", type=float, default=1.0, help="of the cases of every tier, the first ones"
+    )
+    parser.add_argument(
+        "--kinds", choices=KEPT, default="held", help="the family of kinds beside the open ones"
+    )
+    parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
+    parser.add_argument(
+        "--beside", type=Path, help="a checkout of another version of the tool, on the same cases"
+    )
+    parser.add_argument(
+        "--keep",
+        type=Path,
+        help="folder for commitment and score (proof/trials/<commit>-strangers[-fresh])",
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args(argv)
     try:
         freeze = trial_seal.frozen(options.freeze)
-        tiers = {t: max(1, round(options.share * n)) for t, n in (SMALL if options.small else TIERS).items()}
+        tiers = {
+            t: max(1, round(options.share * n))
+            for t, n in (SMALL if options.small else TIERS).items()
+        }
         found = trial(freeze, tiers, options.keep, options.jobs, options.beside, options.kinds)
     except (trial_seal.SealError, FileExistsError) as error:
         print(f"trial: {error}", file=sys.stderr)
@@ -72,7 +83,12 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def trial(
-    freeze: str, tiers: dict[str, int], kept: Path | None, jobs: int, beside: Path | None, kinds: str = "held"
+    freeze: str,
+    tiers: dict[str, int],
+    kept: Path | None,
+    jobs: int,
+    beside: Path | None,
+    kinds: str = "held",
 ) -> str:
     """Make, run, score; returns the table."""
     name = f"{freeze[:10]}-strangers" + ("" if kinds == "held" else f"-{kinds}")
@@ -98,7 +114,9 @@ def trial(
     (kept / "commitment.json").write_text(json.dumps(laid | {"salt": salt.hex()}, indent=1) + "\n")
     outcomes = {who: judged(out, truth, details) for who, out in answers.items()}
     rows = {who: lines(found) for who, found in outcomes.items()}
-    (kept / "score.json").write_text(score.kept({who: [asdict(o) for o in found] for who, found in outcomes.items()}))
+    (kept / "score.json").write_text(
+        score.kept({who: [asdict(o) for o in found] for who, found in outcomes.items()})
+    )
     (kept / "FAILURES.md").write_text(score_table.failures(rows["now"]))
     text = page(laid, rows, outcomes["now"], details)
     (kept / "TABLE.md").write_text(text)
@@ -111,7 +129,9 @@ def made(
     """Cases under the folder; truth and details by name."""
     if folder.exists():
         raise FileExistsError(f"{folder} exists: a frozen tool has one shot at its cases")
-    seeds = {tier: hashlib.sha256(f"{freeze}/strangers/{tier}".encode()).hexdigest() for tier in tiers}
+    seeds = {
+        tier: hashlib.sha256(f"{freeze}/strangers/{tier}".encode()).hexdigest() for tier in tiers
+    }
     work = [(seeds[tier], tier, k, folder, kinds) for tier in tiers for k in range(tiers[tier])]
     truth, details = {}, {}
     with ProcessPoolExecutor(jobs) as pool:
@@ -129,7 +149,11 @@ def _made(work: tuple[str, str, int, Path, str]) -> tuple[str, list, dict]:
         place = folder / case.name / path
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text, encoding="utf-8")
-    return case.name, json.loads(json.dumps(case.truth, default=str)), json.loads(json.dumps(case.details, default=str))
+    return (
+        case.name,
+        json.loads(json.dumps(case.truth, default=str)),
+        json.loads(json.dumps(case.details, default=str)),
+    )
 
 
 def _other(tool: Path, cases: Path, out: Path, jobs: int) -> None:
@@ -141,7 +165,13 @@ def _other(tool: Path, cases: Path, out: Path, jobs: int) -> None:
         "sys.path.remove({tool!r})\nfrom proof import trial_run\n"
         "if __name__ == '__main__': trial_run.run(Path({cases!r}), Path({out!r}), {jobs})\n"
     )
-    text = script.format(tool=str(tool.resolve()), root=str(trial_seal.ROOT), cases=str(cases), out=str(out), jobs=jobs)
+    text = script.format(
+        tool=str(tool.resolve()),
+        root=str(trial_seal.ROOT),
+        cases=str(cases),
+        out=str(out),
+        jobs=jobs,
+    )
     subprocess.run([sys.executable, "-c", text], check=True)
 
 
@@ -150,7 +180,11 @@ def judged(out: Path, truth: dict[str, Any], details: dict[str, Any]) -> list[sc
     found = []
     for case in sorted(truth):
         outcome = score.judge(
-            case, details[case]["tier"], truth[case], trial_run.read(out, case), cost[case]["seconds"]
+            case,
+            details[case]["tier"],
+            truth[case],
+            trial_run.read(out, case),
+            cost[case]["seconds"],
         )
         outcome.failed = (outcome.failed and cost[case].get("said", "").strip()[-160:]) or ""
         found.append(outcome)
@@ -167,16 +201,23 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
     def told(o: score.Outcome, k: int) -> str:
         return f"{o.case} ({o.tier}) {o.truths[k]} of {o.peaks[k]:.1f} um: said {', '.join(o.names) or 'nothing'}{', unknown' if o.unknown else ''}"
 
-    def each(cases: list[score.Outcome], what: str, low: float = 0.0, high: float = 1e9) -> list[tuple[bool, str]]:
+    def each(
+        cases: list[score.Outcome], what: str, low: float = 0.0, high: float = 1e9
+    ) -> list[tuple[bool, str]]:
         return [
-            (getattr(o, what)[k], told(o, k)) for o in cases for k in range(len(o.truths)) if low <= o.peaks[k] < high
+            (getattr(o, what)[k], told(o, k))
+            for o in cases
+            for k in range(len(o.truths))
+            if low <= o.peaks[k] < high
         ]
 
     def plain(o: score.Outcome) -> str:
         return f"{o.case} ({o.tier}) said {', '.join(o.names) or 'nothing'}"
 
     alien = [o for o in of["alien"] if o.truths]
-    timed = [o.seconds for o in outcomes if o.seconds == o.seconds]  # a run that was ended has no times
+    timed = [
+        o.seconds for o in outcomes if o.seconds == o.seconds
+    ]  # a run that was ended has no times
     ratios = [
         o.after / o.floor
         for o in (*single, *several, *of["masked"], *of["withheld"])
@@ -208,7 +249,10 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
 
 
 def page(
-    laid: dict[str, Any], rows: dict[str, list[Line]], outcomes: list[score.Outcome], details: dict[str, Any]
+    laid: dict[str, Any],
+    rows: dict[str, list[Line]],
+    outcomes: list[score.Outcome],
+    details: dict[str, Any],
 ) -> str:
     counts = ", ".join(f"{n} {tier}" for tier, n in laid["tiers"].items())
     head = (
@@ -217,12 +261,22 @@ def page(
         f"`{laid['answers_sha256_now'][:16]}...`.\n\n"
     )
     before = {r.name + str(k): r for k, r in enumerate(rows["before"])} if "before" in rows else {}
-    names = ("what", "n", "value", "95 % interval", "target", "met", *(["the version before"] if before else []))
+    names = (
+        "what",
+        "n",
+        "value",
+        "95 % interval",
+        "target",
+        "met",
+        *(["the version before"] if before else []),
+    )
     cells = []
     for k, r in enumerate(rows["now"]):
         was = before.get(r.name + str(k))
         cells.append([*r.cells(), *([was.cells()[2]] if was else [])])
-    table = "\n".join("| " + " | ".join(c) + " |" for c in [list(names), ["---"] * len(names), *cells])
+    table = "\n".join(
+        "| " + " | ".join(c) + " |" for c in [list(names), ["---"] * len(names), *cells]
+    )
     return f"{head}{table}\n\nBy effect (singles, masked, pairs, triples): named of hidden\n\n{_by_effect(outcomes)}\n\nBy kind of noise (nulls): named of cases\n\n{_by_noise(outcomes, details)}\n"
 
 
@@ -235,14 +289,18 @@ def _by_effect(outcomes: list[score.Outcome]) -> str:
                 seen[0] += o.named[k]
                 seen[1] += o.in_set[k]
                 seen[2] += 1
-    return ", ".join(f"{name} {a} ({b} with sets) of {n}" for name, (a, b, n) in sorted(count.items()))
+    return ", ".join(
+        f"{name} {a} ({b} with sets) of {n}" for name, (a, b, n) in sorted(count.items())
+    )
 
 
 def _by_noise(outcomes: list[score.Outcome], details: dict[str, Any]) -> str:
     count: dict[str, list[int]] = defaultdict(lambda: [0, 0])
     for o in outcomes:
         if o.tier in ("null", "adversarial"):
-            for kind in {x["kind"] for file in details[o.case]["noise"].values() for x in file["signal"]}:
+            for kind in {
+                x["kind"] for file in details[o.case]["noise"].values() for x in file["signal"]
+            }:
                 count[kind][0] += bool(o.names)
                 count[kind][1] += 1
     return ", ".join(f"{kind} {a} of {n}" for kind, (a, n) in sorted(count.items()))

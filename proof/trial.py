@@ -60,13 +60,22 @@ class Places:
 
 
 def make(
-    freeze: str, tiers: dict[str, int], places: Places, jobs: int, salt: str = "", say: Callable = print
+    freeze: str,
+    tiers: dict[str, int],
+    places: Places,
+    jobs: int,
+    salt: str = "",
+    say: Callable = print,
 ) -> Commitment:
     """Draw and seal the cases. A commitment that exists already must come out the same."""
     if places.cases.exists():
         raise SealError(f"{places.cases} exists: remove {places.work} to make this trial again")
     seeds = {tier: trial_seal.seed(freeze, tier) for tier in tiers}
-    work = [(seeds[tier], tier, k, places.cases, places.sealed) for tier in tiers for k in range(tiers[tier])]
+    work = [
+        (seeds[tier], tier, k, places.cases, places.sealed)
+        for tier in tiers
+        for k in range(tiers[tier])
+    ]
     truth: dict[str, list] = {}
     details: dict[str, dict] = {}
     with ProcessPoolExecutor(jobs) as pool:
@@ -80,7 +89,9 @@ def make(
         (places.sealed / name).write_text(json.dumps(dict(sorted(value.items())), indent=1) + "\n")
     known = Commitment.read(places.commitment) if places.commitment.exists() else None
     revealed = places.kept / "revealed.json"
-    if not salt and revealed.exists():  # a trial that was scored before: the same salt gives the same hash
+    if (
+        not salt and revealed.exists()
+    ):  # a trial that was scored before: the same salt gives the same hash
         salt = json.loads(revealed.read_text())["salt"]
     salt = salt or secrets.token_hex(32)
     (places.sealed / SALT).write_text(salt + "\n")
@@ -109,7 +120,10 @@ def _made(work: tuple) -> tuple[str, list, dict]:
 
     seed, tier, number, folder, sealed = work
     case = cases.make(seed, tier, number)
-    for place, texts in ((folder / case.name, case.files), (sealed / "follow_up" / case.name, case.follow_up)):
+    for place, texts in (
+        (folder / case.name, case.files),
+        (sealed / "follow_up" / case.name, case.follow_up),
+    ):
         for path, text in texts.items():
             (place / path).parent.mkdir(parents=True, exist_ok=True)
             (place / path).write_text(text, encoding="utf-8")
@@ -127,7 +141,9 @@ def run(places: Places, jobs: int, say: Callable = print) -> None:
     laid = {"first_sha256": trial_run.digest(places.first)}
     laid_down.write_text(json.dumps(laid, indent=1) + "\n")
     wrong = sum(bool(d["status"]) for d in log.values())
-    say(f"{len(log)} cases answered, {wrong} of them with an error; {_compared(before, laid, 'first_sha256')}")
+    say(
+        f"{len(log)} cases answered, {wrong} of them with an error; {_compared(before, laid, 'first_sha256')}"
+    )
     released = places.sealed / "follow_up"
     names = sorted(p.name for p in released.iterdir()) if released.is_dir() else []
     trial_run.run(places.cases, places.later, jobs, released, names)
@@ -156,7 +172,9 @@ def score(places: Places, jobs: int, page: Path | None = None, say: Callable = p
     laid = json.loads((places.kept / "answers.json").read_text())
     for name, out in (("first_sha256", places.first), ("later_sha256", places.later)):
         if laid.get(name) != trial_run.digest(out):
-            raise SealError(f"the answers in {out} are not those whose hash was laid down before the truth was opened")
+            raise SealError(
+                f"the answers in {out} are not those whose hash was laid down before the truth was opened"
+            )
     found = trial_judge.judged(places, jobs, say)
     found["commitment"] = asdict(commitment) | laid
     revealed = {"salt": (places.sealed / SALT).read_text().strip()}
@@ -174,25 +192,37 @@ def score(places: Places, jobs: int, page: Path | None = None, say: Callable = p
 
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m proof.trial", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="python -m proof.trial",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("step", choices=("make", "run", "score", "repeat"))
     parser.add_argument("--small", action="store_true", help="a trial of a few minutes")
     parser.add_argument(
-        "--freeze", default="HEAD", help="the commit that froze the tool (HEAD); the tool here must be that one"
+        "--freeze",
+        default="HEAD",
+        help="the commit that froze the tool (HEAD); the tool here must be that one",
     )
     parser.add_argument("--counts", help="other numbers of cases, like null=20,single=30")
-    parser.add_argument("--work", type=Path, help="folder for cases and answers (build/trials/<commit>)")
-    parser.add_argument("--keep", type=Path, help="folder for commitment and score (proof/trials/<commit>)")
+    parser.add_argument(
+        "--work", type=Path, help="folder for cases and answers (build/trials/<commit>)"
+    )
+    parser.add_argument(
+        "--keep", type=Path, help="folder for commitment and score (proof/trials/<commit>)"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--salt", default="", help="hex; a random one without it")
-    parser.add_argument("--page", action="store_true", help="write the table and the figures of docs/PROOF.md anew")
+    parser.add_argument(
+        "--page", action="store_true", help="write the table and the figures of docs/PROOF.md anew"
+    )
     options = parser.parse_args(argv)
     try:
         freeze = trial_seal.frozen(options.freeze)
         tiers = SMALL if options.small else FULL
         if options.counts:
-            tiers = {name: int(n) for name, n in (pair.split("=") for pair in options.counts.split(","))}
+            tiers = {
+                name: int(n) for name, n in (pair.split("=") for pair in options.counts.split(","))
+            }
         places = Places(freeze, options.small, options.work, options.keep)
         if options.step in ("make", "repeat"):
             make(freeze, tiers, places, options.jobs, options.salt)

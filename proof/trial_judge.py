@@ -25,27 +25,41 @@ def judged(places, jobs: int, say: Callable = print) -> dict[str, Any]:
     for case in sorted(truth):
         tier, answer = details[case]["kind"], trial_run.read(places.first, case)
         outcome = score.judge(case, tier, truth[case], answer, cost[case]["seconds"])
-        outcome.failed = (outcome.failed and cost[case].get("said", "").strip()[-160:]) or cost[case].get("said", "")
+        outcome.failed = (outcome.failed and cost[case].get("said", "").strip()[-160:]) or cost[
+            case
+        ].get("said", "")
         outcomes.append(outcome)
         if tier == "blind":
             blind.append(_spotted(places, case, details[case]["blind"], answer))
     rows = score_table.lines(outcomes, blind)
     say("closing the loop")
-    closed = [c for c in sorted(truth) if details[c]["kind"] in ("single", "masked") and loop.wanted(truth[c])]
+    closed = [
+        c
+        for c in sorted(truth)
+        if details[c]["kind"] in ("single", "masked") and loop.wanted(truth[c])
+    ]
     with ProcessPoolExecutor(jobs) as pool:
         loops = list(
-            pool.map(_closed, [(c, details[c], places.cases / c, places.first / c / "machine") for c in closed])
+            pool.map(
+                _closed,
+                [(c, details[c], places.cases / c, places.first / c / "machine") for c in closed],
+            )
         )
         say("running the baselines")
         named = [o for o in outcomes if o.tier in BASELINE_TIERS]
         guesses = dict(
-            zip([o.case for o in named], pool.map(_guessed, [places.cases / o.case for o in named]), strict=True)
+            zip(
+                [o.case for o in named],
+                pool.map(_guessed, [places.cases / o.case for o in named]),
+                strict=True,
+            )
         )
     good = [x for x in loops if isinstance(x, loop.Looped)]
     rows.append(_loop_line(good))
     say("looking for leaks")
     tiers = {
-        tier: [places.cases / c for c in sorted(truth) if details[c]["kind"] == tier] for tier in ("null", "single")
+        tier: [places.cases / c for c in sorted(truth) if details[c]["kind"] == tier]
+        for tier in ("null", "single")
     }
     return {
         "lines": [asdict(r) | {"value": None if math.isnan(r.value) else r.value, "cells": r.cells()} for r in rows], "failures": score_table.failures(rows),
@@ -55,7 +69,9 @@ def judged(places, jobs: int, say: Callable = print) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _spotted(places, case: str, blind: dict[str, Any], first: dict[str, Any] | None) -> score.Spotted:
+def _spotted(
+    places, case: str, blind: dict[str, Any], first: dict[str, Any] | None
+) -> score.Spotted:
     later = score.judge(case, "follow-up", blind["follow_up"], trial_run.read(places.later, case))
     _, tests = score.openly(first, blind)
     shows = [trial_tests.shows(blind, t, places.cases / case / "machine") for t in tests]
@@ -65,7 +81,9 @@ def _spotted(places, case: str, blind: dict[str, Any], first: dict[str, Any] | N
 def _closed(work: tuple[str, dict, Path, Path]) -> loop.Looped | str:
     try:
         return loop.close(*work)
-    except Exception as error:  # a program that the judge can not read is a finding, not the end of the trial
+    except (
+        Exception
+    ) as error:  # a program that the judge can not read is a finding, not the end of the trial
         return f"{work[0]}: {type(error).__name__}: {error}"
 
 
@@ -78,7 +96,10 @@ def _guessed(case: Path) -> dict[str, dict] | str:
 
 def _loop_line(good: list[loop.Looped]) -> score_table.Line:
     line = score_table.number(
-        "loop: largest path error, diagnosed over geometry alone: median", [x.ratio for x in good], 0.5, most=0.35
+        "loop: largest path error, diagnosed over geometry alone: median",
+        [x.ratio for x in good],
+        0.5,
+        most=0.35,
     )
     line.failures = [
         f"{x.case} {', '.join(x.truth)}: {x.uncompensated:.1f} um as it is, {x.geometry:.1f} map alone, {x.diagnosed:.1f} diagnosed"
@@ -102,8 +123,17 @@ def _compared(outcomes: list[score.Outcome], guesses: dict[str, Any]) -> list[di
             return o.after if method == "gcomp" else guesses[o.case][method]["after_um"]
 
         nulls = [bool(names(o)) for o in usable if o.tier == "null"]
-        top = [score.hit(o.truths[k], names(o)[:1]) for o in usable if o.tier != "null" for k in range(len(o.truths))]
-        ratio = [v / o.floor for o in usable if o.tier != "null" and o.floor and (v := after(o)) is not None]
+        top = [
+            score.hit(o.truths[k], names(o)[:1])
+            for o in usable
+            if o.tier != "null"
+            for k in range(len(o.truths))
+        ]
+        ratio = [
+            v / o.floor
+            for o in usable
+            if o.tier != "null" and o.floor and (v := after(o)) is not None
+        ]
         rows.append({
             "method": method, "nulls": len(nulls), "null_named": sum(nulls), "effects": len(top), "top": sum(top), "ratios": len(ratio),
             "median": score_table.quantile(ratio, 0.5), "p90": score_table.quantile(ratio, 0.9),

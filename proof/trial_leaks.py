@@ -59,7 +59,9 @@ def metadata(case: Path) -> list[float]:
     ]
     machine = sorted((case / "machine").iterdir())
     found += [float(len(machine)), float(sum(p.stat().st_size for p in machine))]
-    return found + [float(int(c, 16)) if c in "0123456789abcdef" else -1.0 for c in case.name[1:9].ljust(8, "0")]
+    return found + [
+        float(int(c, 16)) if c in "0123456789abcdef" else -1.0 for c in case.name[1:9].ljust(8, "0")
+    ]
 
 
 def leak(first: list[Path], second: list[Path]) -> Leak:
@@ -77,7 +79,8 @@ def told(first: list[list[float]], second: list[list[float]]) -> Leak:
     sign = np.r_[-np.ones(n), np.ones(n)]
     values = np.c_[(values - values.mean(axis=0)) / (values.std(axis=0) + 1e-9), np.ones(2 * n)]
     order = np.argsort(
-        np.r_[np.random.default_rng(0).permutation(n), np.random.default_rng(1).permutation(n)], kind="stable"
+        np.r_[np.random.default_rng(0).permutation(n), np.random.default_rng(1).permutation(n)],
+        kind="stable",
     )
     right = 0
     for fold in range(FOLDS):

@@ -32,15 +32,30 @@ def block(found: dict[str, Any]) -> str:
 
 
 def _rows(head: tuple[str, ...], rows: list[list[str]]) -> str:
-    return "\n".join("| " + " | ".join(r) + " |" for r in [list(head), ["---"] * len(head), *rows]) + "\n"
+    return (
+        "\n".join("| " + " | ".join(r) + " |" for r in [list(head), ["---"] * len(head), *rows])
+        + "\n"
+    )
 
 
 def _method(m: dict[str, Any]) -> list[str]:
     if not m["names"]:
-        return [m["method"], "gives no names", "gives no names", f"{m['median']:.2f}", f"{m['p90']:.2f}"]
+        return [
+            m["method"],
+            "gives no names",
+            "gives no names",
+            f"{m['median']:.2f}",
+            f"{m['p90']:.2f}",
+        ]
     low, high = wilson(m["top"], m["effects"])
     share = f"{m['top']} of {m['effects']} ({low:.2f} to {high:.2f})"
-    return [m["method"], f"{m['null_named']} of {m['nulls']}", share, f"{m['median']:.2f}", f"{m['p90']:.2f}"]
+    return [
+        m["method"],
+        f"{m['null_named']} of {m['nulls']}",
+        share,
+        f"{m['median']:.2f}",
+        f"{m['p90']:.2f}",
+    ]
 
 
 def _loops(loops: list[dict[str, Any]]) -> list[list[str]]:

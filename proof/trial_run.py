@@ -90,14 +90,27 @@ def read(out: Path, case: str) -> dict[str, Any] | None:
 
 
 def run(
-    cases: Path, out: Path, jobs: int, follow_up: Path | None = None, names: Iterable[str] | None = None
+    cases: Path,
+    out: Path,
+    jobs: int,
+    follow_up: Path | None = None,
+    names: Iterable[str] | None = None,
 ) -> dict[str, Any]:
     """All cases (or those named), with follow-up recordings where such are given. Returns what each run cost."""
     if out.exists() and any(out.iterdir()):
-        raise FileExistsError(f"{out} holds answers already: a frozen tool has one shot at its cases")
+        raise FileExistsError(
+            f"{out} holds answers already: a frozen tool has one shot at its cases"
+        )
     out.mkdir(parents=True, exist_ok=True)
-    chosen = sorted(names) if names is not None else sorted(p.name for p in cases.iterdir() if p.is_dir())
-    work = [(cases / n, sorted((follow_up / n).glob("f*.csv")) if follow_up else [], out) for n in chosen]
+    chosen = (
+        sorted(names)
+        if names is not None
+        else sorted(p.name for p in cases.iterdir() if p.is_dir())
+    )
+    work = [
+        (cases / n, sorted((follow_up / n).glob("f*.csv")) if follow_up else [], out)
+        for n in chosen
+    ]
     with ProcessPoolExecutor(jobs) as pool:
         log = {done["case"]: done for done in pool.map(_one, work)}
     (out / "run.json").write_text(json.dumps(log, indent=1, sort_keys=True) + "\n")

@@ -94,17 +94,28 @@ def of_truth(folder: Path, salt: bytes) -> str:
     return hashlib.sha256(salt + listing(folder, (SALT,)).encode()).hexdigest()
 
 
-def check(commitment: Commitment, cases: Path, sealed: Path | None, listed: Path | None = None) -> None:
+def check(
+    commitment: Commitment, cases: Path, sealed: Path | None, listed: Path | None = None
+) -> None:
     """Raises SealError where cases or truth are not those that were committed; names the first file that differs where the
     list of the cases' files is at hand."""
     if of_cases(cases) != commitment.cases_sha256:
-        raise SealError(f"the cases in {cases} are not those that were committed{_first_difference(cases, listed)}")
+        raise SealError(
+            f"the cases in {cases} are not those that were committed{_first_difference(cases, listed)}"
+        )
     if sealed is None:
         return
     if not (sealed / SALT).is_file():
-        raise SealError(f"{sealed} holds no {SALT}: the truth can not be checked against the commitment")
-    if of_truth(sealed, bytes.fromhex((sealed / SALT).read_text().strip())) != commitment.truth_sha256:
-        raise SealError(f"the truth in {sealed} is not that which was committed: its salted SHA-256 is another")
+        raise SealError(
+            f"{sealed} holds no {SALT}: the truth can not be checked against the commitment"
+        )
+    if (
+        of_truth(sealed, bytes.fromhex((sealed / SALT).read_text().strip()))
+        != commitment.truth_sha256
+    ):
+        raise SealError(
+            f"the truth in {sealed} is not that which was committed: its salted SHA-256 is another"
+        )
 
 
 def _first_difference(folder: Path, listed: Path | None) -> str:

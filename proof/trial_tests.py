@@ -54,11 +54,15 @@ def seen(blind: dict[str, Any], head: str, columns: dict[str, np.ndarray]) -> bo
     if blind["spot"] == "one_sense":
         if "sense" in columns and set(axis) <= set(at):
             return len(set(columns["sense"])) == 2
-        return "approach_X" in columns and all(x in at and np.ptp(at[x]) > APART for x in axis)  # a diagonal at rest
+        return "approach_X" in columns and all(
+            x in at and np.ptp(at[x]) > APART for x in axis
+        )  # a diagonal at rest
     if axis not in at or np.ptp(at[axis]) < 1e-3:
         return False
     if blind["spot"] == "lead_multiples":
-        return np.ptp(at[axis]) >= 2 * min(LEADS) and all(_widest(at[axis] / lead) <= PHASES for lead in LEADS)
+        return np.ptp(at[axis]) >= 2 * min(LEADS) and all(
+            _widest(at[axis] / lead) <= PHASES for lead in LEADS
+        )
     if blind["spot"] == "one_direction":
         if f"approach_{axis}" in columns:
             return {"1", "-1"} <= set(columns[f"approach_{axis}"])

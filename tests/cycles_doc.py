@@ -63,7 +63,11 @@ def passed_on() -> dict[str, list[str]]:
     found = {}
     for name in NAMES:
         dialect, ours = dialects.load(name), family(dialects.load(name)).cycles
-        known = [c for c in dialect.codes if c.does in ("drill", "tap") or c.refuses in (codes.CYCLE, codes.WRITE_OUT)]
+        known = [
+            c
+            for c in dialect.codes
+            if c.does in ("drill", "tap") or c.refuses in (codes.CYCLE, codes.WRITE_OUT)
+        ]
         rest = [c.word for c in known if codes.code_number(c.word) not in ours]
         if rest:
             found[name] = rest
@@ -73,7 +77,9 @@ def passed_on() -> dict[str, list[str]]:
 def text() -> str:
     """The section as it stands in the page."""
     lines = [_line(row) for row in rows()]
-    lines += [f"| `{name}` {' '.join(words)} | | {STAYS} | | |\n" for name, words in passed_on().items()]
+    lines += [
+        f"| `{name}` {' '.join(words)} | | {STAYS} | | |\n" for name, words in passed_on().items()
+    ]
     return HEAD + "".join(lines)
 
 
@@ -87,7 +93,8 @@ def _line(row: Row) -> str:
         return f"| {cycles} | | {STAYS if form.stays else 'refused: ' + form.never} | | |\n"
     takes = _meanings(form.takes) + (", *axes*" if form.axes else "")
     refused = "; ".join(
-        f"{x}{' (0)' * (x in form.zero)}{' (1)' * (x in form.one)}: {m}" for x, m in form.refused.items()
+        f"{x}{' (0)' * (x in form.zero)}{' (1)' * (x in form.one)}: {m}"
+        for x, m in form.refused.items()
     )
     return f"| {cycles} | {form.name} | {takes} | {_meanings(form.keeps)} | {refused} |\n"
 

@@ -74,7 +74,9 @@ def programs(site: Site, **taste) -> st.SearchStrategy[bytes]:
     """A hypothesis strategy of programs; `taste`: fields of Taste. Shrinks towards few short blocks."""
     blocks = st.integers(1, taste.pop("blocks", 12))
     return st.builds(
-        lambda rng, n: program(rng, site, Taste(blocks=n, **taste)), st.randoms(use_true_random=False), blocks
+        lambda rng, n: program(rng, site, Taste(blocks=n, **taste)),
+        st.randoms(use_true_random=False),
+        blocks,
     )
 
 
@@ -84,7 +86,9 @@ class Writer:
     def __init__(self, rng: random.Random, site: Site, taste: Taste):
         self.rng, self.site, self.taste = rng, site, taste
         self.fanuc = site.dialect == "fanuc-lathe"
-        self.ranges = {a: (Fraction(str(low)), Fraction(str(high))) for a, (low, high) in site.ranges.items()}
+        self.ranges = {
+            a: (Fraction(str(low)), Fraction(str(high))) for a, (low, high) in site.ranges.items()
+        }
         self.place: dict[str, Fraction | None] = dict.fromkeys(site.ranges)
         self.unit, self.by, self.absolute_centre = Fraction(1), False, False
         self.diameter = set(site.diameter)
@@ -94,7 +98,9 @@ class Writer:
         self.lines: list[list[str]] = []
 
     def often(self, share: float) -> bool:
-        return self.rng.random() >= 1.0 - share  # 0 is no: so examples shrink towards plain programs
+        return (
+            self.rng.random() >= 1.0 - share
+        )  # 0 is no: so examples shrink towards plain programs
 
     # -- the course of a program ---------------------------------------------------------------------------------------
 
@@ -104,7 +110,12 @@ class Writer:
             self.step()
         if self.often(0.5):
             end = self.rng.choice(("M30", "M2"))
-            if self.taste.codes and self.often(0.3) and self.lines[-1] and "G4" not in self.lines[-1]:
+            if (
+                self.taste.codes
+                and self.often(0.3)
+                and self.lines[-1]
+                and "G4" not in self.lines[-1]
+            ):
                 self.lines[-1].append(end)
             else:
                 self.lines.append([end])
@@ -121,7 +132,9 @@ class Writer:
         self.rng.shuffle(axes)
         groups = [[axis] for axis in axes] if self.taste.late else [axes]
         for group in groups:
-            self.straight("G0" if len(groups) > 1 or self.often(0.8) else "G1", group, absolute=True)
+            self.straight(
+                "G0" if len(groups) > 1 or self.often(0.8) else "G1", group, absolute=True
+            )
             if self.taste.late and self.often(0.3):
                 self.modes()
 
@@ -132,7 +145,11 @@ class Writer:
         elif roll < 0.18:
             self.lines.append([self.rng.choice(("M3", "M5", "M8", "M9", "M1"))])
         elif roll < 0.22:
-            time = self.rng.choice(("P500", "X2", "X.5", "U1.5")) if self.fanuc else self.rng.choice(("P0.5", "P1"))
+            time = (
+                self.rng.choice(("P500", "X2", "X.5", "U1.5"))
+                if self.fanuc
+                else self.rng.choice(("P0.5", "P1"))
+            )
             self.lines.append(["G4", time])
         elif roll < 0.25:
             self.lines.append([])
@@ -181,7 +198,9 @@ class Writer:
             words = ["G53", self.motion] if self.motion == "G0" else ["G53", self.motion, "F10"]
             for axis in axes:
                 if self.often(0.7) or axis == axes[-1]:
-                    word, self.place[axis] = self.word(axis, self.goal(axis), self.decimals(), False, machine=True)
+                    word, self.place[axis] = self.word(
+                        axis, self.goal(axis), self.decimals(), False, machine=True
+                    )
                     words.append(word)
             self.lines.append(words)
             return
@@ -253,33 +272,48 @@ class Writer:
             whole = "0" + whole
         return sign + whole
 
-    def axis_words(self, axes, goals: Mapping[str, Fraction], absolute=False, decimals: int | None = None) -> list[str]:
+    def axis_words(
+        self, axes, goals: Mapping[str, Fraction], absolute=False, decimals: int | None = None
+    ) -> list[str]:
         words = []
         for axis in axes:
             digits = self.decimals() if decimals is None else decimals
-            short = self.fanuc and not absolute and self.place[axis] is not None and self.often(0.25)
+            short = (
+                self.fanuc and not absolute and self.place[axis] is not None and self.often(0.25)
+            )
             by = (self.by and not absolute) or short
-            text, self.place[axis] = self.word(axis, goals[axis], digits, by, letter=INCREMENT[axis] if short else "")
+            text, self.place[axis] = self.word(
+                axis, goals[axis], digits, by, letter=INCREMENT[axis] if short else ""
+            )
             words.append(text)
         return words
 
     def straight(self, code: str, axes: list[str] | None = None, absolute=False) -> None:
         if axes is None:
-            axes = [axis for axis in self.ranges if self.often(0.6)] or [self.rng.choice(list(self.ranges))]
+            axes = [axis for axis in self.ranges if self.often(0.6)] or [
+                self.rng.choice(list(self.ranges))
+            ]
         words = []
         if absolute and self.by:
             self.by = False
             words.append("G90")
-        self.block(code, words + self.axis_words(axes, {axis: self.goal(axis) for axis in axes}, absolute))
+        self.block(
+            code, words + self.axis_words(axes, {axis: self.goal(axis) for axis in axes}, absolute)
+        )
 
     def block(self, code: str, words: list[str]) -> None:
         """A motion block: its code unless it holds, its F where it needs one, at times an M code."""
         if code != self.motion or self.often(self.taste.sparse):
-            words.insert(self.rng.randint(0, len(words)) if self.often(0.2) else 0, self.spelled(code))
+            words.insert(
+                self.rng.randint(0, len(words)) if self.often(0.2) else 0, self.spelled(code)
+            )
         self.motion = code
         if code != "G0" and (self.inverse or not self.fed or self.often(0.2)):
             words.append(
-                "F" + self.rng.choice(("5", "0.8", "12.5", "3.25") if self.inverse else ("100", "250.", "80.5"))
+                "F"
+                + self.rng.choice(
+                    ("5", "0.8", "12.5", "3.25") if self.inverse else ("100", "250.", "80.5")
+                )
             )
             self.fed = True
         if self.taste.codes and self.often(0.1):
@@ -307,12 +341,19 @@ class Writer:
         rest = [a for a in self.ranges if a not in letters and self.taste.helix and self.often(0.4)]
         if sweep is None:
             shown = [a for a in letters if self.often(0.3)]
-            words = self.axis_words(shown, dict(zip(letters, start, strict=True)), decimals=digits) if shown else []
+            words = (
+                self.axis_words(shown, dict(zip(letters, start, strict=True)), decimals=digits)
+                if shown
+                else []
+            )
             if any(self.place[a] != s for a, s in zip(letters, start, strict=True)):
                 shown, words = [], []  # it can not be said in so few digits
                 self.place.update(zip(letters, start, strict=True))
             self.block(
-                code, words + self.axis_words(rest, {a: self.goal(a) for a in rest}) + self.centre(arm, centre, digits)
+                code,
+                words
+                + self.axis_words(rest, {a: self.goal(a) for a in rest})
+                + self.centre(arm, centre, digits),
             )
             return
         end = angle + (sweep if code == "G3" else -sweep)
@@ -324,10 +365,14 @@ class Writer:
         chord = math.dist([float(self.place[a]) for a in letters], [float(s) for s in start])
         if 0.001 < chord < 1.9 * radius and abs(sweep - math.pi) > 0.2 and self.often(0.4):
             r = Fraction(round(radius if sweep < math.pi else -radius, 9)) / self.unit
-            centre_words = ["R" + self.number(round(r * 10**digits) * Fraction(1, 10**digits), digits)]
+            centre_words = [
+                "R" + self.number(round(r * 10**digits) * Fraction(1, 10**digits), digits)
+            ]
         else:
             centre_words = self.centre(arm, centre, digits)
-        self.block(code, words + self.axis_words(rest, {a: self.goal(a) for a in rest}) + centre_words)
+        self.block(
+            code, words + self.axis_words(rest, {a: self.goal(a) for a in rest}) + centre_words
+        )
 
     def sweep(self) -> float | None:
         """rad, or None for a full circle."""
@@ -344,7 +389,11 @@ class Writer:
         room = min(float(high - low) for low, high in (self.ranges[a] for a in letters)) / 2
         least = self.taste.radius if self.taste.tiny else max(self.taste.radius, 0.05 * room)
         radius = 10 ** self.rng.uniform(math.log10(least), math.log10(0.9 * room))
-        turn = math.radians(self.rng.choice((0, 90, 180, 270))) if self.often(0.4) else self.rng.uniform(-3.2, 3.2)
+        turn = (
+            math.radians(self.rng.choice((0, 90, 180, 270)))
+            if self.often(0.4)
+            else self.rng.uniform(-3.2, 3.2)
+        )
         step = self.unit / 10**digits
         arm = [round(Fraction(radius * f(turn)) / step) * step for f in (math.cos, math.sin)]
         radius = math.hypot(*arm)
@@ -373,7 +422,9 @@ class Writer:
             return "".join(" ".join(words) + "\n" for words in self.lines).encode()
         rng = self.rng
         end = rng.choice(("\n", "\n", "\r\n"))
-        ends = self.fanuc and self.often(0.4)  # `;` at the end of blocks, at times several in a line
+        ends = self.fanuc and self.often(
+            0.4
+        )  # `;` at the end of blocks, at times several in a line
         numbered, spaced, lower = self.often(0.4), self.often(0.7), self.often(0.2)
         tape = self.often(0.15)
         text = "%" + end if tape else ""
@@ -428,7 +479,9 @@ table  = "{axis}.csv"
 measured_at = {{ {others} }}
 """
 MILL_RANGES = {"X": (0.0, 200.0), "Y": (-60.0, 60.0), "Z": (-40.0, 40.0)}
-MILL_NODES = {axis: tuple(np.linspace(low, high, 9).tolist()) for axis, (low, high) in MILL_RANGES.items()}
+MILL_NODES = {
+    axis: tuple(np.linspace(low, high, 9).tolist()) for axis, (low, high) in MILL_RANGES.items()
+}
 
 
 def write_mill(folder: Path, two_way: bool) -> Path:
@@ -442,23 +495,39 @@ def write_mill(folder: Path, two_way: bool) -> Path:
         columns = {f"{axis}_mm": np.array(nodes)}
         for kind, unit in (("XYZ", "um"), ("ABC", "urad")):
             for direction in kind:
-                name, values = f"E{direction}{axis}_{unit}", np.cumsum(rng.normal(0.0, 5.0, len(nodes)))
+                name, values = (
+                    f"E{direction}{axis}_{unit}",
+                    np.cumsum(rng.normal(0.0, 5.0, len(nodes))),
+                )
                 if two_way and direction == axis:
-                    columns |= {name + "_rev": values + 2.0, name + "_fwd": values - 2.0 - 0.5 * rng.random(len(nodes))}
+                    columns |= {
+                        name + "_rev": values + 2.0,
+                        name + "_fwd": values - 2.0 - 0.5 * rng.random(len(nodes)),
+                    }
                 else:
                     columns[name] = values
-        rows = [",".join(columns), *(",".join(f"{v:.3f}" for v in row) for row in zip(*columns.values(), strict=True))]
+        rows = [
+            ",".join(columns),
+            *(",".join(f"{v:.3f}" for v in row) for row in zip(*columns.values(), strict=True)),
+        ]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
     (folder / "machine.toml").write_text("".join(text))
     return folder
 
 
 STUDER_RANGES = {"X": (0.0, 170.0), "Z": (0.0, 510.0)}
-STUDER_NODES = {"X": tuple(np.arange(0.0, 171.0, 10.0).tolist()), "Z": tuple(np.arange(0.0, 511.0, 30.0).tolist())}
+STUDER_NODES = {
+    "X": tuple(np.arange(0.0, 171.0, 10.0).tolist()),
+    "Z": tuple(np.arange(0.0, 511.0, 30.0).tolist()),
+}
 STUDER_FANUC = Site("fanuc-lathe", STUDER_RANGES, STUDER_NODES, ("X",))
 STUDER_LINUXCNC = Site("linuxcnc", STUDER_RANGES, STUDER_NODES, ("X",))
 MILL = Site("linuxcnc", MILL_RANGES, MILL_NODES)
-OFFSETS = {"G54": {"X": 0.0, "Z": 0.0}, "G55": {"X": 12.5, "Z": 100.0}, "G59": {"X": -3.0001, "Z": 77.7}}
+OFFSETS = {
+    "G54": {"X": 0.0, "Z": 0.0},
+    "G55": {"X": 12.5, "Z": 100.0},
+    "G59": {"X": -3.0001, "Z": 77.7},
+}
 
 
 def write_lagging(source: Path, folder: Path) -> Path:

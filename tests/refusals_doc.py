@@ -70,7 +70,9 @@ def sentences() -> dict[str, list[tuple[str, str]]]:
         constants |= {  # a function that does nothing but choose between sentences
             node.name: node.body[0].value
             for node in ast.walk(tree)
-            if isinstance(node, ast.FunctionDef) and isinstance(node.body[0], ast.Return) and node.body[0].value
+            if isinstance(node, ast.FunctionDef)
+            and isinstance(node.body[0], ast.Return)
+            and node.body[0].value
         }
         for node in ast.walk(tree):
             if isinstance(node, ast.Tuple) and len(node.elts) == 2 and where in PAIRS:
@@ -79,7 +81,11 @@ def sentences() -> dict[str, list[tuple[str, str]]]:
                     result[title].setdefault(*pair)
             if not isinstance(node, ast.Call):
                 continue
-            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            name = (
+                node.func.attr
+                if isinstance(node.func, ast.Attribute)
+                else getattr(node.func, "id", "")
+            )
             if name not in CALLS:
                 continue
             texts = [t for t in (_text(a, constants) for a in node.args) if t and " " in t]
@@ -90,7 +96,12 @@ def sentences() -> dict[str, list[tuple[str, str]]]:
 
 def _chapter(where: str) -> str:
     best = max(
-        ((len(prefix), title) for title, prefixes in CHAPTERS for prefix in prefixes if where.startswith(prefix)),
+        (
+            (len(prefix), title)
+            for title, prefixes in CHAPTERS
+            for prefix in prefixes
+            if where.startswith(prefix)
+        ),
         default=(0, ""),
     )
     return best[1] or CHAPTERS[-1][0]

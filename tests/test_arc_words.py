@@ -39,7 +39,10 @@ def flat(folder: Path, of_place):
     """Positioning of X and Y by one straight line: um at mm."""
     folder.mkdir()
     for axis in "XY":
-        rows = [f"{axis}_mm,E{axis}{axis}_um", *(f"{p},{of_place(p)}" for p in (-500.0, 0.0, 500.0))]
+        rows = [
+            f"{axis}_mm,E{axis}{axis}_um",
+            *(f"{p},{of_place(p)}" for p in (-500.0, 0.0, 500.0)),
+        ]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
     axes = "".join(AXIS.format(x) + f'table = "{x}.csv"\n' for x in "XY") + AXIS.format("Z")
     (folder / "machine.toml").write_text(HEAD + axes)
@@ -91,7 +94,11 @@ def test_growth_changes_the_number_of_R(growth):
     """R 200 / 1.0001 = 199.980002; R 40 is 4 um too large, which is more than the tolerance."""
     text = "G17 G21 G54 G90 F500\nG0 X200 Y0 Z0\nG3 X0 Y200 R200.\nG2 X40 Y240 R40\n"
     lines = corrected(growth, text, tolerance=0.0005)
-    assert lines[1:] == ["G0 X199.9800 Y0 Z0", "G3 X0 Y199.9800 R199.9800", "G2 X39.9960 Y239.9760 R39.9960"]
+    assert lines[1:] == [
+        "G0 X199.9800 Y0 Z0",
+        "G3 X0 Y199.9800 R199.9800",
+        "G2 X39.9960 Y239.9760 R39.9960",
+    ]
 
 
 def test_growth_within_the_tolerance_keeps_the_programmed_R(growth):
@@ -122,14 +129,18 @@ def test_a_circle_that_becomes_an_ellipse_is_cut(tmp_path):
     assert "X" in lines[2]
 
 
-@pytest.mark.parametrize(("dialect", "spelling"), [("linuxcnc", " R"), ("fanuc-mill", " R"), ("siemens", " CR=")])
+@pytest.mark.parametrize(
+    ("dialect", "spelling"), [("linuxcnc", " R"), ("fanuc-mill", " R"), ("siemens", " CR=")]
+)
 def test_pieces_behind_are_spelled_as_their_own_block(tmp_path, dialect, spelling):
     machine = write_mill(tmp_path / "mill", False)
     machine = read_machine(machine)
     text = f"G17 G90 F500\nG0 X10 Y-50 Z0\nG2 X110 Y50{spelling}120\n"
     lines = corrected(machine, text, dialect, tolerance=0.001)
     assert len(lines) > 4
-    assert all(re.search(re.escape(spelling) + r"1[12]\d(\.|\.\d{4})?$", line) for line in lines[2:]), lines
+    assert all(
+        re.search(re.escape(spelling) + r"1[12]\d(\.|\.\d{4})?$", line) for line in lines[2:]
+    ), lines
     assert lines[3].startswith("X")
     assert not any(re.search("[IJ]", line) for line in lines[2:])
 
@@ -138,7 +149,9 @@ def test_half_a_turn_by_R_becomes_a_centre_where_R_is_too_coarse(tmp_path):
     """100 / 1.000019 = 99.9981, and half of that is 49.99905: R 49.9990 is too short, and R 49.9991
     puts the centre sqrt(49.9991^2 - 49.99905^2) = 0.07 mm beside the chord."""
     machine = flat(tmp_path / "bent", lambda p: 0.019 * p)
-    lines = corrected(machine, "G17 G21 G54 G90 F500\nG0 X0 Y0 Z0\nG2 X100 Y0 R50\n", tolerance=0.0005)
+    lines = corrected(
+        machine, "G17 G21 G54 G90 F500\nG0 X0 Y0 Z0\nG2 X100 Y0 R50\n", tolerance=0.0005
+    )
     assert lines[2] in [f"G2 X99.9981 Y0 I{i} J0.0000" for i in ("49.9990", "49.9991")]
 
 
@@ -152,12 +165,17 @@ def random_arcs(seed: int, count: int, radii: tuple[float, float] = (1.0, 25.0))
         code = rng.choice([2, 3])
         i, j = -radius * math.cos(begin), -radius * math.sin(begin)
         end = begin + (sweep if code == 3 else -sweep)
-        to_x, to_y = round(x + i + radius * math.cos(end), 3), round(y + j + radius * math.sin(end), 3)
+        to_x, to_y = (
+            round(x + i + radius * math.cos(end), 3),
+            round(y + j + radius * math.sin(end), 3),
+        )
         inside = radius < x + i < 200 - radius and radius - 60 < y + j < 60 - radius
         if inside and rng.random() < 0.15:
             lines.append(f"G{code} I{i:.3f} J{j:.3f}")
         elif inside and abs(radius) >= math.dist((x, y), (to_x, to_y)) / 2 + 0.001:
-            lines.append(f"G{code} X{to_x:.3f} Y{to_y:.3f} R{radius if sweep <= math.pi else -radius:.3f}")
+            lines.append(
+                f"G{code} X{to_x:.3f} Y{to_y:.3f} R{radius if sweep <= math.pi else -radius:.3f}"
+            )
             x, y = to_x, to_y
     return "\n".join([*lines, "M2", ""])
 
@@ -171,7 +189,9 @@ def test_random_R_arcs_and_circles_stay_within_the_tolerance(tmp_path, two_way, 
     text, filter_ = random_arcs(seed, 40), filter_of(read_machine(folder), tolerance=0.001)
     out = (filter_.feed(text.encode()) + filter_.finish()).decode()
     judge = Reference.load(folder, measured_at="stood")
-    report = residual(text, out, "linuxcnc", judge, samples_per_mm=2.0, offsets={**judge.offsets, **ZERO})
+    report = residual(
+        text, out, "linuxcnc", judge, samples_per_mm=2.0, offsets={**judge.offsets, **ZERO}
+    )
     assert report.largest_mm <= 1.0 * UM + 0.05 * UM + 0.01 * UM, report.where
     assert report.uncompensated_mm > 5 * UM
     by_radius = sum(" R" in line for line in out.splitlines())
@@ -183,7 +203,11 @@ def test_one_line_at_a_time_gives_the_same_bytes(tmp_path):
     text = random_arcs(9, 30)
     together, alone = filter_of(machine), filter_of(machine)
     one = together.feed(text.encode()) + together.finish()
-    assert b"".join(alone.feed(line.encode()) for line in text.splitlines(keepends=True)) + alone.finish() == one
+    assert (
+        b"".join(alone.feed(line.encode()) for line in text.splitlines(keepends=True))
+        + alone.finish()
+        == one
+    )
 
 
 def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
@@ -195,11 +219,16 @@ def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
     """
     folder = write_mill(tmp_path / "mill", True)
     toml = (folder / "machine.toml").read_text()
-    (folder / "machine.toml").write_text(re.sub(r"least_increment *= *\S+", "least_increment = 0.001", toml))
+    (folder / "machine.toml").write_text(
+        re.sub(r"least_increment *= *\S+", "least_increment = 0.001", toml)
+    )
     machine, rng = read_machine(folder), random.Random(3)
     lines = ["G21 G90 G17 G54", "G0 X100 Y0 Z0", "F1000"]
     for _ in range(300):
-        place = (25 * rng.randrange(1, 8) + rng.choice([-1, 0, 1]) * rng.uniform(0, 0.02), 15 * rng.randrange(-3, 4))
+        place = (
+            25 * rng.randrange(1, 8) + rng.choice([-1, 0, 1]) * rng.uniform(0, 0.02),
+            15 * rng.randrange(-3, 4),
+        )
         lines.append(f"G1 X{place[0]:.3f} Y{place[1] + rng.uniform(-0.02, 0.02):.3f}")
     filter_, shortest, many = filter_of(machine, tolerance=0.001), [], []
 

@@ -48,7 +48,13 @@ def test_grbl_answers_a_question_mark():
 
 
 @pytest.mark.parametrize(
-    "text", ["G91\nG0 X5\nX5\n", "G91 F100\nG1 X5\nY5\n", "G91 G18 F100\nG2 X5 I2.5\n", "F9\nG92 X0 Y0 Z0\nG91 G1 X9\n"]
+    "text",
+    [
+        "G91\nG0 X5\nX5\n",
+        "G91 F100\nG1 X5\nY5\n",
+        "G91 G18 F100\nG2 X5 I2.5\n",
+        "F9\nG92 X0 Y0 Z0\nG91 G1 X9\n",
+    ],
 )
 @pytest.mark.parametrize("dialect", ["linuxcnc", "grbl", "fanuc-mill"])
 def test_the_first_increments_count_from_where_the_slides_stand(dialect, text):
@@ -62,7 +68,9 @@ def test_marlin_passes_over_a_remark_behind_two_strokes():
     """Marlin/src/gcode/parser.cpp, parse(): a sign that is no letter is no parameter, a letter without a number has no value;
     a word in the remark would be one."""
     home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
-    lines = written("G28\nG1 X10 Y10 Z5 F600\nG1 X20 // Protect bed, then go\nG1 Z9\n", "marlin", home)
+    lines = written(
+        "G28\nG1 X10 Y10 Z5 F600\nG1 X20 // Protect bed, then go\nG1 Z9\n", "marlin", home
+    )
     plain = written("G28\nG1 X10 Y10 Z5 F600\nG1 X20\nG1 Z9\n", "marlin", home)
     assert [x.replace(" // Protect bed, then go", "") for x in lines] == plain and lines != plain
     said = refused("G28\nG1 X10 Y10 Z5 F600\nG1 X20 // to X 30\n", "marlin", home)

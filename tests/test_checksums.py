@@ -39,7 +39,9 @@ class Receiver:
                 assert reset or number == self.last + 1, f"N{number} after {self.last}: {line}"
                 star = command.rfind(b"*")
                 assert star >= 0, f"no checksum: {line}"
-                assert int(command[star + 1 :]) == reduce(xor, command[:star], 0), f"checksum: {line}"
+                assert int(command[star + 1 :]) == reduce(xor, command[:star], 0), (
+                    f"checksum: {line}"
+                )
                 self.last = number
             self.taken.append(re.sub(rb"^N[+-]?\d+ *|\*.*", b"", command).strip())
 
@@ -86,7 +88,12 @@ def test_blanks_before_the_number_may_count_or_not():
 
 
 def test_added_lines_take_the_next_number_and_shift_the_later_ones():
-    text = sealed(b"N7 G1 X1", b" ; first") + b"G1 X2\r\nX3 ; more\n" + sealed(b"N8 G1 X4") + sealed(b"N0009G1X5")
+    text = (
+        sealed(b"N7 G1 X1", b" ; first")
+        + b"G1 X2\r\nX3 ; more\n"
+        + sealed(b"N8 G1 X4")
+        + sealed(b"N0009G1X5")
+    )
     out, state = renumber(text)
     assert out == (
         sealed(b"N7 G1 X1", b" ; first") + sealed(b"N8 G1 X2", b"\r") + sealed(b"N9 X3", b" ; more")
@@ -101,7 +108,9 @@ def test_a_changed_line_keeps_its_number_and_gets_its_checksum():
 
 
 @pytest.mark.parametrize(
-    "reset", [b"N3 M110 N0", b"N0 M110", b"N3M110N0", b"n3 m110 n0"], ids=["both", "one", "packed", "small"]
+    "reset",
+    [b"N3 M110 N0", b"N0 M110", b"N3M110N0", b"n3 m110 n0"],
+    ids=["both", "one", "packed", "small"],
 )
 def test_m110_sets_the_count_anew(reset):
     text = sealed(b"N1 G1 X1") + b"G1 X2\n" + sealed(reset) + sealed(b"N1 G1 X3")
@@ -118,7 +127,9 @@ def test_m110_without_a_number_in_front_is_not_numbered():
 def test_half_numbered_lines():
     text = sealed(b"N1 G1 X1") + b"G1 X2\nN2 G1 X3\n" + sealed(b"M105") + b"G1 X9*1\n"
     out = renumber(text)[0]
-    assert out == sealed(b"N1 G1 X1") + sealed(b"N2 G1 X2") + b"N3 G1 X3\n" + sealed(b"M105") + sealed(b"G1 X9")
+    assert out == sealed(b"N1 G1 X1") + sealed(b"N2 G1 X2") + b"N3 G1 X3\n" + sealed(
+        b"M105"
+    ) + sealed(b"G1 X9")
 
 
 @pytest.mark.parametrize(
@@ -142,7 +153,9 @@ def test_comments_and_blank_lines_take_no_number():
 
 # -- laws --------------------------------------------------------------------------------------------------------------
 
-WORDS = st.sampled_from([b"G1 X1.5 Y2", b"G1X3F600", b"M104 S200", b"G28", b"X4.", b"T0", b"G2 X1 I2 J0"])
+WORDS = st.sampled_from(
+    [b"G1 X1.5 Y2", b"G1X3F600", b"M104 S200", b"G28", b"X4.", b"T0", b"G2 X1 I2 J0"]
+)
 TAILS = st.sampled_from([b"", b" ; a*b", b";c", b"\r", b" "])
 LINES = st.lists(
     st.tuples(
@@ -211,7 +224,12 @@ def test_nothing_added_nothing_changed(lines):
 
 def test_a_stream_that_is_written_out_has_no_numbers():
     """Lines come and go when a curve is written out: no number and no checksum of the stream is right behind it."""
-    text = b"; a print\n" + sealed(b"N1 G28") + sealed(b"N2 G5 X30 I5 J5 P-5 Q5", b" ; curve") + b"G1 X5 ; *7\n"
+    text = (
+        b"; a print\n"
+        + sealed(b"N1 G28")
+        + sealed(b"N2 G5 X30 I5 J5 P-5 Q5", b" ; curve")
+        + b"G1 X5 ; *7\n"
+    )
     assert bare(text) == b"; a print\n G28\n G5 X30 I5 J5 P-5 Q5 ; curve\nG1 X5 ; *7\n"
     assert bare(b"N1 G28*1\n") == b"N1 G28*1\n"  # damaged: refused where it is read
     assert bare(b"N10 G1 X5\n") == b"N10 G1 X5\n"
@@ -232,5 +250,10 @@ def test_any_bytes_are_survived(data):
 
 
 def test_a_long_line_takes_no_long_time():
-    for text in (b"N1 G1" + b" " * 500_000 + b"X1*5\n", b"*1 " * 200_000, b"(" * 500_000 + b"*1", b"*1;" * 300_000):
+    for text in (
+        b"N1 G1" + b" " * 500_000 + b"X1*5\n",
+        b"*1 " * 200_000,
+        b"(" * 500_000 + b"*1",
+        b"*1;" * 300_000,
+    ):
         cover(text), check(text), renumber(text)

@@ -112,7 +112,8 @@ def ended(process: subprocess.Popen) -> Ran:
 def zigzag(lines: int) -> bytes:
     """A program of so many motions, 25 bytes each or so."""
     return b"G90 G21\nG0 X20. Z10.\nG1 F500\n" + b"".join(
-        b"X%d.%03d Z%d.%03d\n" % (20 + i % 50, i % 1000, 10 + i % 70, (7 * i) % 1000) for i in range(lines)
+        b"X%d.%03d Z%d.%03d\n" % (20 + i % 50, i % 1000, 10 + i % 70, (7 * i) % 1000)
+        for i in range(lines)
     )
 
 
@@ -198,7 +199,8 @@ def test_dry_run_writes_nothing(place):
     ran = gcomp(place, *GRINDER, "--dry-run", "part.nc", "-o", "out.nc")
     assert ran.status == 0
     assert re.fullmatch(
-        rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5 um\n", ran.out
+        rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5 um\n",
+        ran.out,
     )
     assert {p.name: p.stat().st_mtime_ns for p in place.iterdir()} == before
 
@@ -247,7 +249,9 @@ def test_a_faulty_program_writes_nothing(place):
 
 def test_a_second_pass_is_refused(place, corrected):
     (place / "once.nc").write_bytes(corrected)
-    refused(gcomp(place, *GRINDER, "once.nc"), "once.nc:3: ", "corrected already", "nominal program")
+    refused(
+        gcomp(place, *GRINDER, "once.nc"), "once.nc:3: ", "corrected already", "nominal program"
+    )
 
 
 @pytest.mark.parametrize(
@@ -268,9 +272,18 @@ def test_a_line_of_two_megabytes_is_refused(place):
 
 def test_what_there_is_not_is_answered_with_what_there_is(place):
     refused(
-        gcomp(place, "--machine", "studer", "part.nc"), "'studer'", "perfect", "studer-s36", "path of a machine folder"
+        gcomp(place, "--machine", "studer", "part.nc"),
+        "'studer'",
+        "perfect",
+        "studer-s36",
+        "path of a machine folder",
     )
-    refused(gcomp(place, *GRINDER, "--dialect", "klingon", "part.nc"), "'klingon'", "fanuc-lathe", "linuxcnc")
+    refused(
+        gcomp(place, *GRINDER, "--dialect", "klingon", "part.nc"),
+        "'klingon'",
+        "fanuc-lathe",
+        "linuxcnc",
+    )
     refused(gcomp(place, *GRINDER, "no.nc"), "no.nc", "No such file")
     refused(gcomp(place, *GRINDER, "home"), "home is a folder, not a program")
     refused(gcomp(place, "--machine", str(place / "home"), "part.nc"), "has no machine.toml")
@@ -330,7 +343,8 @@ def test_without_a_program_it_says_how(place):
 
 
 @pytest.mark.parametrize(
-    "text, um", [("0.5um", "0.5"), ("0.001mm", "1"), ("0.001", "1"), ("5\u00b5m", "5"), (".0001in", "2.54")]
+    "text, um",
+    [("0.5um", "0.5"), ("0.001mm", "1"), ("0.001", "1"), ("5\u00b5m", "5"), (".0001in", "2.54")],
 )
 def test_a_tolerance_may_be_written_so(place, text, um):
     ran = gcomp(place, *GRINDER, "--dry-run", "--tolerance", text, "part.nc")
@@ -338,7 +352,9 @@ def test_a_tolerance_may_be_written_so(place, text, um):
     assert f"tolerance {um} um" in ran.out.decode()
 
 
-@pytest.mark.parametrize("text", ["abc", "0", "-1um", "nan", "1e999um", "0,5um", "5", "20mm", "1m", ""])
+@pytest.mark.parametrize(
+    "text", ["abc", "0", "-1um", "nan", "1e999um", "0,5um", "5", "20mm", "1m", ""]
+)
 def test_a_tolerance_may_not_be_written_so(place, text):
     ran = gcomp(place, *GRINDER, f"--tolerance={text}", "part.nc")
     assert (ran.status, ran.out) == (2, b"")
@@ -354,7 +370,10 @@ def test_offsets_may_be_stated(place):
     refused(gcomp(place, *GRINDER, input=program), "G55 is not stated", "--offset G55=X0,Z0")
     at_zero = gcomp(place, *GRINDER, "--offset", "G55=X0,Z0", input=program)
     assert at_zero.status == 0
-    assert at_zero.out.split(b"\n")[-2] == gcomp(place, *GRINDER, input=b"G0 X20. Z10.\n").out.split(b"\n")[-2]
+    assert (
+        at_zero.out.split(b"\n")[-2]
+        == gcomp(place, *GRINDER, input=b"G0 X20. Z10.\n").out.split(b"\n")[-2]
+    )
     elsewhere = gcomp(place, *GRINDER, "--offset", "g55 = x1, z-2.5", input=program)
     assert elsewhere.status == 0
     assert elsewhere.out != at_zero.out
@@ -392,7 +411,9 @@ def test_an_axis_that_the_machine_has_not_is_named(place, option):
 
 def test_the_start_may_be_stated(place):
     program = b"G1 X20. F100\n"
-    refused(gcomp(place, *GRINDER, input=program), "<stdin>:1: where Z stands is not known", "--start")
+    refused(
+        gcomp(place, *GRINDER, input=program), "<stdin>:1: where Z stands is not known", "--start"
+    )
     ran = gcomp(place, *GRINDER, "--start", "X5,Z10", input=program)
     assert ran.status == 0
     assert b"Z9.99" in ran.out
@@ -400,7 +421,9 @@ def test_the_start_may_be_stated(place):
 
 def test_block_delete_on_leaves_the_block_alone(place):
     program = b"G0 X20. Z10.\n/G1 X30. F100\nG1 X40. F100\n"
-    on, off = (gcomp(place, *GRINDER, "--block-delete", way, input=program) for way in ("on", "off"))
+    on, off = (
+        gcomp(place, *GRINDER, "--block-delete", way, input=program) for way in ("on", "off")
+    )
     assert (on.status, off.status) == (0, 0)
     assert b"\n/G1 X30. F100\n" in on.out
     assert b"\n/G1 X30. F100\n" not in off.out
@@ -428,7 +451,12 @@ def test_the_ways_to_treat_a_reversal_are_accepted_and_differ(place):
 
 def test_arc_centres_may_be_absolute(place):
     program = b"G0 X20. Z30.\nG3 X40. Z20. I10. K20. F100\n"
-    refused(gcomp(place, *GRINDER, input=program), "misses its own end point", "incremental", "--arc-centre")
+    refused(
+        gcomp(place, *GRINDER, input=program),
+        "misses its own end point",
+        "incremental",
+        "--arc-centre",
+    )
     assert gcomp(place, *GRINDER, "--arc-centre", "absolute", input=program).status == 0
 
 
@@ -438,7 +466,9 @@ def test_arc_centres_may_be_absolute(place):
 def test_verify_says_what_is_left(place, corrected):
     ran = gcomp(place, *GRINDER, "--verify", "part.nc")
     assert (ran.status, ran.out) == (0, corrected)
-    left, without = re.search(r"nominal path ([\d.]+) um .*uncorrected ([\d.]+) um", ran.err).groups()
+    left, without = re.search(
+        r"nominal path ([\d.]+) um .*uncorrected ([\d.]+) um", ran.err
+    ).groups()
     assert float(left) <= 0.55 < float(without)
     assert "2 motions in" in ran.err
 
@@ -463,7 +493,12 @@ def test_the_machines_are_listed_and_shown(place):
     ran = gcomp(place, "machines")
     assert ran.status == 0
     listed = [line.split()[0] for line in ran.out.decode().splitlines()]
-    assert listed == sorted(listed) and {"perfect", "studer-s36", "studer-s36-thesis", "example-mill"} <= set(listed)
+    assert listed == sorted(listed) and {
+        "perfect",
+        "studer-s36",
+        "studer-s36-thesis",
+        "example-mill",
+    } <= set(listed)
     text = gcomp(place, "machines", "show", "studer-s36").out.decode()
     for part in (
         "Studer S-36",
@@ -531,7 +566,9 @@ def test_a_live_pipe_is_answered_line_by_line_up_to_the_fault(place):
         process.stdin.write(b"X30.\nX400.\nX20.\n")
         said += answer(process)
         ran = ended(process)
-    before = gcomp(place, *GRINDER, input=b"(part)\nG90 G21\nG0 X20. Z10.\nG1 X40. F100\nZ50.\nX30.\n")
+    before = gcomp(
+        place, *GRINDER, input=b"(part)\nG90 G21\nG0 X20. Z10.\nG1 X40. F100\nZ50.\nX30.\n"
+    )
     assert said + ran.out == before.out
     assert ran.status == 2
     assert "<stdin>:7: X = 200.0000 mm" in ran.err
@@ -618,7 +655,9 @@ def small_disk(place):
     """A disk of 256 kB; skipped where none can be mounted."""
     disk = place / "disk"
     disk.mkdir()
-    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], capture_output=True)
+    done = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], capture_output=True
+    )
     if done.returncode:
         pytest.skip("no disk can be mounted here")
     try:

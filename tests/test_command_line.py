@@ -41,7 +41,13 @@ def test_a_file_that_is_called_almost_as_a_command_is_a_program(tmp_path, monkey
 
 
 @pytest.mark.parametrize(
-    "words", [["--version"], ["machines", "--version"], ["--machine", "x", "--version"], ["batch", "--version"]]
+    "words",
+    [
+        ["--version"],
+        ["machines", "--version"],
+        ["--machine", "x", "--version"],
+        ["batch", "--version"],
+    ],
 )
 def test_the_version_is_told_beside_anything(capfd, words):
     assert main(words) == 0
@@ -55,7 +61,9 @@ def test_completion_has_every_command_and_option(capfd, shell):
     assert all(re.search(rf"\b{name}\b", script) for name in commands())
     assert "hole-tolerance" in script and "mean step ramp off" in script
     if shell != "zsh" and shutil.which(shell):
-        assert subprocess.run([shell, "-n"], input=script.encode(), capture_output=True).stderr == b""
+        assert (
+            subprocess.run([shell, "-n"], input=script.encode(), capture_output=True).stderr == b""
+        )
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
@@ -105,7 +113,9 @@ def test_the_manual_page_is_what_the_commands_say(capfd):
     made = capfd.readouterr().out
     assert all(f'.SH "GCOMP {name.upper()}"' in made for name in commands() if name != DEFAULT)
     if shutil.which("groff"):
-        done = subprocess.run(["groff", "-man", "-ww", "-z"], input=made.encode(), capture_output=True)
+        done = subprocess.run(
+            ["groff", "-man", "-ww", "-z"], input=made.encode(), capture_output=True
+        )
         assert done.stderr == b""
 
 
@@ -118,7 +128,9 @@ def test_colour_is_for_terminals_alone(tmp_path, monkeypatch):
     def said(**more) -> bytes:
         reader, writer = pty.openpty()
         environment = (
-            {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"PYTHONPATH": str(ROOT), "TERM": "xterm"} | more
+            {k: v for k, v in os.environ.items() if k != "NO_COLOR"}
+            | {"PYTHONPATH": str(ROOT), "TERM": "xterm"}
+            | more
         )
         subprocess.run(
             [sys.executable, "-m", "postproc", "no.nc", "--machine", "perfect"],

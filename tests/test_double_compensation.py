@@ -14,7 +14,9 @@ from postproc.errors import MachineError
 from postproc.machine.file import read_machine
 
 ROOT = Path(__file__).resolve().parents[1]
-PLACES = np.array([[-1000.0, -730.0, -333.0, 0.0, 20.0], [-600.0, -333.0, -100.0, 0.0, 10.0], [-10.0] * 5])
+PLACES = np.array(
+    [[-1000.0, -730.0, -333.0, 0.0, 20.0], [-600.0, -333.0, -100.0, 0.0, 10.0], [-10.0] * 5]
+)
 
 
 def mv(folder: Path, measured: str, active: bool, file: str = 'file     = "fanuc_pitch.csv"'):
@@ -48,7 +50,9 @@ def test_measured_without_the_table_and_used_with_it_nothing_is_left(tmp_path, w
 def test_measured_with_the_table_and_used_without_it_what_it_did_comes_back(tmp_path):
     machine = mv(tmp_path / "m", "on", False)
     plain = deviation(machine)
-    assert deviation(with_control_tables(machine)) == approx(2 * plain, abs=1e-9)  # this map is the table's own
+    assert deviation(with_control_tables(machine)) == approx(
+        2 * plain, abs=1e-9
+    )  # this map is the table's own
 
 
 def test_measured_with_it_and_used_with_it_is_the_map(tmp_path):

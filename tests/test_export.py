@@ -23,7 +23,11 @@ def gcomp(*words: str) -> int:
 
 
 def export(out: Path, control: str, *more: str) -> int:
-    stated = [w for key in getattr(control_tables.load(control), "STATED", {}) for w in ("--set", f"{key}=-")]
+    stated = [
+        w
+        for key in getattr(control_tables.load(control), "STATED", {})
+        for w in ("--set", f"{key}=-")
+    ]
     return gcomp("--machine", STUDER, "--control", control, "-o", out, *stated, *more)
 
 
@@ -33,12 +37,18 @@ def test_the_table_says_component_nodes_correction_and_what_is_left(tmp_path, ca
     rows = {line.split()[0]: line for line in out.splitlines() if line.startswith("E")}
     assert rows["EXX"].split() == ["EXX", "18", "30.50", "um", "0.000", "um", "not", "stated"]
     assert "not written" in rows["EZX"] and "80.71" in rows["EZX"]
-    assert "ignores BACKLASH" in out and "a table of one axis can not hold" in out and "diameters" in out
+    assert (
+        "ignores BACKLASH" in out
+        and "a table of one axis can not hold" in out
+        and "diameters" in out
+    )
     assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]
     assert (tmp_path / "X.comp").read_text().startswith("0.000000 0.008400 -0.000400\n")
 
 
-@pytest.mark.parametrize("control", [n for n in control_tables.names() if not control_tables.load(n).VERIFIED])
+@pytest.mark.parametrize(
+    "control", [n for n in control_tables.names() if not control_tables.load(n).VERIFIED]
+)
 def test_what_is_unverified_is_said_loudly(control, tmp_path, capsys):
     assert export(tmp_path / "out", control, "--reference", "X=180,Z=520") == 0
     assert "UNVERIFIED: " in capsys.readouterr().out
@@ -51,7 +61,10 @@ def test_nothing_is_overwritten_without_force_and_then_no_file_is_touched(tmp_pa
     assert (tmp_path / "Z.comp").read_text() == "mine" and not (tmp_path / "X.comp").exists()
     assert export(tmp_path, "linuxcnc", "--force") == 0
     assert (tmp_path / "Z.comp").read_text() != "mine"
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]  # no half-written file beside them
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "X.comp",
+        "Z.comp",
+    ]  # no half-written file beside them
 
 
 def test_a_single_file_may_be_named_and_several_need_a_folder(tmp_path, capsys):
@@ -65,7 +78,11 @@ def test_a_single_file_may_be_named_and_several_need_a_folder(tmp_path, capsys):
 def test_only_an_axis_or_a_component_is_written_when_asked_for(tmp_path, capsys):
     assert export(tmp_path / "z", "siemens-cec", "--axis", "Z") == 0
     text = (tmp_path / "z").read_text()
-    assert "INPUT_AXIS[0]=(AX3)" in text and "(AX1)\n$AN_CEC_STEP" in text and "INPUT_AXIS[0]=(AX1)" not in text
+    assert (
+        "INPUT_AXIS[0]=(AX3)" in text
+        and "(AX1)\n$AN_CEC_STEP" in text
+        and "INPUT_AXIS[0]=(AX1)" not in text
+    )
     assert export(tmp_path / "c", "siemens-cec", "--component", "EZX") == 0
     assert (tmp_path / "c").read_text().count("OUTPUT_AXIS") == 2
     capsys.readouterr()
@@ -90,7 +107,10 @@ def test_what_a_table_takes_out_reads_as_an_axis_table_of_a_machine(tmp_path, ca
 
 @pytest.mark.skipif(not SEED.exists(), reason="the seed's tables are not here")
 def test_fanucs_numbers_are_read_with_their_settings(capsys):
-    pitch, settings = SEED / "table_7_2_mv1060_fanuc_pitch.csv", SEED / "table_7_2_mv1060_fanuc_settings.csv"
+    pitch, settings = (
+        SEED / "table_7_2_mv1060_fanuc_pitch.csv",
+        SEED / "table_7_2_mv1060_fanuc_settings.csv",
+    )
     assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "--axis", "Y") == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[1:3] == ["Y_mm,EYY_um_fwd,EYY_um_rev", "-600,11,13"]
@@ -102,14 +122,20 @@ def test_table_7_2_goes_through_the_machine_by_the_commands_of_its_readme(tmp_pa
     """Read into a file for each axis, and written again from the machine: the same 82 numbers, byte for byte."""
     folder = Path(__file__).resolve().parents[1] / "machines" / "mv-1060"
     pitch, settings = folder / "fanuc_pitch.csv", folder / "fanuc_settings.csv"
-    assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/") == 0
+    assert (
+        gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/")
+        == 0
+    )
     assert sorted(p.name for p in (tmp_path / "t").iterdir()) == ["X.csv", "Y.csv", "Z.csv"]
     assert "-600,11,13" in (tmp_path / "t" / "Y.csv").read_text().splitlines()
     words = [w for w in (folder / "README.md").read_text().split("gcomp export --machine mv-1060")[1].split("numbers/")[0].split() if w != "\\"]  # fmt: skip
     assert gcomp("--machine", folder, *words, f"{tmp_path}/n/") == 0
     assert (tmp_path / "n" / "mv-1060_pitch.csv").read_bytes() == pitch.read_bytes()
     assert pitch.read_bytes().count(b"\n") == 83
-    assert gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/") == 2
+    assert (
+        gcomp("--read", pitch, "--settings", settings, "--control", "fanuc", "-o", f"{tmp_path}/t/")
+        == 2
+    )
     assert "is there already" in capsys.readouterr().err
 
 
@@ -156,12 +182,27 @@ def test_the_list_shows_every_control_with_its_sign(capsys):
     [
         (["--control", "linuxcnc"], "either --machine M is written, or --read FILE is read"),
         (["--machine", str(STUDER)], "--control is missing"),
-        (["--machine", str(STUDER), "--control", "nope", "-o", "x"], "there are no tables of a control 'nope'"),
+        (
+            ["--machine", str(STUDER), "--control", "nope", "-o", "x"],
+            "there are no tables of a control 'nope'",
+        ),
         (["--machine", str(STUDER), "--control", "linuxcnc"], "-o is missing"),
-        (["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "typ=1"], "has no such key"),
-        (["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "type=7"], "type = '7' is not known"),
-        (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--first", "X=1.5"], "without a fraction"),
-        (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--reference", "X:1"], "is not like X=0"),
+        (
+            ["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "typ=1"],
+            "has no such key",
+        ),
+        (
+            ["--machine", str(STUDER), "--control", "linuxcnc", "-o", "x", "--set", "type=7"],
+            "type = '7' is not known",
+        ),
+        (
+            ["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--first", "X=1.5"],
+            "without a fraction",
+        ),
+        (
+            ["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--reference", "X:1"],
+            "is not like X=0",
+        ),
         (["--machine", str(STUDER), "--control", "fanuc", "-o", "x", "--step", "-1"], "above zero"),
     ],
 )
@@ -173,10 +214,23 @@ def test_a_command_line_that_can_not_be_is_one_sentence(words, said, capsys, tmp
 
 
 def test_a_template_is_filled(tmp_path):
-    (tmp_path / "empty.com").write_text("BEGIN A.COM MM\nNR      AXISPOS     X           Z           BACKLASH\n[END]\n")
-    assert export(tmp_path / "t", "heidenhain", "--template", str(tmp_path / "empty.com"), "--axis", "Z") == 0
+    (tmp_path / "empty.com").write_text(
+        "BEGIN A.COM MM\nNR      AXISPOS     X           Z           BACKLASH\n[END]\n"
+    )
+    assert (
+        export(
+            tmp_path / "t", "heidenhain", "--template", str(tmp_path / "empty.com"), "--axis", "Z"
+        )
+        == 0
+    )
     lines = (tmp_path / "t").read_text().splitlines()
-    assert lines[0] == "BEGIN A.COM MM" and lines[2].split() == ["0", "0.00000", "-0.00025", "0.00070", "0.00200"]
+    assert lines[0] == "BEGIN A.COM MM" and lines[2].split() == [
+        "0",
+        "0.00000",
+        "-0.00025",
+        "0.00070",
+        "0.00200",
+    ]
 
 
 def test_a_map_that_overshoots_is_named_with_its_numbers(tmp_path, capsys):
@@ -184,13 +238,17 @@ def test_a_map_that_overshoots_is_named_with_its_numbers(tmp_path, capsys):
     assert export(tmp_path, "linuxcnc", "--axis", "X") == 0
     out = capsys.readouterr().out
     assert (
-        "EXX goes beyond its command" in out and "-9.8 to +1.9 um, -9.6 in the median" in out and "EZZ goes" not in out
+        "EXX goes beyond its command" in out
+        and "-9.8 to +1.9 um, -9.6 in the median" in out
+        and "EZZ goes" not in out
     )
     assert main(["machines", "show", "studer-s36"]) == 0
     assert "in doubt: EXX goes beyond its command" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["mv-1060", "example-mill", "example-lathe", "example-five-axis", "perfect"])
+@pytest.mark.parametrize(
+    "name", ["mv-1060", "example-mill", "example-lathe", "example-five-axis", "perfect"]
+)
 def test_a_map_that_lags_is_not(name):
     assert overshoot.found(read_machine(ROOT / "machines" / name)) == []
 

@@ -30,7 +30,9 @@ def follow(text: str, name: str):
 
 
 def test_fagor_has_inches_by_g70_and_lengths_by_d():
-    ends, reasons = follow("%PART,MX--,|; A PART|G70 G90 G54 D1|G0 X1 Y0 Z1|G71 X5 (M30 here)|T2 D2 M6|G0 Z1", "fagor")
+    ends, reasons = follow(
+        "%PART,MX--,|; A PART|G70 G90 G54 D1|G0 X1 Y0 Z1|G71 X5 (M30 here)|T2 D2 M6|G0 Z1", "fagor"
+    )
     assert not any(reasons)
     assert ends[0] == pytest.approx([125.4, 105.0, 105.0])
     assert ends[2] == pytest.approx([25.4, 25.4, 51.0])
@@ -47,13 +49,19 @@ def test_fagors_arcs_are_those_of_its_manual():
     dialect = dialects.load("fagor")
     interpreter = Interpreter(dialect, SETUP)
     both = []
-    for arcs in ("G90 G17 G03 X110 Y90 I0 J50\nX160 Y40 I50 J0\n", "G90 G17 G03 X110 Y90 R50\nX160 Y40 R50\n"):
+    for arcs in (
+        "G90 G17 G03 X110 Y90 I0 J50\nX160 Y40 I50 J0\n",
+        "G90 G17 G03 X110 Y90 R50\nX160 Y40 R50\n",
+    ):
         words = lex(b"G71 G0 X60 Y40 Z0\n" + arcs.encode(), dialect.grammar, False)
         motions, _, _ = interpreter.run(words, interpreter.initial())
         assert not motions.reason.any()
         both.append(motions.arcs)
     assert both[0].centre == pytest.approx(both[1].centre, abs=1e-6)
-    assert both[0].centre[:2].T.tolist() == [pytest.approx([160.0, 90.0]), pytest.approx([260.0, 90.0])]
+    assert both[0].centre[:2].T.tolist() == [
+        pytest.approx([160.0, 90.0]),
+        pytest.approx([260.0, 90.0]),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -66,9 +74,7 @@ def test_what_fagor_has_of_its_own_is_refused(line):
 
 
 def test_what_moves_nothing_on_fagor_passes():
-    lines = (
-        '#MSG["X5"]|#HSC ON [CONTERROR 0.01]|#HSC OFF|#KIN ID[1]|#RTCP OFF|#CS OFF|G51 A45 E0.002|G61|; X5 (RPT N1,N2)'
-    )
+    lines = '#MSG["X5"]|#HSC ON [CONTERROR 0.01]|#HSC OFF|#KIN ID[1]|#RTCP OFF|#CS OFF|G51 A45 E0.002|G61|; X5 (RPT N1,N2)'
     ends, reasons = follow(f"G71 G90 G54 D1|G0 X1 Y1 Z1|{lines}|G1 X5", "fagor")
     assert not any(reasons) and len(ends[0]) == 2
 
@@ -79,7 +85,12 @@ def test_fagors_holes_have_z_as_reference_plane_and_i_as_bottom():
     lines = text_of("G90 G17 G0 X0 Y0 Z15|G98 G81 X10 Y5 Z2 I-10 K0.5 F100|X20|G80|G0 Z9", "fagor")
     hole = ["Z2.", "G1 Z-10.", "G4 K0.5", "G0 Z15."]
     assert lines[1:] == ["G98 G0 X10 Y5 F100", *hole, "G0 X20", *hole, "G80", "G0 Z9"]
-    assert text_of("G0 Z15|G99 G85 X1 I-10|G80", "fagor")[1:] == ["G99 G0 X1", "G1 Z-10.", "Z15.", "G80"]
+    assert text_of("G0 Z15|G99 G85 X1 I-10|G80", "fagor")[1:] == [
+        "G99 G0 X1",
+        "G1 Z-10.",
+        "Z15.",
+        "G80",
+    ]
     lines = text_of("G0 Z15|G91 G98 G81 X1 Z-13 I-12|G80", "fagor")
     assert lines[1:] == ["G91 G98 G0 X1", "Z-13.", "G1 Z-12.", "G0 Z25.", "G80"]
 
@@ -87,7 +98,16 @@ def test_fagors_holes_have_z_as_reference_plane_and_i_as_bottom():
 def test_fagors_g83_makes_j_pecks_of_i():
     """As `fagor.cps` writes it: (retract - bottom) / plunges, with a minus, in G90."""
     lines = text_of("G90 G0 Z15|G98 G83 X1 Z2 I-3 J2|G80", "fagor")
-    assert lines[1:] == ["G98 G0 X1", "Z2.", "G1 Z-1.", "G0 Z2.", "Z-0.5", "G1 Z-4.", "G0 Z15.", "G80"]
+    assert lines[1:] == [
+        "G98 G0 X1",
+        "Z2.",
+        "G1 Z-1.",
+        "G0 Z2.",
+        "Z-0.5",
+        "G1 Z-4.",
+        "G0 Z15.",
+        "G80",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -106,11 +126,17 @@ def test_what_is_not_certain_of_fagors_holes_is_refused(program, message):
 
 
 def test_okuma_has_its_work_offsets_by_g15_h_and_lengths_by_g56_h():
-    ends, reasons = follow("OPART1|N1 G21 G90 G15 H01|G0 X1 Y2|G56 H3 Z5|G15 H12 G0 X1|G53 G0 Z5", "okuma")
+    ends, reasons = follow(
+        "OPART1|N1 G21 G90 G15 H01|G0 X1 Y2|G56 H3 Z5|G15 H12 G0 X1|G53 G0 Z5", "okuma"
+    )
     assert not any(reasons)
     assert ends[0] == pytest.approx([101.0, 101.0, 8.0, 8.0])
     assert ends[2] == pytest.approx([0.0, 14.0, 14.0, 5.0])
-    assert [canonical(x) for x in ("G15H1", "g15 h012", "G54.1 P3")] == ["G15 H1", "G15 H12", "G54.1 P3"]
+    assert [canonical(x) for x in ("G15H1", "g15 h012", "G54.1 P3")] == [
+        "G15 H1",
+        "G15 H12",
+        "G54.1 P3",
+    ]
 
 
 def test_to_the_end_of_its_travel_okumas_axes_go_unknown():

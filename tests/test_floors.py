@@ -53,13 +53,19 @@ def imports(path: Path) -> set[str]:
     """Parts of the package that a module imports, those under TYPE_CHECKING left out."""
     found: set[str] = set()
     tree = ast.parse(path.read_text())
-    typing_only = [n for n in ast.walk(tree) if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)]
+    typing_only = [
+        n
+        for n in ast.walk(tree)
+        if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)
+    ]
     skip = {id(child) for n in typing_only for child in ast.walk(n)}
     for node in ast.walk(tree):
         if id(node) in skip:
             continue
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("postproc"):
-            names = [node.module.split(".")[1]] if "." in node.module else [a.name for a in node.names]
+            names = (
+                [node.module.split(".")[1]] if "." in node.module else [a.name for a in node.names]
+            )
             found.update(n for n in names if n in FLOOR)
         elif isinstance(node, ast.Import):
             found.update(a.name.split(".")[1] for a in node.names if a.name.startswith("postproc."))
@@ -73,7 +79,9 @@ def test_imports_go_down(path):
         assert FLOOR[other] <= FLOOR[own], (
             f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports go down"
         )
-        assert (own, other) not in STRANGERS, f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
+        assert (own, other) not in STRANGERS, (
+            f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
+        )
 
 
 @pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
@@ -85,12 +93,19 @@ def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             assert node.func.id not in ("open", "print", "input"), f"{where} calls {node.func.id}"
         if isinstance(node, ast.Import):
-            assert not {a.name for a in node.names} & {"time", "threading", "socket", "subprocess"}, (
-                f"{where} imports a clock or a port"
-            )
+            assert not {a.name for a in node.names} & {
+                "time",
+                "threading",
+                "socket",
+                "subprocess",
+            }, f"{where} imports a clock or a port"
 
 
 def test_a_module_stays_in_one_head():
     """A guide made a law at its upper end: what grows beyond this is two things in one file."""
-    long = {str(p.relative_to(PACKAGE)): n for p in modules() if (n := len(p.read_text().splitlines())) > 460}
+    long = {
+        str(p.relative_to(PACKAGE)): n
+        for p in modules()
+        if (n := len(p.read_text().splitlines())) > 460
+    }
     assert not long

@@ -26,7 +26,9 @@ def follow(program: str):
     words = lex((HEAD + program).replace("|", "\n").encode() + b"\n", dialect.grammar, False)
     assert words.fault is None, words.fault
     motions, _, _ = interpreter.run(words, interpreter.initial())
-    return (motions.target[0] / TICKS_PER_MM).tolist(), [motions.reasons[r][0] for r in motions.reason]
+    return (motions.target[0] / TICKS_PER_MM).tolist(), [
+        motions.reasons[r][0] for r in motions.reason
+    ]
 
 
 def test_a_motion_behind_the_definition_of_a_cycle_is_read():
@@ -35,7 +37,9 @@ def test_a_motion_behind_the_definition_of_a_cycle_is_read():
     assert not any(reasons)
 
 
-@pytest.mark.parametrize("cycle", ["G220 Q216=+50 Q217=+50 Q244=80", "G221 Q225=+15 Q226=+15", "G239 Q570=+0"])
+@pytest.mark.parametrize(
+    "cycle", ["G220 Q216=+50 Q217=+50 Q244=80", "G221 Q225=+15 Q226=+15", "G239 Q570=+0"]
+)
 def test_what_moves_where_it_is_defined_is_refused(cycle):
     """Cycles 220, 221 and 239 act without a call (from memory of the manual; to refuse is the safe side)."""
     _, reasons = follow(f"N20 {cycle} *|N40 G01 X+20 F100 *")

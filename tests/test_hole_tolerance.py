@@ -30,7 +30,9 @@ def mill(bend_um: float) -> Machine:
 def corrected(bend_um: float, cycle: str, dialect: str = "fanuc-mill", **options):
     text = f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n{cycle} X10. Y10. Z-40. R2. F100\nX20.\nG80\nG0 Z50.\n"
     machine = mill(bend_um)
-    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.0005, **options))
+    filter_ = Filter(
+        machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.0005, **options)
+    )
     verifier = Verifier(filter_)
     out = (filter_.feed(text.encode()) + filter_.finish()).decode()
     return out, filter_.notices, verifier
@@ -41,8 +43,12 @@ def test_a_hole_that_bends_within_its_tolerance_keeps_its_cycle(cycle):
     out, notices, verifier = corrected(4.0, cycle)
     assert f"{cycle} X9.9960 Y10. Z-40." in out and "X19.9960\n" in out
     assert [(n.code, n.line) for n in notices] == [("hole", 4)] and "4.00 um" in notices[0].message
-    assert verifier.passed and verifier.holes.deviation + verifier.taps.deviation == pytest.approx(0.004, abs=2e-5)
-    assert "um aside (line " in verifier.report() and "tolerance of holes 5 um)" in verifier.report()
+    assert verifier.passed and verifier.holes.deviation + verifier.taps.deviation == pytest.approx(
+        0.004, abs=2e-5
+    )
+    assert (
+        "um aside (line " in verifier.report() and "tolerance of holes 5 um)" in verifier.report()
+    )
 
 
 def test_a_hole_within_the_tolerance_of_paths_says_nothing():
@@ -54,14 +60,18 @@ def test_a_hole_within_the_tolerance_of_paths_says_nothing():
 def test_a_hole_that_bends_more_is_refused_and_both_ways_out_work(cycle):
     with pytest.raises(ProgramError) as error:
         corrected(7.0, cycle)
-    assert "bends by 7.00 um between Z = 2.000 and -40.000 mm (tolerance of holes 5 um)" in error.value.message
+    assert (
+        "bends by 7.00 um between Z = 2.000 and -40.000 mm (tolerance of holes 5 um)"
+        in error.value.message
+    )
     assert "--expand" in error.value.advice and "--hole-tolerance 7um" in error.value.advice
     _, _, verifier = corrected(7.0, cycle, hole_tolerance=0.007)
     assert verifier.passed and "tolerance of holes 7 um" in verifier.report()
 
 
 @pytest.mark.parametrize(
-    "cycle, dialect", [("G84", "fanuc-mill"), ("G74", "fanuc-mill"), ("G84", "haas"), ("G84", "linuxcnc")]
+    "cycle, dialect",
+    [("G84", "fanuc-mill"), ("G74", "fanuc-mill"), ("G84", "haas"), ("G84", "linuxcnc")],
 )
 def test_a_tap_is_corrected_for_the_middle_and_said(cycle, dialect):
     """It can not be written out, so --expand would say the same again."""
@@ -75,22 +85,33 @@ def test_a_tap_is_corrected_for_the_middle_and_said(cycle, dialect):
 
 def test_the_tolerance_of_paths_is_the_least():
     machine = mill(1.0)
-    filter_ = Filter(machine, dialects.load("haas"), setup_of(machine), Options(tolerance=0.02, hole_tolerance=0.001))
+    filter_ = Filter(
+        machine,
+        dialects.load("haas"),
+        setup_of(machine),
+        Options(tolerance=0.02, hole_tolerance=0.001),
+    )
     assert filter_.compensator.hole_tolerance == 0.02
 
 
 def test_g33_1_goes_straight_down_from_where_the_axes_stand():
     """No X or Y word may come into a rigid tap of G33.1, which would slant it; its bend from there is said, at z = -20: 14 um."""
     machine = mill(7.0)
-    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+    filter_ = Filter(
+        machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005)
+    )
     verifier = Verifier(filter_)
     text = "G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\nG90 G0 Z50.\nM2\n"
     out = (filter_.feed(text.encode()) + filter_.finish()).decode()
     assert "\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\n" in out
-    assert [n.code for n in filter_.notices] == ["tap"] and "bends by 14.00 um" in filter_.notices[0].message
+    assert [n.code for n in filter_.notices] == ["tap"] and "bends by 14.00 um" in filter_.notices[
+        0
+    ].message
     assert verifier.passed and verifier.taps.deviation == pytest.approx(0.014, abs=2e-4)
     with pytest.raises(ProgramError, match="a rigid tap with a word of X"):
-        filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005))
+        filter_ = Filter(
+            machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005)
+        )
         filter_.feed(b"G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 X11. Z-40. K1.\n")
 
 
@@ -103,10 +124,18 @@ def test_a_hole_where_a_rapid_stands_already_is_corrected_for_its_own_middle(way
     lost = np.zeros((6, 2))
     lost[0] = 1 * UM
     axes = {x: Axis(x, (-300.0, 300.0), 1e-4, np.zeros(3)) for x in "XYZ"}
-    axes["X"] = Axis("X", (-300.0, 300.0), 1e-4, np.zeros(3), AxisTable("X", np.array([-300.0, 300.0]), -lost, lost))
+    axes["X"] = Axis(
+        "X",
+        (-300.0, 300.0),
+        1e-4,
+        np.zeros(3),
+        AxisTable("X", np.array([-300.0, 300.0]), -lost, lost),
+    )
     axes["Z"] = Axis("Z", (-60.0, 60.0), 1e-4, np.zeros(3), AxisTable("Z", NODES, rows, rows))
     machine = Machine("m", "", "fanuc-mill", parse("w-X-Y-b-Z-t"), axes)
-    filter_ = Filter(machine, dialects.load("fanuc-mill"), setup_of(machine), Options(tolerance=0.0005))
+    filter_ = Filter(
+        machine, dialects.load("fanuc-mill"), setup_of(machine), Options(tolerance=0.0005)
+    )
     verifier = Verifier(filter_)
     text = f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\nG0 X{way * 10}.\nG81 X{way * 10}. Y0. Z-40. R2. F100\nG80\n"
     filter_.feed(text.encode())

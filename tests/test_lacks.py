@@ -14,7 +14,9 @@ def test_the_shipped_machines():
     """studer-s36: no yaw of X (its README says so); mv-1060: positioning of X and Y, reversal of Z, nothing else."""
     assert lacks(places.load("studer-s36"))[0] == "EBX: never measured"
     mill = lacks(places.load("mv-1060"))
-    assert mill[0].startswith("squareness of XY, XZ, YZ") and "102.0, 102.0, 62.0 um" in mill[0]  # 1020, 1020, 620 mm
+    assert (
+        mill[0].startswith("squareness of XY, XZ, YZ") and "102.0, 102.0, 62.0 um" in mill[0]
+    )  # 1020, 1020, 620 mm
     assert mill[1].count("E") == 15 and "EXX" not in mill[1] and len(mill) == 2
     for name in ("perfect", "example-mill", "example-lathe", "example-five-axis"):
         assert sentence(places.load(name)) == "", name
@@ -23,14 +25,18 @@ def test_the_shipped_machines():
 def test_how_a_rotary_axis_lies_is_no_squareness_of_slides():
     five = places.load("example-five-axis")
     bare = replace(
-        five, square_stated=("A0C", "B0C"), axes={x: replace(a, location=0 * a.location) for x, a in five.axes.items()}
+        five,
+        square_stated=("A0C", "B0C"),
+        axes={x: replace(a, location=0 * a.location) for x, a in five.axes.items()},
     )
     found = lacks(bare)
     assert found[0].startswith("squareness of XY, XZ, YZ")
     assert found[1] == "how the line of A lies, which nobody measured" and len(found) == 2
 
 
-@pytest.mark.parametrize("stated, missing", [(("C0X", "A0Y"), "XZ"), (("B0X", "A0Z"), "XY"), (("C0Y", "B0Z"), "YZ")])
+@pytest.mark.parametrize(
+    "stated, missing", [(("C0X", "A0Y"), "XZ"), (("B0X", "A0Z"), "XY"), (("C0Y", "B0Z"), "YZ")]
+)
 def test_a_pair_is_known_by_any_of_its_names(stated, missing):
     found = lacks(replace(places.load("example-mill"), square_stated=stated))
     assert len(found) == 1 and f"squareness of {missing}," in found[0]
@@ -38,7 +44,10 @@ def test_a_pair_is_known_by_any_of_its_names(stated, missing):
 
 def test_travel_beyond_the_table_says_what_becomes_of_it():
     grinder = places.load("studer-s36")
-    assert any("Z beyond 0 to 510 mm" in t and "10 mm beyond it: places there are refused" in t for t in lacks(grinder))
+    assert any(
+        "Z beyond 0 to 510 mm" in t and "10 mm beyond it: places there are refused" in t
+        for t in lacks(grinder)
+    )
     held = replace(grinder, limits=replace(grinder.limits, outside="clamp"))
     assert any("its end values hold there" in t for t in lacks(held))
     near = replace(grinder, limits=replace(grinder.limits, max_correction=20.0))

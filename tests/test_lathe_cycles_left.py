@@ -12,16 +12,27 @@ from postproc.nc import dialects
 from tests.corpus.run import write_smooth
 
 THREADS = {
-    "fanuc-lathe-a": ["G76 P020060 Q100 R0.05\nG76 X58. Z-8. P1300 Q200 F1.", "G92 X58. Z-8. F1.\nX57.5\nX57."],
-    "fanuc-lathe": ["G76 P020060 Q100 R0.05\nG76 X58. Z-8. P1300 Q200 F1.", "G78 X58. Z-8. F1.\nX57.5\nX57."],
-    "fanuc-lathe-c": ["G78 P020060 Q100 R0.05\nG78 X58. Z-8. P1300 Q200 F1.", "G21 X58. Z-8. F1.\nX57.5\nX57."],
+    "fanuc-lathe-a": [
+        "G76 P020060 Q100 R0.05\nG76 X58. Z-8. P1300 Q200 F1.",
+        "G92 X58. Z-8. F1.\nX57.5\nX57.",
+    ],
+    "fanuc-lathe": [
+        "G76 P020060 Q100 R0.05\nG76 X58. Z-8. P1300 Q200 F1.",
+        "G78 X58. Z-8. F1.\nX57.5\nX57.",
+    ],
+    "fanuc-lathe-c": [
+        "G78 P020060 Q100 R0.05\nG78 X58. Z-8. P1300 Q200 F1.",
+        "G21 X58. Z-8. F1.\nX57.5\nX57.",
+    ],
     "haas-lathe": ["G76 X58. Z-8. K.6 D.1 F1.", "G92 X58. Z-8. F1.\nX57.5\nX57."],
 }
 
 
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory):
-    return read_machine(write_smooth(tmp_path_factory.mktemp("lathe") / "lathe", True, 1e-4, lathe=True))
+    return read_machine(
+        write_smooth(tmp_path_factory.mktemp("lathe") / "lathe", True, 1e-4, lathe=True)
+    )
 
 
 def run(text: str, dialect: str, machine: Machine) -> tuple[list[str], list[str]]:
@@ -31,7 +42,9 @@ def run(text: str, dialect: str, machine: Machine) -> tuple[list[str], list[str]
     return [line for line in out if "GCOMP" not in line], [n.message for n in filter_.notices]
 
 
-@pytest.mark.parametrize(("dialect", "thread"), [(d, t) for d, threads in THREADS.items() for t in threads])
+@pytest.mark.parametrize(
+    ("dialect", "thread"), [(d, t) for d, threads in THREADS.items() for t in threads]
+)
 def test_a_threading_cycle_stays_and_all_around_it_is_corrected(machine, dialect, thread):
     """B-64304EN-1, "Multiple thread cutting cycle": it ends where it began."""
     head, tail = "G0 X62. Z5.\n", "\nG0 X70.\nG1 Z-9. F.1\n"

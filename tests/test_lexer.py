@@ -154,7 +154,11 @@ def test_the_first_fault_is_where_a_slow_reader_stops(program, semicolon):
 
 
 @FAST
-@given(PROGRAM, st.sampled_from(list(",#[]=&$!*:<>?@^_`{|}~\"'\\") + ["\x00", "\x1b", "\x7f", "\u00e9"]), st.data())
+@given(
+    PROGRAM,
+    st.sampled_from(list(",#[]=&$!*:<>?@^_`{|}~\"'\\") + ["\x00", "\x1b", "\x7f", "\u00e9"]),
+    st.data(),
+)
 def test_a_strange_character_is_named_where_it_stands(program, strange, data):
     """Put between two words of a good program; what stands in blocks before it is read."""
     text = program.encode("latin-1")
@@ -241,7 +245,12 @@ def test_the_lexer_never_raises(text, semicolon):
 
 @pytest.mark.parametrize(
     "name, dialect",
-    [("perfect", "linuxcnc"), ("perfect", "fanuc-lathe"), ("studer-s36", "fanuc-lathe"), ("studer-s36", "linuxcnc")],
+    [
+        ("perfect", "linuxcnc"),
+        ("perfect", "fanuc-lathe"),
+        ("studer-s36", "fanuc-lathe"),
+        ("studer-s36", "linuxcnc"),
+    ],
 )
 def test_any_bytes_pass_or_are_refused(name, dialect):
     """Nothing but a ProgramError comes out, and a machine without errors passes its input to the byte."""
@@ -273,7 +282,11 @@ def test_any_bytes_pass_or_are_refused(name, dialect):
 @settings(max_examples=60, deadline=None)
 @given(
     st.sampled_from(["G0", "G1", "G01", "g1", "N20 G1", "G90 G1", ""]),
-    st.dictionaries(st.sampled_from("XYZ"), st.from_regex(r"-?[0-9]{1,4}(\.[0-9]{1,4})?", fullmatch=True), min_size=1),
+    st.dictionaries(
+        st.sampled_from("XYZ"),
+        st.from_regex(r"-?[0-9]{1,4}(\.[0-9]{1,4})?", fullmatch=True),
+        min_size=1,
+    ),
     st.sampled_from(["", " F250", " F12.5"]),
     st.sampled_from(["", " (a comment)"]),
 )

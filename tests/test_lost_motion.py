@@ -45,7 +45,10 @@ def corrected(m, text: str, pieces: int = 1, **options) -> tuple[list[dict[str, 
     cuts = [len(text) * k // pieces for k in range(pieces + 1)]
     out = b"".join(filter_.feed(text[a:b].encode()) for a, b in zip(cuts, cuts[1:], strict=False))
     out += filter_.finish()
-    blocks = [dict(re.findall(r"([XYZ])(-?[\d.]+)", re.sub(r"\(.*\)", "", line))) for line in out.decode().split("\n")]
+    blocks = [
+        dict(re.findall(r"([XYZ])(-?[\d.]+)", re.sub(r"\(.*\)", "", line)))
+        for line in out.decode().split("\n")
+    ]
     return [{x: float(v) for x, v in b.items()} for b in blocks if b], verifier
 
 
@@ -76,7 +79,9 @@ def test_the_scan_is_the_operator_and_may_be_cut_anywhere(place, half, cut):
 
     first = initial(1)
     side, middle = run(place, first)
-    assert list(zip(side[0].tolist(), middle[0].tolist(), strict=True)) == one_by_one(place, half, 0)
+    assert list(zip(side[0].tolist(), middle[0].tolist(), strict=True)) == one_by_one(
+        place, half, 0
+    )
     cut = min(cut, len(place) - 1)
     if cut:
         one = run(place[:cut], first)
@@ -86,7 +91,10 @@ def test_the_scan_is_the_operator_and_may_be_cut_anywhere(place, half, cut):
         assert np.array_equal(np.concatenate([one[1], two[1]], axis=1), middle)
 
 
-@given(st.lists(st.tuples(st.integers(-100, 100), st.integers(0, 50)), min_size=1, max_size=40), st.integers(-200, 200))
+@given(
+    st.lists(st.tuples(st.integers(-100, 100), st.integers(0, 50)), min_size=1, max_size=40),
+    st.integers(-200, 200),
+)
 def test_clamps_compose_into_clamps(clamps, carry):
     low = np.array([[a for a, _ in clamps]], np.int64)
     high = low + np.array([[b for _, b in clamps]], np.int64)
@@ -109,7 +117,9 @@ def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
     """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at the bottom."""
     course = np.array([0, 5, 2, 3, -1, 5])
     assert _pivots(course, 0, len(course), 2.0) == [1, 4]
-    assert _pivots(np.array([0, 1, -4]), 0, 3, 3.0) == [], "it has not gone up before by half as much"
+    assert _pivots(np.array([0, 1, -4]), 0, 3, 3.0) == [], (
+        "it has not gone up before by half as much"
+    )
 
 
 # -- by hand -------------------------------------------------------------------------------------------------------------
@@ -155,8 +165,13 @@ def test_the_side_before_an_axis_has_moved_is_nobodys(tmp_path):
 
 
 def test_a_block_that_goes_nowhere_turns_nothing(tmp_path):
-    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0) + backlash("Y", 40.0))
-    once, twice = (corrected(m, f"G0 X0 Y0\nG1 X50 F500\nX20\nY30\n{'X20 Y30' + chr(10)}" * n)[0] for n in (1, 1))
+    m = machine(
+        tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0) + backlash("Y", 40.0)
+    )
+    once, twice = (
+        corrected(m, f"G0 X0 Y0\nG1 X50 F500\nX20\nY30\n{'X20 Y30' + chr(10)}" * n)[0]
+        for n in (1, 1)
+    )
     assert once == twice
     text = "G0 X0 Y0\nG1 X50 F500\nX20\nY30\n"
     assert len(corrected(m, text + "X20 Y30\n" * 3)[0]) == len(corrected(m, text)[0]) + 3
@@ -171,10 +186,16 @@ def test_a_move_in_machine_coordinates_to_the_same_place_is_one(tmp_path):
 
 @pytest.mark.parametrize("mode", ["step", "ramp", "off", "mean"])
 def test_any_cut_gives_the_same(tmp_path, mode):
-    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 12.0) + backlash("Y", 40.0))
-    text = LEANING.replace("M2", "G2 X40 Y100 I10 J5\nG1 X39.999\nX40\nY3\nX38 Y3.001\nG0 X0 Y0\nG1 Y-40\nM2")
+    m = machine(
+        tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 12.0) + backlash("Y", 40.0)
+    )
+    text = LEANING.replace(
+        "M2", "G2 X40 Y100 I10 J5\nG1 X39.999\nX40\nY3\nX38 Y3.001\nG0 X0 Y0\nG1 Y-40\nM2"
+    )
     whole = corrected(m, text, reversal=mode)[0]
-    assert all(corrected(m, text, pieces, reversal=mode)[0] == whole for pieces in (2, 3, 7, 29, len(text)))
+    assert all(
+        corrected(m, text, pieces, reversal=mode)[0] == whole for pieces in (2, 3, 7, 29, len(text))
+    )
 
 
 def test_a_map_turned_round_is_led_beyond_and_back(tmp_path):
@@ -183,5 +204,7 @@ def test_a_map_turned_round_is_led_beyond_and_back(tmp_path):
     m = machine(tmp_path / "m", "[squareness]\nC0Y = -400\n" + backlash("X", -8.0))
     blocks, verifier = corrected(m, LEANING.replace("G1 X20\n", ""))
     last = [b["X"] for b in blocks if "X" in b][-4:]
-    assert last == [99.996, 100.0061, 100.004, 99.964], "beyond by twice the hysteresis and an increment, back, and on"
+    assert last == [99.996, 100.0061, 100.004, 99.964], (
+        "beyond by twice the hysteresis and an increment, back, and on"
+    )
     assert verifier.corrected.deviation < 0.1 * UM

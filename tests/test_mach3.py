@@ -22,7 +22,9 @@ def follow(text: str):
     """Ends of the motions (mm, machine coordinates), and their reasons."""
     dialect = dialects.load("mach3")
     interpreter = Interpreter(dialect, SETUP)
-    motions, _, _ = interpreter.run(lex(text.encode(), dialect.grammar, False), interpreter.initial())
+    motions, _, _ = interpreter.run(
+        lex(text.encode(), dialect.grammar, False), interpreter.initial()
+    )
     return motions.target / TICKS_PER_MM, [motions.reasons[r][0] for r in motions.reason]
 
 

@@ -117,7 +117,11 @@ def check(error: MachineError, file: Path, line: int, says: tuple[str, ...]) -> 
 
 def test_the_example_of_the_format_is_a_machine(tmp_path):
     machine = read_machine(folder(tmp_path))
-    assert (machine.name, machine.control, machine.letters) == ("example-grinder", "fanuc-lathe", ("X", "Z"))
+    assert (machine.name, machine.control, machine.letters) == (
+        "example-grinder",
+        "fanuc-lathe",
+        ("X", "Z"),
+    )
     assert machine.chain.axes == ("Z", "X")
     assert machine.chain.workpiece_side == 0
     assert machine.diameter == ("X",)
@@ -125,7 +129,11 @@ def test_the_example_of_the_format_is_a_machine(tmp_path):
     assert machine.axes["X"].least_increment == 0.0001
     assert machine.square["X"] == approx([0, -382.352941 * URAD, 0])
     assert machine.offsets == {"G54": {"X": 0.0, "Z": 0.0}}
-    assert (machine.limits.max_correction, machine.limits.max_slope, machine.limits.outside) == (0.5, 0.005, "error")
+    assert (machine.limits.max_correction, machine.limits.max_slope, machine.limits.outside) == (
+        0.5,
+        0.005,
+        "error",
+    )
     assert [(e.name, e.axis, e.parameters) for e in machine.effects] == [
         ("backlash", "X", {"size_um": 9.0, "play_mm": 0.0})
     ]
@@ -162,7 +170,9 @@ def test_the_dress_of_a_table_does_not_matter(tmp_path, dress):
 
 def test_the_map_has_a_digest_of_all_its_files(tmp_path):
     digests = []
-    for i, files in enumerate([{}, {"toml": TOML + "\n"}, {"z": Z_CSV + "\n"}, {"x": X_CSV + "\n"}, {}]):
+    for i, files in enumerate(
+        [{}, {"toml": TOML + "\n"}, {"z": Z_CSV + "\n"}, {"x": X_CSV + "\n"}, {}]
+    ):
         path = tmp_path / str(i)
         path.mkdir()
         digests.append(read_machine(folder(path, **files)).digest)
@@ -268,7 +278,11 @@ def test_a_section_that_is_a_number_is_refused(tmp_path, section):
     lines = TOML.splitlines(keepends=True)
     kept, mine = [], False
     for line in lines:
-        mine = line.lstrip("[").startswith((section + "]", section + ".")) if line.startswith("[") else mine
+        mine = (
+            line.lstrip("[").startswith((section + "]", section + "."))
+            if line.startswith("[")
+            else mine
+        )
         kept += [] if mine else [line]
     toml = f"{section} = 3\n" + "".join(kept)
     error = refusal(folder(tmp_path, toml=toml))
@@ -290,7 +304,12 @@ def test_the_second_of_two_effects_is_refused_in_its_own_line(tmp_path):
 def test_backlash_of_an_axis_that_turns_is_refused(tmp_path):
     turning = "\n[axes.C]\ntravel = [-360.0, 360.0]\nleast_increment = 0.001\n"
     toml = swap(TOML, 'axis = "X"', 'axis = "C"') + turning
-    check(refusal(folder(tmp_path, toml=toml)), tmp_path / "machine.toml", line_of(toml, 'axis = "C"'), ("C",))
+    check(
+        refusal(folder(tmp_path, toml=toml)),
+        tmp_path / "machine.toml",
+        line_of(toml, 'axis = "C"'),
+        ("C",),
+    )
 
 
 def test_a_table_of_an_axis_that_turns_is_refused_or_harmless(tmp_path):
@@ -306,7 +325,12 @@ def test_a_table_of_an_axis_that_turns_is_refused_or_harmless(tmp_path):
 
 def test_text_that_is_not_utf8_is_refused_in_its_line(tmp_path):
     toml = TOML.encode().replace(b"a recording", b"une mesure r\xe9p\xe9t\xe9e")
-    check(refusal(folder(tmp_path, toml=toml)), tmp_path / "machine.toml", line_of(TOML, "a recording"), ("UTF-8",))
+    check(
+        refusal(folder(tmp_path, toml=toml)),
+        tmp_path / "machine.toml",
+        line_of(TOML, "a recording"),
+        ("UTF-8",),
+    )
 
 
 def test_a_folder_without_machine_toml_says_what_a_machine_is(tmp_path):
@@ -394,7 +418,9 @@ def test_a_steep_table_is_accepted_where_somebody_says_so(tmp_path, limit):
 
 def test_accepting_a_slope_must_be_said_with_true(tmp_path):
     toml = swap(TOML, "max_slope = 0.005", "max_slope = 0.005\naccept_slope = false")
-    assert "20.00 um/mm" in str(refusal(folder(tmp_path, toml=toml, z=swap(Z_CSV, "100,3", "0.1,3"))))
+    assert "20.00 um/mm" in str(
+        refusal(folder(tmp_path, toml=toml, z=swap(Z_CSV, "100,3", "0.1,3")))
+    )
 
 
 # -- what the numbers mean ---------------------------------------------------------------------------------------------
@@ -414,7 +440,9 @@ def between(nodes: list[float], values: list[float], at: float) -> float:
     raise AssertionError(f"{at} lies outside")
 
 
-needs_seed = pytest.mark.skipif(not SEED.is_dir(), reason="the measured tables are not beside the project")
+needs_seed = pytest.mark.skipif(
+    not SEED.is_dir(), reason="the measured tables are not beside the project"
+)
 
 
 @needs_seed
@@ -422,7 +450,11 @@ def test_the_grinder_has_the_measured_values():
     """M. Asad Ullah, NUST 2013, tables 6.1 and 6.2; the yaw in mm/m is 1000 urad."""
     machine = read_machine(ROOT / "machines" / "studer-s36")
     for letter, file, parts in (
-        ("Z", "table_6_1_studer_s36_z_axis.csv", {2: ("dzz", 1.0), 0: ("dxz", 1.0), 4: ("eyz", 1e-3)}),
+        (
+            "Z",
+            "table_6_1_studer_s36_z_axis.csv",
+            {2: ("dzz", 1.0), 0: ("dxz", 1.0), 4: ("eyz", 1e-3)},
+        ),
         ("X", "table_6_2_studer_s36_x_axis.csv", {0: ("dxx", 1.0), 2: ("dzx", 1.0)}),
     ):
         seed, table = columns(SEED / file), machine.tables[letter]
@@ -431,12 +463,22 @@ def test_the_grinder_has_the_measured_values():
             name, scale = parts.get(row, (None, 0.0))
             for way, mine in (("forward", table.forward[row]), ("reverse", table.reverse[row])):
                 ending = f"_{way}_mm" if scale == 1.0 else f"_{way}"
-                theirs = np.array(seed[name + ending]) * scale if name else np.zeros(len(table.nodes))
+                theirs = (
+                    np.array(seed[name + ending]) * scale if name else np.zeros(len(table.nodes))
+                )
                 assert mine == approx(theirs, abs=1e-12)
     assert machine.square["X"][1] == approx(-0.065 / 170, abs=1e-12)
 
 
-POINTS = [(0.0, 0.0), (10.0, 30.0), (4.0, 17.0), (85.5, 255.25), (170.0, 510.0), (123.456, 7.89), (0.001, 509.999)]
+POINTS = [
+    (0.0, 0.0),
+    (10.0, 30.0),
+    (4.0, 17.0),
+    (85.5, 255.25),
+    (170.0, 510.0),
+    (123.456, 7.89),
+    (0.001, 509.999),
+]
 
 
 @needs_seed
@@ -446,15 +488,25 @@ POINTS = [(0.0, 0.0), (10.0, 30.0), (4.0, 17.0), (85.5, 255.25), (170.0, 510.0),
 def test_the_grinders_deviation_is_the_formula_of_the_format(x, z, way_x, way_z):
     """e_Z = EZZ + EZX - S x - b x, e_X = EXX + EXZ (tool and place of measurement are zero); 0 is the mean."""
     machine = read_machine(ROOT / "machines" / "studer-s36")
-    on_z, on_x = columns(SEED / "table_6_1_studer_s36_z_axis.csv"), columns(SEED / "table_6_2_studer_s36_x_axis.csv")
+    on_z, on_x = (
+        columns(SEED / "table_6_1_studer_s36_z_axis.csv"),
+        columns(SEED / "table_6_2_studer_s36_x_axis.csv"),
+    )
 
     def value(seed, nodes, name, at, way, unit):
-        forward, reverse = (between(seed[nodes], seed[f"{name}_{w}{unit}"], at) for w in ("forward", "reverse"))
+        forward, reverse = (
+            between(seed[nodes], seed[f"{name}_{w}{unit}"], at) for w in ("forward", "reverse")
+        )
         return {1: forward, -1: reverse, 0: (forward + reverse) / 2}[way]
 
     yaw = value(on_z, "z_mm", "eyz", z, way_z, "") * 1e-3
     lean = -382.352941e-6
-    e_z = value(on_z, "z_mm", "dzz", z, way_z, "_mm") + value(on_x, "x_mm", "dzx", x, way_x, "_mm") - lean * x - yaw * x
+    e_z = (
+        value(on_z, "z_mm", "dzz", z, way_z, "_mm")
+        + value(on_x, "x_mm", "dzx", x, way_x, "_mm")
+        - lean * x
+        - yaw * x
+    )
     e_x = value(on_x, "x_mm", "dxx", x, way_x, "_mm") + value(on_z, "z_mm", "dxz", z, way_z, "_mm")
     found = machine.deviation(np.array([[x], [z]]), np.array([[float(way_x)], [float(way_z)]]))
     assert found[:, 0] == approx([e_x, e_z], abs=NANOMETRE)
@@ -463,7 +515,11 @@ def test_the_grinders_deviation_is_the_formula_of_the_format(x, z, way_x, way_z)
 def test_the_arm_is_counted_from_where_it_was_measured(tmp_path):
     """e_Z gets -b (x + tool.X - measured_at.X), e_X gets b tool.Z: at z = 50 the yaw is 15 urad, by hand."""
     toml = swap(TOML, "[tool]\nX = 0.0\nZ = 0.0", "[tool]\nX = 30.0\nZ = 200.0")
-    toml = swap(swap(toml, "measured_at = { X = 0.0 }", "measured_at = { X = 12.0 }"), "size_um = 9.0", "size_um = 0.0")
+    toml = swap(
+        swap(toml, "measured_at = { X = 0.0 }", "measured_at = { X = 12.0 }"),
+        "size_um = 9.0",
+        "size_um = 0.0",
+    )
     machine = read_machine(folder(tmp_path, toml=toml))
     found = machine.deviation(np.array([[50.0], [50.0]]), np.array([[0.0], [1.0]]))[:, 0]
     arm = 50.0 + 30.0 - 12.0
@@ -495,7 +551,11 @@ def test_before_an_axis_has_moved_the_mean_of_both_ways_holds():
     yaw = 2.65 + (0.45 - 2.65) * third
     e_x = 3.5 + exz
     e_z = ezz - 3.6 + 382.352941e-3 * 10 - yaw * 1e-3 * 10
-    text = correct(read_machine(ROOT / "machines" / "studer-s36"), b"G0 X20. Z10.\n").split(b"\n")[1].decode()
+    text = (
+        correct(read_machine(ROOT / "machines" / "studer-s36"), b"G0 X20. Z10.\n")
+        .split(b"\n")[1]
+        .decode()
+    )
     x, z = (float(word[1:]) for word in text.split()[1:])
     assert x == approx(20.0 - 2 * e_x * UM, abs=0.00006)
     assert z == approx(10.0 - e_z * UM, abs=0.00006)
@@ -503,7 +563,9 @@ def test_before_an_axis_has_moved_the_mean_of_both_ways_holds():
 
 def test_a_machine_without_squareness_cuts_arcs(tmp_path):
     machine = read_machine(
-        folder(tmp_path, toml=swap(TOML, "[squareness]\nB0X = -382.352941                  # urad", ""))
+        folder(
+            tmp_path, toml=swap(TOML, "[squareness]\nB0X = -382.352941                  # urad", "")
+        )
     )
     out = correct(machine, b"G0 X20. Z10.\nG1 X30. F100\nG3 X40. Z15. R5.\nG2 X50. Z20. K5.\n")
     assert b"\nG3" in out
@@ -516,6 +578,10 @@ def test_a_reversal_is_the_difference_of_the_two_ways(tmp_path):
     toml = swap(swap(TOML, "size_um = 9.0", "size_um = 0.0"), "B0X = -382.352941", "B0X = 0.0")
     machine = read_machine(folder(tmp_path, toml=toml, z=z, x="X_mm,EXX_um\n0,0\n170,0\n"))
     out = correct(machine, b"G0 X20. Z10.\nG1 Z100. F100\nZ150.\nZ100.\n").decode().split("\n")
-    ends = [float(line.split("Z")[1].split()[0]) for line in out if "Z" in line and not line.startswith("(")]
+    ends = [
+        float(line.split("Z")[1].split()[0])
+        for line in out
+        if "Z" in line and not line.startswith("(")
+    ]
     assert 99.997 in ends
     assert ends[-1] == 100.0

@@ -53,7 +53,12 @@ def test_a_table_of_two_axes_is_bilinear(tmp_path):
     """By hand at Z = 50, X = 25: (0 + 10/4) / 2 + (20 + 30/4) / 2 = 15 um; the yaw is 100 urad * 0.5 * 0.25 = 12.5 urad,
     and turns an arm of 25 mm: e_Z = -12.5e-6 * 25 mm."""
     m = machine(
-        tmp_path, HEAD.format(chain="w-b-Z-X-t") + X + Z + 'by = { X = "Z_by_X" }\n'.replace("Z_by_X", "g.csv"), g=GRID
+        tmp_path,
+        HEAD.format(chain="w-b-Z-X-t")
+        + X
+        + Z
+        + 'by = { X = "Z_by_X" }\n'.replace("Z_by_X", "g.csv"),
+        g=GRID,
     )
     e = deviation(m, X=25, Z=50)
     assert e["X"] == approx(0.015, abs=1e-12)
@@ -67,7 +72,11 @@ def test_a_table_of_two_axes_is_bilinear(tmp_path):
         ("Z_mm,EXZ_um\n0,1\n1,2\n", 1, "the second column is 'EXZ_um', not 'X_mm'"),
         ("X_mm,Z_mm,EXZ_um\n0,1,2\n", 1, "the first column is 'X_mm', not 'Z_mm'"),
         ("Z_mm,X_mm,EXZ_um\n0,0,1\n0,1,1\n1,0,1\n", 4, "Z = 1, X = 1 is missing: 1 of 4 pairs are"),
-        ("Z_mm,X_mm,EXZ_um\n0,0,1\n0,1,1\n1,0,1\n1,1,1\n0,1,2\n", 6, "this pair of positions stands twice"),
+        (
+            "Z_mm,X_mm,EXZ_um\n0,0,1\n0,1,1\n1,0,1\n1,1,1\n0,1,2\n",
+            6,
+            "this pair of positions stands twice",
+        ),
         ("Z_mm,X_mm,EXZ_um\n0,0,1\n0,1,1\n", 1, "1 by 2 nodes"),
         ("Z_mm,X_mm,EXZ_um\n0,0,1\n0,1,900\n1,0,1\n1,1,900\n", 2, "899.00 um/mm along X"),
         ("Z_mm,X_mm,EXZ_um\n", 1, "0 nodes"),
@@ -99,14 +108,21 @@ def test_heat_by_hand(tmp_path):
 
 @pytest.mark.parametrize(
     "chain, optic, arm",
-    [("w-b-Z-X-t", "", 0.0), ("w-b-Z-X-t", "workpiece", 80.0), ("w-Z-b-X-t", "", 80.0), ("w-Z-b-X-t", "tool", 0.0)],
+    [
+        ("w-b-Z-X-t", "", 0.0),
+        ("w-b-Z-X-t", "workpiece", 80.0),
+        ("w-Z-b-X-t", "", 80.0),
+        ("w-Z-b-X-t", "tool", 0.0),
+    ],
 )
 def test_whether_the_own_travel_is_an_arm(tmp_path, chain, optic, arm):
     """EBZ = 100 urad at Z = 80: e_X = +EBZ * (Z arm). A measured point that goes along leaves the travel out (compensation
     theory: a table that carries the part, measured at the part, has it in)."""
     fixed = f'optic = "{optic}"\n' if optic else ""
     m = machine(
-        tmp_path, HEAD.format(chain=chain) + X + Z + 'table = "t.csv"\n' + fixed, t="Z_mm,EBZ_urad\n0,100\n100,100\n"
+        tmp_path,
+        HEAD.format(chain=chain) + X + Z + 'table = "t.csv"\n' + fixed,
+        t="Z_mm,EBZ_urad\n0,100\n100,100\n",
     )
     assert deviation(m, Z=80)["X"] == approx(100e-6 * arm, abs=1e-12)
 
@@ -116,7 +132,9 @@ def test_whether_the_own_travel_is_an_arm(tmp_path, chain, optic, arm):
 
 def test_a_table_of_one_turn_is_repeated(tmp_path):
     table = "C_deg,EXC_um\n0,1\n90,5\n360,1\n"
-    m = machine(tmp_path, HEAD.format(chain="w-C-b-X-Y-t") + X + Y + C + 'table = "c.csv"\n', c=table)
+    m = machine(
+        tmp_path, HEAD.format(chain="w-C-b-X-Y-t") + X + Y + C + 'table = "c.csv"\n', c=table
+    )
     for c in (45, 405, -315, 700, -720):
         at = c % 360
         wanted = np.interp(at, [0, 90, 360], [1, 5, 1]) * 1e-3
@@ -138,7 +156,9 @@ def test_a_faulty_rotary_axis_is_refused(tmp_path, text, why):
     chain = "w-C-b-X-Y-t" if "[axes.C]" in text else "w-b-X-Y-t"
     more = X + Y if "[axes.C]" in text else Y
     with pytest.raises(MachineError) as told:
-        machine(tmp_path, HEAD.format(chain=chain) + more + text, c="C_deg,EXC_um\n0,1\n90,5\n360,2\n")
+        machine(
+            tmp_path, HEAD.format(chain=chain) + more + text, c="C_deg,EXC_um\n0,1\n90,5\n360,2\n"
+        )
     assert why in str(told.value)
     assert "machine.toml:" in str(told.value) or "c.csv:" in str(told.value)
 
@@ -174,19 +194,27 @@ def random_machine(folder: Path, seed: int):
     for x in order:
         turn = x in "ABC"
         low, high = (-180.0, 180.0) if turn else (-200.0, 200.0)
-        text += f"[axes.{x}]\ntravel = [{low}, {high}]\nleast_increment = 0.0001\n" + f'table = "{x}.csv"\n'
+        text += (
+            f"[axes.{x}]\ntravel = [{low}, {high}]\nleast_increment = 0.0001\n"
+            + f'table = "{x}.csv"\n'
+        )
         if turn:
             text += f"centre = {{ X = {rng.uniform(-40, 40):.1f}, Y = {rng.uniform(-40, 40):.1f}, Z = {rng.uniform(-40, 40):.1f} }}\n"
         nodes = np.linspace(low, high, int(rng.integers(2, 7)))
-        names = [f"E{c}{x}_um{d}" for c in "XYZ" for d in (("_fwd", "_rev") if c == x else ("",))] + [
-            f"E{c}{x}_urad" for c in "ABC"
-        ]
+        names = [
+            f"E{c}{x}_um{d}" for c in "XYZ" for d in (("_fwd", "_rev") if c == x else ("",))
+        ] + [f"E{c}{x}_urad" for c in "ABC"]
         table = [np.round(np.cumsum(rng.normal(size=len(nodes))) * 6, 2) for _ in names]
         own = [names.index(f"E{x}{x}_um{way}") for way in ("_fwd", "_rev")] if not turn else []
         for one, two in [own] if own else []:  # a slide lags behind
-            table[one], table[two] = np.minimum(table[one], table[two]), np.maximum(table[one], table[two])
+            table[one], table[two] = (
+                np.minimum(table[one], table[two]),
+                np.maximum(table[one], table[two]),
+            )
         files[x] = f"{x}_{'deg' if turn else 'mm'}," + ",".join(names) + "\n"
-        files[x] += "".join(",".join(f"{v:g}" for v in row) + "\n" for row in zip(nodes, *table, strict=True))
+        files[x] += "".join(
+            ",".join(f"{v:g}" for v in row) + "\n" for row in zip(nodes, *table, strict=True)
+        )
         if rng.random() < 0.4 and not turn:
             other = str(rng.choice([o for o in order if o != x]))
             text += f'by = {{ {other} = "{x}_by.csv" }}\n'

@@ -78,7 +78,9 @@ def test_by_hand(tmp_path):
 def test_a_limit_grows_with_what_is_stated_and_not_with_a_slip(tmp_path, capsys):
     small = new(tmp_path / "a", "--squareness", "C0Y=1000")
     assert small.limits.max_correction == 0.5
-    large = new(tmp_path / "b", "--squareness", "C0Y=2000")  # 0.8 mm at Y 400, a fifth more, to the next tenth
+    large = new(
+        tmp_path / "b", "--squareness", "C0Y=2000"
+    )  # 0.8 mm at Y 400, a fifth more, to the next tenth
     assert large.limits.max_correction == approx(1.0)
     slip = new(tmp_path / "c", "--squareness", "C0Y=45000")
     assert slip.limits.max_correction == 0.5
@@ -168,14 +170,24 @@ def test_the_examples_hold_nothing_doubtful_and_correct_a_program(name, tmp_path
     program = tmp_path / "a.nc"
     start = "G28\n" if name == "example-printer" else "G54\n"
     program.write_text(f"G21\nG90\n{start}G0 X50 Y50\nG1 X150 F1200\nG1 Y150\nG1 X50\nG1 Y50\n")
-    assert gcomp(program, "--machine", name, "--start", "Z0", "--verify", "-o", tmp_path / "b.nc") == 0
+    assert (
+        gcomp(program, "--machine", name, "--start", "Z0", "--verify", "-o", tmp_path / "b.nc") == 0
+    )
     assert "verified: largest deviation" in capsys.readouterr().err
 
 
 def test_a_ballbar_gives_squareness_and_lost_motion(tmp_path, capsys):
     """Circles on example-router (C0Y -1041.8 urad, 60 and 40 um of lost motion), by the simulator: the same come back."""
     circle = tmp_path / "xy.csv"
-    words = ("--test", "ballbar:XY,radius=100,feed=600", "--machine", "example-router", "--noise", "0.5", "--quiet")
+    words = (
+        "--test",
+        "ballbar:XY,radius=100,feed=600",
+        "--machine",
+        "example-router",
+        "--noise",
+        "0.5",
+        "--quiet",
+    )
     assert gcomp("simulate", *words, "-o", circle) == 0
     m = new(tmp_path / "m", "--ballbar", circle, "--backlash", "Y=0.041")
     assert m.square["Y"][2] == approx(-1041.8e-6, abs=2e-6)
@@ -219,7 +231,9 @@ def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
     ]
     assert cli.main([*words, "-o", str(tmp_path / "r")]) == 0
     machine = read_machine(tmp_path / "r")
-    assert machine.square_u["C0Y"] == pytest.approx(0.4 * np.hypot(500.3, 499.8) / (2 * 400 * 300), rel=1e-3)
+    assert machine.square_u["C0Y"] == pytest.approx(
+        0.4 * np.hypot(500.3, 499.8) / (2 * 400 * 300), rel=1e-3
+    )
     (term,) = machine.effects
     assert term.spread[0].parameters == {"size_um": pytest.approx(2 * 5 * np.sqrt(2), abs=1e-3)}
     table = machine.axes["Y"].uncertainty.table
@@ -259,4 +273,6 @@ def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
     assert cli.main([*out, "--uncertainty", str(tmp_path / "u.csv")]) == 0
     assert "U (95 %)" in capsys.readouterr().out
     last = (tmp_path / "u.csv").read_text().splitlines()[-1].split(",")
-    assert last[0] == "EYY" and float(last[2]) == pytest.approx(0.4 * np.sqrt(2) / 300 * 400 * 1e3, rel=1e-3)
+    assert last[0] == "EYY" and float(last[2]) == pytest.approx(
+        0.4 * np.sqrt(2) / 300 * 400 * 1e3, rel=1e-3
+    )

@@ -54,7 +54,9 @@ def test_without_rotations_the_tables_of_single_axes_are_the_whole_machine(chain
     found, notices = marginals(m)
     draw = np.random.default_rng(2)
     position, approach = draw.uniform(0, 300, (3, 500)), draw.choice([-1.0, 1.0], (3, 500))
-    np.testing.assert_allclose(total(found, position, approach), m.deviation(position, approach), atol=1e-9)
+    np.testing.assert_allclose(
+        total(found, position, approach), m.deviation(position, approach), atol=1e-9
+    )
     assert not notices
 
 
@@ -111,7 +113,9 @@ def test_what_belongs_to_no_single_slide_is_said():
     m = machine("w-b-X-Y-Z-t", turning=False)
     line = np.array([10 * UM, 0.0, 0.0, 0.0, 0.0, 0.0])
     table = Axis("C", (0.0, 90.0), 1e-4, np.zeros(3), location=line)
-    found, notices = marginals(replace(m, chain=Chain(("C", "X", "Y", "Z"), 1), axes={**m.axes, "C": table}))
+    found, notices = marginals(
+        replace(m, chain=Chain(("C", "X", "Y", "Z"), 1), axes={**m.axes, "C": table})
+    )
     assert {t.moving for t in found} == {"X", "Y", "Z"}
     said = [n for n in notices if "belong to no single slide" in n]
     assert [n.split(" along ")[1][0] for n in said] == ["X", "Y"]

@@ -68,7 +68,13 @@ def test_linuxcnc_parameters():
 
 def test_linuxcnc_parameters_in_inches_with_a_shift():
     found = of(VAR.replace("5210\t0", "5210\t1"), inch=True)
-    assert found.work["G54"] == {"X": 25.4, "Y": 50.8, "Z": pytest.approx(-88.9), "A": 90, "U": pytest.approx(101.6)}
+    assert found.work["G54"] == {
+        "X": 25.4,
+        "Y": 50.8,
+        "Z": pytest.approx(-88.9),
+        "A": 90,
+        "U": pytest.approx(101.6),
+    }
     assert found.work["G92"] == {"X": 12.7, "Z": -50.8}
     assert not told(found, "unit")
 
@@ -80,7 +86,8 @@ def test_linuxcnc_x_is_a_radius_whatever_one_says():
 
 
 @pytest.mark.parametrize(
-    "line", ["5222", "5222 2 3", "5222 x", "5222 nan", "5222 \u0661", "G54 1", "5222 1e300", "5241 1"]
+    "line",
+    ["5222", "5222 2 3", "5222 x", "5222 nan", "5222 \u0661", "G54 1", "5222 1e300", "5241 1"],
 )
 def test_linuxcnc_parameters_refused(line):
     refused("5221 1.0\n\n5241 1\n" + line, "file:4: ", line.split()[-1])
@@ -142,7 +149,9 @@ def test_fanuc_work_offsets():
 
 
 def test_fanuc_mill_tools_geometry_and_wear_are_added():
-    found = of("G21\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.05\nG10 L12 P1 R5.\nG10 L13 P01 R.01\nG10 L1 P2 R7.\n")
+    found = of(
+        "G21\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.05\nG10 L12 P1 R5.\nG10 L13 P01 R.01\nG10 L1 P2 R7.\n"
+    )
     assert found.tools == {"H1": {"Z": pytest.approx(120.45)}, "D1": {"R": 5.01}, "H2": {"Z": 7}}
     assert told(found, "5004#2")
 
@@ -175,8 +184,12 @@ def test_fanuc_who_has_only_x_and_z_is_told_that_x_is_taken_as_a_radius():
 
 
 def test_fanuc_steps_add_to_what_stands_there():
-    assert of("G10 L2 P1 X10. Y1.\nG91 G10 L2 P1 X1.\nG90\nG10 L2 P1 Y5.").work == {"G54": {"X": 11, "Y": 5}}
-    assert of("G10 P1 X10. R1.\nG10 P1 U2. C.5", diameter=False).tools == {"T0101": {"X": 12, "R": 1.5}}
+    assert of("G10 L2 P1 X10. Y1.\nG91 G10 L2 P1 X1.\nG90\nG10 L2 P1 Y5.").work == {
+        "G54": {"X": 11, "Y": 5}
+    }
+    assert of("G10 P1 X10. R1.\nG10 P1 U2. C.5", diameter=False).tools == {
+        "T0101": {"X": 12, "R": 1.5}
+    }
 
 
 def test_fanuc_integers_are_whole_units_and_told():
@@ -256,11 +269,20 @@ def test_siemens_frames():
 
 
 def test_siemens_the_compatible_name_of_the_basic_frame_is_the_same_frame():
-    assert of("$P_CHBFR[0]=CTRANS(X,1)\n$P_UBFR=CTRANS(X,5)\n$P_UBFR[Y,TR]=2").work == {"EXT": {"X": 5, "Y": 2}}
+    assert of("$P_CHBFR[0]=CTRANS(X,1)\n$P_UBFR=CTRANS(X,5)\n$P_UBFR[Y,TR]=2").work == {
+        "EXT": {"X": 5, "Y": 2}
+    }
 
 
 @pytest.mark.parametrize(
-    "frame", ["CROT(X,10)", "CSCALE(X,2)", "CMIRROR(X)", "CTRANS(X,1):CMIRROR(Y,1)", "CROT(Z,30):CTRANS(X,1)"]
+    "frame",
+    [
+        "CROT(X,10)",
+        "CSCALE(X,2)",
+        "CMIRROR(X)",
+        "CTRANS(X,1):CMIRROR(Y,1)",
+        "CROT(Z,30):CTRANS(X,1)",
+    ],
 )
 def test_siemens_frames_that_are_more_than_a_shift_are_left_out(frame):
     found = of(f"$P_UIFR[1]={frame}\n$P_UIFR[2]=CTRANS(X,1)\n")
@@ -340,7 +362,8 @@ def test_grbl_decimals_tell_the_unit():
 
 
 @pytest.mark.parametrize(
-    "line", ["[G55:a,b,c]", "[G54:1,2,3]", "G0 X1", "[G55:1,,2]", "[G56]", "[TLO:" + "1," * 9 + "1]"]
+    "line",
+    ["[G55:a,b,c]", "[G54:1,2,3]", "G0 X1", "[G55:1,,2]", "[G56]", "[TLO:" + "1," * 9 + "1]"],
 )
 def test_grbl_refused(line):
     refused("[G54:1.000,1.000,1.000]\n" + line, "file:2: ")
@@ -355,7 +378,11 @@ def test_own_table():
         'T0101,0,,80,0.4,,\nh1,,,"120",,,\nD1,,,,5,,\nEXT,1,,,,,0\n'
     )
     assert found.format == "csv-table"
-    assert found.work == {"G54": {"X": 1, "Y": 2.5}, "G54.1 P3": {"Z": -3, "B": 90}, "EXT": {"X": 1}}
+    assert found.work == {
+        "G54": {"X": 1, "Y": 2.5},
+        "G54.1 P3": {"Z": -3, "B": 90},
+        "EXT": {"X": 1},
+    }
     assert found.tools == {"T0101": {"X": 0, "Z": 80, "R": 0.4}, "H1": {"Z": 120}, "D1": {"R": 5}}
     assert found.rotation == {"G54.1 P3": 15}
     assert found.notices == []
@@ -427,7 +454,14 @@ def test_only_the_axes_of_a_machine():
     assert found.format == "csv-table"
 
 
-GRAINS = [VAR, UFR, HASH, "T1 P1 Z1 D.5 ;x\n", "G10 L2 P1 X1. Y2.\nG10 P10001 X1. U2. Q3\n", "name,X_mm\nG54,1\n"]
+GRAINS = [
+    VAR,
+    UFR,
+    HASH,
+    "T1 P1 Z1 D.5 ;x\n",
+    "G10 L2 P1 X1. Y2.\nG10 P10001 X1. U2. Q3\n",
+    "name,X_mm\nG54,1\n",
+]
 PIECES = st.sampled_from(
     [
         *"\n\r\t ,;:=[]()%$#.+-0159GXZPLRTDHN",

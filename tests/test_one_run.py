@@ -52,12 +52,17 @@ def test_what_nothing_else_corrects_is_written_out_and_that_is_said_in_one_line(
     assert (alone[0], alone[1]) == (asked[0], asked[1]) == (0, asked[1])
     said = set(alone[2].splitlines()) - set(asked[2].splitlines())
     assert len(said) == 1
-    assert re.match(r"gcomp: written out as plain blocks, \d+ lines, because .*\(line \d+: .*--no-expand", said.pop())
+    assert re.match(
+        r"gcomp: written out as plain blocks, \d+ lines, because .*\(line \d+: .*--no-expand",
+        said.pop(),
+    )
 
 
 @pytest.mark.parametrize("name", NEEDS)
 def test_it_is_said_even_where_nothing_else_is(place, capfd, name):
-    assert run(place, NEEDS[name], "--quiet", capfd=capfd)[2].startswith("gcomp: written out as plain blocks")
+    assert run(place, NEEDS[name], "--quiet", capfd=capfd)[2].startswith(
+        "gcomp: written out as plain blocks"
+    )
 
 
 @pytest.mark.parametrize("options", [("--no-expand",), ("--in-place",)])
@@ -79,7 +84,9 @@ def test_what_is_decided_at_the_machine_is_never_written_out(place, capfd, name)
 def test_a_stated_switch_decides_nothing_at_the_machine(place, capfd):
     text = DECIDED["block delete before a call"]
     for switch, times in (("off", 2), ("on", 1)):
-        status, out, err = run(place, text, "--block-delete", switch, "--reversal", "off", capfd=capfd)
+        status, out, err = run(
+            place, text, "--block-delete", switch, "--reversal", "off", capfd=capfd
+        )
         assert (status, "written out" in err) == (0, True)
         assert len(re.findall(r"^/?G1 X", out, re.MULTILINE)) == times, out
 
@@ -138,7 +145,10 @@ def test_a_hint_is_given_where_following_it_is_shown_to_help(place, capfd):
     text = "G71 G90 G18\nG0 X20 Z10\nG1 X30 F100\nG1 X34 Z20 RND=2\nX=IC(4) Z=IC(2)\nM30\n"
     status, _, err = run(place, text.replace("RND=2", ""), capfd=capfd)
     assert status == 2
-    assert err.splitlines()[-1].strip() == "--dialect siemens corrects the whole program (X=IC(4) in line 5)"
+    assert (
+        err.splitlines()[-1].strip()
+        == "--dialect siemens corrects the whole program (X=IC(4) in line 5)"
+    )
     assert len(err.splitlines()) <= 4
     assert run(place, text.replace("RND=2", ""), "--dialect", "siemens", capfd=capfd)[0] == 0
 
@@ -146,7 +156,9 @@ def test_a_hint_is_given_where_following_it_is_shown_to_help(place, capfd):
 def test_it_says_how_far_the_other_dialect_comes(place, capfd):
     text = "G71 G90 G18\nG0 X20 Z10\nG1 X=IC(4) Z=IC(2) F100\nX1 X2\n"
     _, _, err = run(place, text, capfd=capfd)
-    assert err.splitlines()[-1].strip() == "--dialect siemens follows it to line 4 (X=IC(4) in line 3)"
+    assert (
+        err.splitlines()[-1].strip() == "--dialect siemens follows it to line 4 (X=IC(4) in line 3)"
+    )
 
 
 def test_no_hint_where_the_other_dialect_stops_there_too(place, capfd):
@@ -168,7 +180,9 @@ def test_a_haas_lathe_is_never_told_to_be_a_fanuc(place, capfd):
 def test_what_is_quoted_is_quoted_whole_and_as_it_stands():
     from postproc.nc.recognise import recognise
 
-    text = b"%\nO00010\ng0 g90 g154 p12 x0. y0.\nm97p1000\nG54.1P48\nM98P200L2\n#101=-25.5\nM30\n%\n"
+    text = (
+        b"%\nO00010\ng0 g90 g154 p12 x0. y0.\nm97p1000\nG54.1P48\nM98P200L2\n#101=-25.5\nM30\n%\n"
+    )
     said = {e for _, evidence in recognise(text) for e in evidence}
     assert {"g154 p12 in line 3", "m97p1000 in line 4"} <= said
     assert any(e.startswith("G54.1P48 ") for e in said) or "G54.1P48" not in str(said)

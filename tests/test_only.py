@@ -42,17 +42,33 @@ def test_a_part_and_the_rest_are_the_whole(name):
 def test_by_hand(tmp_path, capsys):
     """example-router: only lost motion of X (0.06): a motion towards + aims 30 um farther, squareness stays."""
     (tmp_path / "a.nc").write_text("G21 G90 G54\nG0 X100 Y100 Z-5\nG1 X400 F1000\nG1 Y300\n")
-    assert gcomp(tmp_path / "a.nc", "--machine", "example-router", "--only", "backlash:X", "-o", tmp_path / "b.nc") == 0
+    assert (
+        gcomp(
+            tmp_path / "a.nc",
+            "--machine",
+            "example-router",
+            "--only",
+            "backlash:X",
+            "-o",
+            tmp_path / "b.nc",
+        )
+        == 0
+    )
     assert "G1 X400.030 F1000\nG1 Y300\n" in (tmp_path / "b.nc").read_text()
     err = capsys.readouterr().err
-    assert "only backlash:X of the map is corrected (--only); C0Y, backlash:Y stays, up to 417.2 um" in err
+    assert (
+        "only backlash:X of the map is corrected (--only); C0Y, backlash:Y stays, up to 417.2 um"
+        in err
+    )
 
 
 def test_all_of_it_changes_no_byte_but_the_mark(tmp_path, capsys):
     (tmp_path / "a.nc").write_text(PROGRAM)
     names = ",".join(part.names(read_machine(ROOT / "machines" / "example-mill")))
     for out, more in (("b.nc", ()), ("c.nc", ("--only", names))):
-        assert gcomp(tmp_path / "a.nc", "--machine", "example-mill", "-o", tmp_path / out, *more) == 0
+        assert (
+            gcomp(tmp_path / "a.nc", "--machine", "example-mill", "-o", tmp_path / out, *more) == 0
+        )
     one, other = ((tmp_path / n).read_text().splitlines() for n in ("b.nc", "c.nc"))
     assert [k for k, (a, b) in enumerate(zip(one, other, strict=True)) if a != b] == [1]
     assert one[1].split("MAP ")[1] != other[1].split("MAP ")[1]  # another map has another mark
@@ -61,7 +77,12 @@ def test_all_of_it_changes_no_byte_but_the_mark(tmp_path, capsys):
 
 def test_a_name_that_the_map_has_not_is_refused(tmp_path, capsys):
     (tmp_path / "a.nc").write_text(PROGRAM)
-    assert gcomp(tmp_path / "a.nc", "--machine", "example-mill", "--only", "EXQ", "-o", tmp_path / "b.nc") == 2
+    assert (
+        gcomp(
+            tmp_path / "a.nc", "--machine", "example-mill", "--only", "EXQ", "-o", tmp_path / "b.nc"
+        )
+        == 2
+    )
     assert "the map of example-mill has no EXQ" in capsys.readouterr().err
     assert not (tmp_path / "b.nc").exists()
 

@@ -16,7 +16,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import MILL, OFFSETS, STUDER_FANUC, STUDER_LINUXCNC, Taste, program, write_lagging, write_mill
+from programs import (
+    MILL,
+    OFFSETS,
+    STUDER_FANUC,
+    STUDER_LINUXCNC,
+    Taste,
+    program,
+    write_lagging,
+    write_mill,
+)
 from reference.evaluate import residual
 from reference.machine import Machine
 
@@ -29,7 +38,9 @@ from postproc.units import UM
 ROOT = Path(__file__).resolve().parents[1]
 TABLE_6_3 = ROOT.parent / "shared" / "seed" / "table_6_3_compensated_diagonal.csv"
 HALF_INCREMENT = {"mm": 0.05 * UM, "inch": 0.00001 * 25.4 / 2}
-REFERENCE = 0.01 * UM  # the product's kinematics are of first order, the reference's exact: 0.38 mrad squared, 100 mm
+REFERENCE = (
+    0.01 * UM
+)  # the product's kinematics are of first order, the reference's exact: 0.38 mrad squared, 100 mm
 
 
 @pytest.fixture(scope="module")
@@ -38,14 +49,17 @@ def folders(tmp_path_factory):
     result = {"studer-s36-thesis": ROOT / "machines" / "studer-s36-thesis"}
     result["studer-s36"] = write_lagging(ROOT / "machines" / "studer-s36", folder / "studer-s36")
     return result | {
-        name: write_mill(folder / name, two_way) for name, two_way in (("one-way", False), ("two-way", True))
+        name: write_mill(folder / name, two_way)
+        for name, two_way in (("one-way", False), ("two-way", True))
     }
 
 
 def corrected(folder: Path, dialect: str, text: str, offsets=None, **options) -> tuple[str, float]:
     """The compensated program, and the limit of what may be left, mm."""
     machine = places.load(str(folder))
-    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=offsets), Options(**options))
+    filter_ = Filter(
+        machine, dialects.load(dialect), setup_of(machine, offsets=offsets), Options(**options)
+    )
     out = filter_.feed(text.encode()) + filter_.finish()
     unit = "inch" if re.search(r"G20(?!\d)", re.sub(r"\([^)]*\)|\s", "", text.upper())) else "mm"
     limit = filter_.compensator.tolerance + HALF_INCREMENT[unit] + REFERENCE
@@ -84,7 +98,9 @@ FANUC = {
     "to and fro along Z": "G0 X104. Z60.\nG1 X100. F20\n" + "Z420.\nZ60.\n" * 3,
     "to and fro along X": "G0 X20. Z240.\nG1 Z250. F20\n" + "X320.\nX20.\n" * 3,
     "U W": "G0 X60. Z20.\nG1 U-10. F100\n" + "W37.3 U1.7\nW11.\nU4.1\n" * 8 + "U-40. W-300.\n",
-    "G91": "G0 X60. Z20.\nG91\nG1 X-10. F100\n" + "G1 Z37.3 X1.7\nZ11.\nG2 X10. Z5. R5.\n" * 6 + "G90 X60. Z20. G1\n",
+    "G91": "G0 X60. Z20.\nG91\nG1 X-10. F100\n"
+    + "G1 Z37.3 X1.7\nZ11.\nG2 X10. Z5. R5.\n" * 6
+    + "G90 X60. Z20. G1\n",
     "inch": "G20\nG0 X2. Z1.\nG1 X4. Z10. F10\nG2 X6. Z11. R1.\nG1 X8. W5.\nG21\nZ50.\n",
     "inverse time": "G0 X60. Z20.\nG93\nG1 X100. Z300. F2\nX200. Z310. F4.5\nG2 X220. Z320. R10. F7\nG94 G1 X240. F100\n",
 }
@@ -103,7 +119,11 @@ ARCS = "G18 G8\nG1 X40 Z60 F100\nG2 X80 Z100 R60\n{mode}\nG2 X120 Z160 R100\n"
 
 @pytest.mark.parametrize("mode", ["G91.1", "G90.1", "G90.1 G7", "G90.1 G91\nG1 X0 Z0\nG90"])
 def test_an_arc_by_radius_is_the_same_whatever_centres_are(folders, mode):
-    text = ARCS.format(mode=mode) if "G7" not in mode else ARCS.format(mode=mode).replace("X120", "X240")
+    text = (
+        ARCS.format(mode=mode)
+        if "G7" not in mode
+        else ARCS.format(mode=mode).replace("X120", "X240")
+    )
     report, limit = left(folders["studer-s36"], "linuxcnc", text)
     assert report.largest_mm <= limit, report.where
 
@@ -125,15 +145,23 @@ def test_helices_stay_within_the_tolerance(folders, name):
 # -- random programs -----------------------------------------------------------------------------------------------------
 
 # Short motions and small circles are as long as a take-up: there nobody can tell them apart from outside.
-PLAIN = Taste(blocks=10, radius=2.0, zero=False, full=False, codes=False, decimals=(1, 2, 3, 3, 4, 5))
-RANDOM = [("studer-s36", site, seed) for seed in range(9) for site in (STUDER_FANUC, STUDER_LINUXCNC)]
+PLAIN = Taste(
+    blocks=10, radius=2.0, zero=False, full=False, codes=False, decimals=(1, 2, 3, 3, 4, 5)
+)
+RANDOM = [
+    ("studer-s36", site, seed) for seed in range(9) for site in (STUDER_FANUC, STUDER_LINUXCNC)
+]
 RANDOM += [("studer-s36", replace(STUDER_FANUC, offsets=OFFSETS), seed) for seed in range(100, 106)]
 RANDOM += [(name, MILL, seed) for seed in range(200, 208) for name in ("one-way", "two-way")]
 
 
-@pytest.mark.parametrize(("name", "site", "seed"), RANDOM, ids=lambda v: v if isinstance(v, (str, int)) else v.dialect)
+@pytest.mark.parametrize(
+    ("name", "site", "seed"), RANDOM, ids=lambda v: v if isinstance(v, (str, int)) else v.dialect
+)
 def test_random_programs_stay_within_the_tolerance(folders, name, site, seed):
-    taste = replace(PLAIN, helix=name == "one-way", arcs=0.4 if seed % 2 else 0.0, late=seed % 3 == 0)
+    taste = replace(
+        PLAIN, helix=name == "one-way", arcs=0.4 if seed % 2 else 0.0, late=seed % 3 == 0
+    )
     text = program(random.Random(seed), site, taste).decode()
     report, limit = left(folders[name], site.dialect, text, 1.0, site.offsets or None)
     assert report.largest_mm <= limit, (report.where, text)
@@ -171,10 +199,18 @@ def positioning_alone(folder: Path) -> Path:
     folder.mkdir()
     for axis in "XZ":
         rows = [
-            row for row in csv.reader((source / f"{axis}.csv").read_text().splitlines()) if not row[0].startswith("#")
+            row
+            for row in csv.reader((source / f"{axis}.csv").read_text().splitlines())
+            if not row[0].startswith("#")
         ]
-        keep = [i for i, name in enumerate(rows[0]) if name == f"{axis}_mm" or name.startswith(f"E{axis}{axis}_")]
-        (folder / f"{axis}.csv").write_text("".join(",".join(row[i] for i in keep) + "\n" for row in rows))
+        keep = [
+            i
+            for i, name in enumerate(rows[0])
+            if name == f"{axis}_mm" or name.startswith(f"E{axis}{axis}_")
+        ]
+        (folder / f"{axis}.csv").write_text(
+            "".join(",".join(row[i] for i in keep) + "\n" for row in rows)
+        )
     toml = (source / "machine.toml").read_text()
     (folder / "machine.toml").write_text(re.sub(r"B0X\s*=.*", "B0X = 0.0", toml))
     return folder
@@ -184,7 +220,11 @@ def positioning_alone(folder: Path) -> Path:
 @pytest.mark.parametrize(("half", "most"), [("geo", 0.2 * UM), ("pos", 0.05 * UM)])
 def test_table_6_3(folders, tmp_path, half, most):
     """72 values each: geometric by the thesis' model, positional by positioning alone; X compared as radius."""
-    folder = folders["studer-s36-thesis"] if half == "geo" else positioning_alone(tmp_path / "positioning")
+    folder = (
+        folders["studer-s36-thesis"]
+        if half == "geo"
+        else positioning_alone(tmp_path / "positioning")
+    )
     out, _ = corrected(folder, "fanuc-lathe", as_the_thesis_prints_it(), outside="clamp")
     reached = targets(out)
     assert len(reached) == 39

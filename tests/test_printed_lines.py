@@ -30,7 +30,9 @@ def lines(page: str) -> list[str]:
     found = []
     for block in re.findall(r"```sh\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL):
         found += [
-            line.partition(" #")[0].strip() for line in block.splitlines() if line.strip() and not line.startswith("#")
+            line.partition(" #")[0].strip()
+            for line in block.splitlines()
+            if line.strip() and not line.startswith("#")
         ]
     return found
 
@@ -43,19 +45,27 @@ class Shell:
 
     def run(self, line: str) -> None:
         for part in line.split(" && "):
-            self._pipe([shlex.split(p.replace("/dev/ttyUSB0", self.port)) for p in part.split(" | ")])
+            self._pipe(
+                [shlex.split(p.replace("/dev/ttyUSB0", self.port)) for p in part.split(" | ")]
+            )
 
     def _pipe(self, commands: list[list[str]]) -> None:
         data = b""
         for words in commands:
             target = words[words.index(">") + 1] if ">" in words else None
             words = self._named(words[: words.index(">")] if ">" in words else words)
-            data = self._gcomp(words[1:], data) if words[0].endswith("gcomp") else self._other(words, data)
+            data = (
+                self._gcomp(words[1:], data)
+                if words[0].endswith("gcomp")
+                else self._other(words, data)
+            )
             if target:
                 Path(target).write_bytes(data)
 
     def _named(self, words: list[str]) -> list[str]:
-        return [name for w in words for name in (sorted(map(str, Path().glob(w))) if "?" in w else [w])]
+        return [
+            name for w in words for name in (sorted(map(str, Path().glob(w))) if "?" in w else [w])
+        ]
 
     def _other(self, words: list[str], data: bytes) -> bytes:
         assert words[0] in ("cat", "mkdir", "cp", "printf"), words
@@ -69,14 +79,19 @@ class Shell:
             file.write(data)
         try:
             with Path("in").open("rb") as source, Path("out").open("wb") as target:
-                sys.stdin, sys.stdout = io.TextIOWrapper(source), io.TextIOWrapper(target, write_through=True)
+                sys.stdin, sys.stdout = (
+                    io.TextIOWrapper(source),
+                    io.TextIOWrapper(target, write_through=True),
+                )
                 status = main(words)
                 sys.stdout.flush()
         finally:
             sys.stdin, sys.stdout = kept
-        assert status == (1 if words[:2] == ["machines", "check"] and b"in doubt" in Path("out").read_bytes() else 0), (
-            words
-        )
+        assert status == (
+            1
+            if words[:2] == ["machines", "check"] and b"in doubt" in Path("out").read_bytes()
+            else 0
+        ), words
         return Path("out").read_bytes()
 
 
@@ -101,7 +116,9 @@ def test_every_line_of_the_readme_runs(clone, capfd):
         ran = _ran("README.md", host.path)
     assert ran > 25
     assert (clone / "shaft_comp.nc").read_bytes() == (clone / "shaft_comp2.nc").read_bytes()
-    assert (clone / "corrected" / "gcomp-batch.csv").exists() and (clone / "machines" / "studer-found").is_dir()
+    assert (clone / "corrected" / "gcomp-batch.csv").exists() and (
+        clone / "machines" / "studer-found"
+    ).is_dir()
     for name in ("run.html", "z.html", "xz.html", "my-lathe.html", "accept.html", "answer.html"):
         assert "plotly.js (MIT)" in (clone / name).read_text("utf-8"), name
     capfd.readouterr()
@@ -109,7 +126,14 @@ def test_every_line_of_the_readme_runs(clone, capfd):
 
 def test_every_line_of_the_tutorial_runs(clone, capfd):
     assert _ran("docs/TUTORIAL.md", "/nowhere") > 15
-    for name in ("square.html", "turning.html", "turning_accept.html", "circle.html", "why.html", "print.html"):
+    for name in (
+        "square.html",
+        "turning.html",
+        "turning_accept.html",
+        "circle.html",
+        "why.html",
+        "print.html",
+    ):
         assert (clone / name).exists(), name
     assert "X400" not in (clone / "square_corrected.nc").read_text()
     capfd.readouterr()
@@ -127,7 +151,9 @@ def _ran(page: str, port: str) -> int:
 
 
 def test_python_in_the_readme_runs(clone, capfd):
-    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    (block,) = re.findall(
+        r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL
+    )
     exec(block, {})
     assert "largest deviation from the nominal path" in capfd.readouterr().out
 

@@ -17,7 +17,9 @@ HOME = {"X": 0.0, "Y": 0.0, "Z": 0.0}
 ALL = [f"E{c}{x}" for x in "XYZ" for c in "XYZABC"]
 
 
-def filtered(text: str, dialect: str = "marlin", home: dict | None = None, start: dict | None = None, **more):
+def filtered(
+    text: str, dialect: str = "marlin", home: dict | None = None, start: dict | None = None, **more
+):
     """The filter, and what it writes, of a machine with all errors."""
     of = dialects.load(dialect)
     machine = replace(mill(*ALL), home=home or {}, **more).carrying(of.carried)
@@ -25,7 +27,9 @@ def filtered(text: str, dialect: str = "marlin", home: dict | None = None, start
     return filter_, (filter_.feed(text.encode()) + filter_.finish()).decode()
 
 
-def written(text: str, dialect: str = "marlin", home: dict | None = None, start: dict | None = None) -> list[str]:
+def written(
+    text: str, dialect: str = "marlin", home: dict | None = None, start: dict | None = None
+) -> list[str]:
     lines = filtered(text, dialect, home, start)[1].splitlines()
     return [line for line in lines if "GCOMP" not in line]
 
@@ -49,7 +53,9 @@ def test_home_is_where_g28_puts_the_axes():
     home = {"X": 10.0, "Y": 20.0, "Z": 5.0}
     named = written("G1 X10 Y20 Z5 F9000\n" + behind, home=HOME)
     assert written("G28\n" + behind, home=home)[-1] == named[-1]
-    assert written("G28\n" + behind, start=home) == written("G28\n" + behind, home=home), "--start counts behind G28"
+    assert written("G28\n" + behind, start=home) == written("G28\n" + behind, home=home), (
+        "--start counts behind G28"
+    )
     unknown = written("G28\n" + behind + "G90\nG1 X50 Y50 Z5\n")
     assert unknown[3] == "G1 X5 Y3 E1" and unknown[5].startswith("G1 X49.9"), "nobody knows where"
 
@@ -86,7 +92,9 @@ def test_homing_z_may_go_to_the_middle_of_the_bed(before, kept):
 def test_what_could_not_be_corrected_is_counted():
     text = "G91\nG1 Z5 F600\nG90\nG28\nG1 Z15\nG1 E3\nG1 X60 Y3\nG1 X80 E5\n"
     filter_, out = filtered(text)
-    assert "as they are: 2 (feeds: 2); feeds corrected at their ends alone: 1" in notice(filter_, "unknown")
+    assert "as they are: 2 (feeds: 2); feeds corrected at their ends alone: 1" in notice(
+        filter_, "unknown"
+    )
     assert out.splitlines()[:6] == text.splitlines()[:6]
     assert "--start" in notice(filter_, "unknown") and "home" in notice(filter_, "unknown")
 
@@ -110,7 +118,8 @@ def test_a_machine_at_the_end_of_its_travel_is_left_there():
 
 
 @pytest.mark.parametrize(
-    "level", ["G29", "G29 W", "G29 P1 X30 T V4", "M420 S1", "G80", "G29 S1 ; go", "G34", "G26", "G12 P1 S2"]
+    "level",
+    ["G29", "G29 W", "G29 P1 X30 T V4", "M420 S1", "G80", "G29 S1 ; go", "G34", "G26", "G12 P1 S2"],
 )
 def test_levelling_passes_and_places_are_lost_behind_it(level):
     of = dialects.load("marlin")
@@ -179,7 +188,9 @@ def test_places_are_lost_behind_a_macro(command):
     of = dialects.load("klipper")
     machine = replace(mill(*ALL), home=HOME).carrying(of.carried)
     filter_ = Filter(machine, of, setup_of(machine))
-    assert command in filter_.feed(f"G28\nG1 X60 Y50 Z1\n{command}\n".encode()).decode().splitlines()
+    assert (
+        command in filter_.feed(f"G28\nG1 X60 Y50 Z1\n{command}\n".encode()).decode().splitlines()
+    )
     assert not filter_.modal.known[:3].any()
     assert notice(filter_, "macro").startswith(command.split()[0].split("=")[0])
 
@@ -205,7 +216,9 @@ def test_e_of_klipper_is_incremental_under_g91_or_m83():
         of = dialects.load(dialect)
         machine = replace(mill(*ALL), home=HOME).carrying(of.carried)
         filter_, way = Filter(machine, of, setup_of(machine)), []
-        filter_.watchers.append(lambda w, m, p, o, n, way=way: way.extend((m.target - m.start)[3] / 1e10))
+        filter_.watchers.append(
+            lambda w, m, p, o, n, way=way: way.extend((m.target - m.start)[3] / 1e10)
+        )
         filter_.feed(text.encode())
         assert way == pytest.approx(sums)
 
@@ -223,7 +236,15 @@ def test_lines_that_are_no_command_of_marlin_pass(line):
 
 
 @pytest.mark.parametrize(
-    "line", ['echo "G1 X5", {var.a}', "var a = 5", "set global.x = {var.a * 2}", "global z=3", "abort", "param.S"]
+    "line",
+    [
+        'echo "G1 X5", {var.a}',
+        "var a = 5",
+        "set global.x = {var.a * 2}",
+        "global z=3",
+        "abort",
+        "param.S",
+    ],
 )
 def test_meta_commands_of_reprap_pass(line):
     head, behind = "G28\nG1 X60 Y50 Z1 F600\n", "G1 X65 Y51 Z2 E1\n"
@@ -245,9 +266,7 @@ def test_a_tool_without_an_offset_is_said():
     assert "--offset T1=" in notice(filter_, "T1") and "G1 X64.9" in out
 
 
-META = (
-    'G28\nG1 X60 Y50 Z1 F600\nif {var.a} > 1 ; no motion\n  M117 hot\n  echo "x"\n\nelse\n  M106 S0\nG1 X65 Y51 Z2 E1\n'
-)
+META = 'G28\nG1 X60 Y50 Z1 F600\nif {var.a} > 1 ; no motion\n  M117 hot\n  echo "x"\n\nelse\n  M106 S0\nG1 X65 Y51 Z2 E1\n'
 
 
 def test_conditions_of_reprap_that_move_nothing_pass():
@@ -255,7 +274,9 @@ def test_conditions_of_reprap_that_move_nothing_pass():
     assert lines[-1] == written("G28\nG1 X60 Y50 Z1 F600\nG1 X65 Y51 Z2 E1\n", "reprap", HOME)[-1]
 
 
-@pytest.mark.parametrize("line", ["  G1 X70", "\tG91", "  if 1\n    G1 X5", "  M117 a\n  G92 X0", "  G2 X5 Y5 I1 J1"])
+@pytest.mark.parametrize(
+    "line", ["  G1 X70", "\tG91", "  if 1\n    G1 X5", "  M117 a\n  G92 X0", "  G2 X5 Y5 I1 J1"]
+)
 def test_conditions_of_reprap_that_move_are_refused(line):
     """With the line that can not be followed; behind the condition all is as before."""
     error = refused(META.replace("  M106 S0", line), "reprap", HOME)
@@ -277,7 +298,9 @@ def test_homing_of_grbl_in_a_program(dialect):
     assert lines == ["$H", *written("G0 X10 Y10 Z5\nG1 X20 F300\n", dialect)]
     behind = "G91\nG1 X10 Y5 Z5 F300\n"
     home = {"X": 10.0, "Y": 20.0, "Z": 5.0}
-    assert written("$H\n" + behind, dialect, home)[1:] == written("G28\n" + behind, dialect, home)[1:]
+    assert (
+        written("$H\n" + behind, dialect, home)[1:] == written("G28\n" + behind, dialect, home)[1:]
+    )
     assert written("$H\n" + behind, dialect, home)[-1] != "G1 X10 Y5 Z5 F300"
     assert written("$H\n" + behind, dialect, start=home) == written("$H\n" + behind, dialect, home)
 
@@ -291,13 +314,17 @@ def test_a_program_that_never_says_where_an_axis_is_is_refused():
     error = refused("G21 G90\nM4\nG0 X10 Y10\nG1 X30 S200 F1000\nG1 Y30\nM5\n", "grbl")
     assert error.message.startswith("where Z stands is not known") and "--start Z" in error.advice
     assert error.place is not None and error.place.line == 4
-    assert "X29.9" in "".join(written("G21 G90\nG0 X10 Y10\nG1 X30 F1000\n", "grbl", start={"Z": 0.0}))
+    assert "X29.9" in "".join(
+        written("G21 G90\nG0 X10 Y10\nG1 X30 F1000\n", "grbl", start={"Z": 0.0})
+    )
 
 
 # -- words ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("dialect", ["grbl", "grblhal", "fluidnc", "marlin", "reprap", "klipper", "smoothie"])
+@pytest.mark.parametrize(
+    "dialect", ["grbl", "grblhal", "fluidnc", "marlin", "reprap", "klipper", "smoothie"]
+)
 def test_a_zero_centre_word_outside_the_plane_is_nothing(dialect):
     """gnea/grbl gcode.c clears I J K together; Marlin G2_G3.cpp, Klipper gcode_arcs.py, RepRapFirmware DoArcMove and
     Smoothieware compute_arc read the plane's own."""
@@ -305,17 +332,23 @@ def test_a_zero_centre_word_outside_the_plane_is_nothing(dialect):
     plain = written(text.format("", ""), dialect, HOME)
     strange = written(text.format(" K0", " K0.000"), dialect, HOME)
     assert [line.replace(" K0.000", "").replace(" K0", "") for line in strange] == plain
-    assert not any(re.match(r"(G1 ?)?X.*K", line) and "I" not in line for line in strange), "a chord has no centre"
+    assert not any(re.match(r"(G1 ?)?X.*K", line) and "I" not in line for line in strange), (
+        "a chord has no centre"
+    )
     assert "does not belong" in refused(text.format(" K1", ""), dialect, HOME).message
 
 
 def test_linuxcnc_refuses_a_centre_word_outside_the_plane():
     """Its interpreter: "K word given for arc in XY-plane"."""
-    assert "does not belong" in refused("G0 X0 Y0 Z0\nG2 X10 Y0 I5 J0 K0 F100\n", "linuxcnc").message
+    assert (
+        "does not belong" in refused("G0 X0 Y0 Z0\nG2 X10 Y0 I5 J0 K0 F100\n", "linuxcnc").message
+    )
 
 
 @pytest.mark.parametrize("dialect", ["linuxcnc", "grblhal", "fluidnc", "fanuc-mill", "haas"])
-@pytest.mark.parametrize("word", ["F#<_hal[motion.feed]> ", "S#5 ", "F[#<_f>*2.] ", "S[#101+[#102*2]] ", "f#101 "])
+@pytest.mark.parametrize(
+    "word", ["F#<_hal[motion.feed]> ", "S#5 ", "F[#<_f>*2.] ", "S[#101+[#102*2]] ", "f#101 "]
+)
 def test_f_and_s_that_only_the_machine_knows(dialect, word):
     text = "G0 X60. Y50. Z1.\nG1 {}X120. Y80.\nX150.\n"
     lines = written(text.format(word), dialect)

@@ -42,17 +42,22 @@ def machines(tmp_path_factory):
     folder = tmp_path_factory.mktemp("machines")
     result = Machines()
     result |= {
-        name: places.load(str(ROOT / "machines" / name)) for name in ("studer-s36", "studer-s36-thesis", "perfect")
+        name: places.load(str(ROOT / "machines" / name))
+        for name in ("studer-s36", "studer-s36-thesis", "perfect")
     }
     for name, two_way in (("one-way", False), ("two-way", True)):
         result[name] = places.load(str(write_mill(folder / name, two_way)))
     for name in ("studer-s36", "studer-s36-thesis"):  # in which X and Z have forward beyond reverse
-        result[name + " lagging"] = places.load(str(write_lagging(ROOT / "machines" / name, folder / name)))
+        result[name + " lagging"] = places.load(
+            str(write_lagging(ROOT / "machines" / name, folder / name))
+        )
     return result
 
 
 def filter_of(machine, dialect: str, offsets=None, **options) -> Filter:
-    return Filter(machine, dialects.load(dialect), setup_of(machine, offsets=offsets), Options(**options))
+    return Filter(
+        machine, dialects.load(dialect), setup_of(machine, offsets=offsets), Options(**options)
+    )
 
 
 def outcome(filter_: Filter, parts) -> tuple[bytes, str]:
@@ -71,7 +76,12 @@ def cut(text: bytes, places_) -> list[bytes]:
     return [text[a:b] for a, b in zip(edges, edges[1:], strict=False)]
 
 
-SITES = {"studer-s36": STUDER_FANUC, "studer-s36-thesis": STUDER_LINUXCNC, "one-way": MILL, "two-way": MILL}
+SITES = {
+    "studer-s36": STUDER_FANUC,
+    "studer-s36-thesis": STUDER_LINUXCNC,
+    "one-way": MILL,
+    "two-way": MILL,
+}
 each_site = pytest.mark.parametrize("name", SITES)
 each_mode = pytest.mark.parametrize("mode", MODES)
 
@@ -87,7 +97,10 @@ def test_any_cut_gives_the_same_bytes(machines, name, mode, data):
     text = data.draw(programs(SITES[name], blocks=10, late=True, away=True, radius=0.01, tiny=True))
     places_ = data.draw(st.lists(st.integers(0, len(text)), max_size=4))
     whole = outcome(filter_of(machines[name], SITES[name].dialect, reversal=mode), [text])
-    assert outcome(filter_of(machines[name], SITES[name].dialect, reversal=mode), cut(text, places_)) == whole
+    assert (
+        outcome(filter_of(machines[name], SITES[name].dialect, reversal=mode), cut(text, places_))
+        == whole
+    )
 
 
 @each_mode
@@ -120,12 +133,17 @@ def test_a_motion_that_is_all_take_up_is_one_block(machines, text):
     Verifier(filter_)
     out, fault = outcome(filter_, [text])
     assert not fault
-    assert all(re.search(rb"[A-Z]\S*\d", line) and not re.fullmatch(rb" *F[\d.]+", line) for line in out.splitlines())
+    assert all(
+        re.search(rb"[A-Z]\S*\d", line) and not re.fullmatch(rb" *F[\d.]+", line)
+        for line in out.splitlines()
+    )
 
 
 def test_ramp_on_a_one_way_machine_is_mean(machines):
     text = b"G0 X48. Y-30. Z-40.\nG1 Y30. Z-10. F100\n"
-    by_mode = [outcome(filter_of(machines["one-way"], "linuxcnc", reversal=mode), [text]) for mode in MODES]
+    by_mode = [
+        outcome(filter_of(machines["one-way"], "linuxcnc", reversal=mode), [text]) for mode in MODES
+    ]
     assert by_mode == by_mode[:1] * len(MODES)
 
 
@@ -141,7 +159,9 @@ def test_pieces_of_an_arc_keep_their_order_when_it_is_alone(machines):
 # -- without error not a byte moves ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("site", [STUDER_FANUC, STUDER_LINUXCNC, MILL], ids=["fanuc-lathe", "two axes", "three axes"])
+@pytest.mark.parametrize(
+    "site", [STUDER_FANUC, STUDER_LINUXCNC, MILL], ids=["fanuc-lathe", "two axes", "three axes"]
+)
 @given(data=st.data())
 @site_law
 def test_perfect_machine_changes_no_byte(machines, site, data):
@@ -185,7 +205,13 @@ def test_a_corrected_program_is_refused(machines, name, data):
 
 def moving(text: bytes, machine, dialect: str) -> int:
     """How many blocks move, by the reference interpreter."""
-    blocks = run(text.decode(), dialect, axes=machine.letters, diameter=machine.diameter, offsets=machine.offsets)
+    blocks = run(
+        text.decode(),
+        dialect,
+        axes=machine.letters,
+        diameter=machine.diameter,
+        offsets=machine.offsets,
+    )
     return sum(block.kind in ("rapid", "feed", "arc", "machine") for block in blocks)
 
 
@@ -268,5 +294,7 @@ def test_all_but_coordinates_survives(machines, name, data):
         assert found is not None, block
         added.remove(found)
     assert all(code in (b"|", b"/|", b"/||", b"||") for code, _ in added)
-    assert re.findall(rb"M\d+", COMMENT.sub(b"", bare).upper()) == re.findall(rb"M\d+", COMMENT.sub(b"", text).upper())
+    assert re.findall(rb"M\d+", COMMENT.sub(b"", bare).upper()) == re.findall(
+        rb"M\d+", COMMENT.sub(b"", text).upper()
+    )
     assert out.count(b"\r\n") in (0, out.count(b"\n"))

@@ -29,7 +29,9 @@ def corrected(folder: Path, program: str, **tables: str) -> list[str]:
 @pytest.mark.parametrize(("um", "block"), [(0.7, "G0 X100 Y50"), (1.2, "G0 X100 Y50 Z49.9988")])
 def test_a_first_rapid_in_x_and_y_keeps_its_words(tmp_path, um, block):
     """Straightness of X in Z, 0 at X0 and so much at X100; tolerance 1 um, increments of 0.1 um."""
-    out = corrected(tmp_path / "m", START + "G0 X100 Y50\nG1 Z-1 F100\n", X=f"X_mm,EZX_um\n0,0\n100,{um}\n")
+    out = corrected(
+        tmp_path / "m", START + "G0 X100 Y50\nG1 Z-1 F100\n", X=f"X_mm,EZX_um\n0,0\n100,{um}\n"
+    )
     assert block in out
     assert f"G1 Z{-1 - um / 1000:.4f} F100" in out, "the feed behind it is exact"
 

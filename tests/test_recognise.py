@@ -60,7 +60,9 @@ def test_a_program_with_signs_is_told_from_all_others(name):
 @pytest.mark.parametrize("name", sorted(PROGRAMS))
 def test_it_looks_at_no_more_than_the_head(name):
     text = PROGRAMS[name].encode()
-    assert recognise(text + b"\n" * (HEAD - len(text)) + b"o<x> sub\nCR=5 G187\nM104 S5\n") == recognise(text)
+    assert recognise(
+        text + b"\n" * (HEAD - len(text)) + b"o<x> sub\nCR=5 G187\nM104 S5\n"
+    ) == recognise(text)
 
 
 def test_a_plain_program_can_not_be_told():
@@ -72,7 +74,9 @@ def test_a_plain_program_can_not_be_told():
     assert all(evidence == [] for _, evidence in recognise(text))
 
 
-@pytest.mark.parametrize("text", [b"", b"\n", b"\0\1\2\3" * 50, b"%\n", "\u00e4\u00f6\u00fc".encode()])
+@pytest.mark.parametrize(
+    "text", [b"", b"\n", b"\0\1\2\3" * 50, b"%\n", "\u00e4\u00f6\u00fc".encode()]
+)
 def test_what_is_no_program_is_of_none(text):
     assert recognise(text) == [] or between(text) != []
     assert isinstance(verdict(text), str)
@@ -97,7 +101,8 @@ def test_comments_are_looked_at_apart():
 @settings(max_examples=200, deadline=None)
 @given(
     st.one_of(
-        st.binary(max_size=400), st.text(alphabet="GMTXYZO<>[]()=;%*#$.0123456789 \n-", max_size=400).map(str.encode)
+        st.binary(max_size=400),
+        st.text(alphabet="GMTXYZO<>[]()=;%*#$.0123456789 \n-", max_size=400).map(str.encode),
     )
 )
 def test_any_bytes_are_answered(text):
@@ -105,7 +110,9 @@ def test_any_bytes_are_answered(text):
     names = [name for name, _ in found]
     assert len(names) == len(set(names))
     assert set(names) <= set(dialects.names())
-    assert found == sorted(found, key=lambda row: -len(row[1])) or found[0][1] == max((e for _, e in found), key=len)
+    assert found == sorted(found, key=lambda row: -len(row[1])) or found[0][1] == max(
+        (e for _, e in found), key=len
+    )
     verdict(text)
 
 
@@ -133,7 +140,9 @@ def test_all_dialects_are_loaded_in_no_time():
         "import time; from postproc.nc import dialects, rows; start = time.perf_counter()\n"
         "[dialects.load(n) for n in dialects.names()]\nprint(time.perf_counter() - start)"
     )
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True
+    )
     assert float(ran.stdout) < 0.3, "seconds; about 0.02 where modules are compiled"
 
 
@@ -167,14 +176,18 @@ def test_fanuc(path):
 
 
 @corpus
-@pytest.mark.parametrize("path", [p for p in programs("mixed") if p.stem in PRINTERS], ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "path", [p for p in programs("mixed") if p.stem in PRINTERS], ids=lambda p: p.name
+)
 def test_printers(path):
     names = between(path.read_bytes())
     assert names and set(names) <= {"marlin", "reprap", "klipper"}
 
 
 @corpus
-@pytest.mark.parametrize("path", [p for p in programs("mixed") if p.stem in SUBS], ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "path", [p for p in programs("mixed") if p.stem in SUBS], ids=lambda p: p.name
+)
 def test_linuxcnc(path):
     assert between(path.read_bytes()) == ["linuxcnc"]
 

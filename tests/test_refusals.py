@@ -128,7 +128,11 @@ CASES = [
 
 def filter_for(machine, case: Case) -> Filter:
     return Filter(
-        machine, dialects.load(case.dialect), setup_of(machine), Options(outside=case.outside), name="part.nc"
+        machine,
+        dialects.load(case.dialect),
+        setup_of(machine),
+        Options(outside=case.outside),
+        name="part.nc",
     )
 
 
@@ -149,7 +153,10 @@ def test_is_refused_in_its_line_and_column(case):
     assert (error.place.file, error.place.line) == ("part.nc", line)
     assert str(error).startswith(f"part.nc:{line}: ")
     assert error.place.text.rstrip() == text.split("\n")[line - 1].rstrip()
-    assert error.place.text[max(error.place.start - 1, 0) : max(error.place.stop - 1, 0)] == case.marked
+    assert (
+        error.place.text[max(error.place.start - 1, 0) : max(error.place.stop - 1, 0)]
+        == case.marked
+    )
     if case.marked:
         below = str(error).split("\n")[2]
         assert below.index("^") == 4 + error.place.start - 1
@@ -252,9 +259,13 @@ def test_a_correction_that_is_too_large(tmp_path):
     folder = shutil.copytree(ROOT / "machines" / "studer-s36", tmp_path / "strict")
     toml = (folder / "machine.toml").read_text()
     assert "max_correction = 0.5" in toml
-    (folder / "machine.toml").write_text(toml.replace("max_correction = 0.5", "max_correction = 0.001"))
+    (folder / "machine.toml").write_text(
+        toml.replace("max_correction = 0.5", "max_correction = 0.001")
+    )
     error = refusal(read_machine(folder), Case("", ""), "G90\nG0 X20. Z10.\n")
-    assert re.fullmatch(r"the correction of X is 0\.003[23] mm \(limit max_correction = 0\.001 mm\)", error.message)
+    assert re.fullmatch(
+        r"the correction of X is 0\.003[23] mm \(limit max_correction = 0\.001 mm\)", error.message
+    )
     assert error.place.line == 2
     assert "machine.toml" in error.advice
 
@@ -296,7 +307,9 @@ def test_a_line_without_end_is_refused_however_it_comes():
 def test_own_output_behind_a_nominal_program_is_refused_however_it_comes():
     """Line by line or at once: the mark counts wherever it stands."""
     case = Case("", "")
-    text = (HEAD + "G1 X30. F10\n(GCOMP 0.1.0 STUDER-S36 MAP 78639B0E TOL 0.5 UM)\nG1 X31. F10\n").encode()
+    text = (
+        HEAD + "G1 X30. F10\n(GCOMP 0.1.0 STUDER-S36 MAP 78639B0E TOL 0.5 UM)\nG1 X31. F10\n"
+    ).encode()
     for parts in ([text], text.splitlines(keepends=True)):
         filter_ = filter_for(GRINDER, case)
         with pytest.raises(ProgramError, match="corrected already"):

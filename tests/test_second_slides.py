@@ -70,7 +70,11 @@ def test_first_order_terms_are_those_of_the_transforms(chain):
 def test_where_the_others_stood_counts_by_slide(tmp_path):
     """An angle of X turns the arm of Z and W together; W alone is what W carries of them: nothing."""
     axes = "".join(f"[axes.{x}]\ntravel = [-200.0, 200.0]\nleast_increment = 0.001\n" for x in "ZW")
-    text = HEAD.format(chain="w-X-b-Z-W-t") + axes + "[axes.X]\ntravel = [-9.0, 9.0]\nleast_increment = 0.001\n"
+    text = (
+        HEAD.format(chain="w-X-b-Z-W-t")
+        + axes
+        + "[axes.X]\ntravel = [-9.0, 9.0]\nleast_increment = 0.001\n"
+    )
     text += 'table = "X.csv"\nmeasured_at = { Z = 30.0, W = -10.0 }\n'
     m = machine(tmp_path, text, X="X_mm,EBX_urad\n-9,100\n9,100\n")
     place = {"X": 0.0, "Z": 50.0, "W": 25.0}
@@ -83,16 +87,26 @@ def test_where_the_others_stood_counts_by_slide(tmp_path):
 
 def quill(folder, rng):
     """A mill with a quill: tables in one and in both directions, angles and squareness, also of W."""
-    text, files = HEAD.format(chain="w-X-Y-b-Z-W-t").replace("G54 = {}", "G54 = { X = 0, Y = 0, Z = 0, W = 0 }"), {}
+    text, files = (
+        HEAD.format(chain="w-X-Y-b-Z-W-t").replace(
+            "G54 = {}", "G54 = { X = 0, Y = 0, Z = 0, W = 0 }"
+        ),
+        {},
+    )
     for x in "XYZW":
-        text += f'[axes.{x}]\ntravel = [-210.0, 210.0]\nleast_increment = 0.0001\ntable = "{x}.csv"\n'
+        text += (
+            f'[axes.{x}]\ntravel = [-210.0, 210.0]\nleast_increment = 0.0001\ntable = "{x}.csv"\n'
+        )
         own = "XYZ"[along(x)]
         names = [f"E{c}{x}_um{d}" for c in "XYZ" for d in (("_fwd", "_rev") if c == own else ("",))]
         names += [f"E{c}{x}_urad" for c in "ABC"]
         nodes = np.linspace(-210, 210, 6)
         table = {n: np.cumsum(rng.normal(size=6)) * 5 for n in names}
         table[f"E{own}{x}_um_rev"] = table[f"E{own}{x}_um_fwd"] + (4.0 if x != "W" else 0.0)
-        rows = (",".join(f"{v:.3f}" for v in (node, *(table[n][k] for n in names))) for k, node in enumerate(nodes))
+        rows = (
+            ",".join(f"{v:.3f}" for v in (node, *(table[n][k] for n in names)))
+            for k, node in enumerate(nodes)
+        )
         files[x] = f"{x}_mm," + ",".join(names) + "\n" + "\n".join(rows) + "\n"
     text += "[squareness]\nB0W = 40.0\nA0Z = -30.0\n[tool]\nZ = -80.0\n"
     return machine(folder, text, **files)
@@ -103,7 +117,9 @@ def program(rng: random.Random) -> str:
     for _ in range(14):
         some = rng.choice(("W", "W", "X", "Z", "XY", "XW", "XYZW", "ZW"))
         words = " ".join(f"{x}{rng.uniform(-150, 150):.{rng.choice((0, 1, 3))}f}" for x in some)
-        lines.append(f"{rng.choice(('G1', 'G1', 'G1', 'G0'))} {words}{rng.choice(('', ' F200', ' F55.5'))}")
+        lines.append(
+            f"{rng.choice(('G1', 'G1', 'G1', 'G0'))} {words}{rng.choice(('', ' F200', ' F55.5'))}"
+        )
     lines.insert(2, "F300")
     return "\n".join(lines) + "\nM2\n"
 
@@ -112,10 +128,16 @@ def program(rng: random.Random) -> str:
 def test_programs_keep_the_tolerance_and_the_batch_law(tmp_path, seed):
     m = quill(tmp_path, np.random.default_rng(seed))
     text = program(random.Random(seed)).encode()
-    filters = [Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), Options(tolerance=0.001)) for _ in range(2)]
+    filters = [
+        Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), Options(tolerance=0.001))
+        for _ in range(2)
+    ]
     verifier = Verifier(filters[0])
     whole = filters[0].feed(text) + filters[0].finish()
-    assert max(verifier.corrected.deviation, verifier.corrected.slide) <= 0.001 + 1.5 * 0.001 * np.sqrt(3) + 1e-4
+    assert (
+        max(verifier.corrected.deviation, verifier.corrected.slide)
+        <= 0.001 + 1.5 * 0.001 * np.sqrt(3) + 1e-4
+    )
     assert verifier.uncorrected.deviation > 0.004
     cut = random.Random(seed).randrange(len(text))
     assert filters[1].feed(text[:cut]) + filters[1].feed(text[cut:]) + filters[1].finish() == whole
@@ -126,7 +148,9 @@ def arcs(rng: random.Random) -> str:
     for _ in range(8):
         to, up = (round(rng.uniform(-100, 100), 2) for _ in range(2))
         radius = np.hypot(to - x, up - y) / 2 * rng.uniform(1.05, 2)
-        more = "".join(f" {letter}{rng.uniform(-150, 150):.2f}" for letter in rng.choice(("", "W", "ZW")))
+        more = "".join(
+            f" {letter}{rng.uniform(-150, 150):.2f}" for letter in rng.choice(("", "W", "ZW"))
+        )
         lines.append(f"{rng.choice(('G2', 'G3'))} X{to} Y{up} R{radius:.3f}{more}")
         x, y = to, up
     return "\n".join(lines) + "\nM2\n"
@@ -175,7 +199,9 @@ def times(text: bytes, letters: str) -> list[float]:
 
 
 def lasts(m, text: str, offsets=None) -> tuple[float, float, bytes]:
-    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, offsets or {}), Options(tolerance=0.001))
+    filter_ = Filter(
+        m, dialects.load("linuxcnc"), setup_of(m, offsets or {}), Options(tolerance=0.001)
+    )
     out = filter_.feed(text.encode()) + filter_.finish()
     letters = "".join(m.letters)
     return sum(times(text.encode(), letters)), sum(times(out, letters)), out

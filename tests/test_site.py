@@ -23,13 +23,18 @@ def test_links_lead_to_files_that_there_are(page):
 
 
 def test_the_site_builds_without_a_warning(tmp_path):
-    pytest.importorskip("mkdocs", reason="mkdocs is not installed (pip install 'gcomp[docs]'): the site is not built")
+    pytest.importorskip(
+        "mkdocs",
+        reason="mkdocs is not installed (pip install 'gcomp[docs]'): the site is not built",
+    )
     done = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(tmp_path)], cwd=ROOT, capture_output=True, text=True,
         env={"PATH": "/usr/bin:/bin", "NO_MKDOCS_2_WARNING": "1"},
     )  # fmt: skip
     assert done.returncode == 0 and "WARNING" not in done.stderr, done.stderr
-    assert (tmp_path / "TUTORIAL" / "index.html").exists() and (tmp_path / "machines" / "index.html").exists()
+    assert (tmp_path / "TUTORIAL" / "index.html").exists() and (
+        tmp_path / "machines" / "index.html"
+    ).exists()
 
 
 def test_the_machine_of_the_page_errs_as_the_page_says(tmp_path):
@@ -41,4 +46,6 @@ def test_the_machine_of_the_page_errs_as_the_page_says(tmp_path):
     (tmp_path / "Z.csv").write_text(table)
     machine = gcomp.load_machine(tmp_path)
     off = machine.deviation(np.array([[90.0], [200.0]]), np.ones((2, 1)))[:, 0] * 1000
-    assert dict(zip(machine.letters, off, strict=True)) == pytest.approx({"X": -2.25, "Z": 10.7}, abs=1e-9)
+    assert dict(zip(machine.letters, off, strict=True)) == pytest.approx(
+        {"X": -2.25, "Z": 10.7}, abs=1e-9
+    )

@@ -15,13 +15,19 @@ def test_numbers_are_written_exactly(values, decimals):
     cells, begin = decimal_cells(np.array(values), decimals)
     for value, cell, b in zip(values, cells, begin, strict=True):
         digits = f"{abs(value):0{decimals + 1}d}"
-        assert cell[b:].tobytes().decode() == ("-" if value < 0 else "") + digits[:-decimals] + "." + digits[-decimals:]
+        assert (
+            cell[b:].tobytes().decode()
+            == ("-" if value < 0 else "") + digits[:-decimals] + "." + digits[-decimals:]
+        )
 
 
 @given(st.binary(max_size=60), st.data())
 def test_edits_land_where_they_belong(text, data):
     cuts = sorted(data.draw(st.lists(st.integers(0, len(text)), max_size=8, unique=True)))
-    edits = [(a, b, data.draw(st.binary(max_size=5))) for a, b in zip(cuts[::2], cuts[1::2], strict=False)]
+    edits = [
+        (a, b, data.draw(st.binary(max_size=5)))
+        for a, b in zip(cuts[::2], cuts[1::2], strict=False)
+    ]
     splice = Splice(text)
     for order in data.draw(st.permutations(range(len(edits)))):
         a, b, new = edits[order]

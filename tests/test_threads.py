@@ -17,7 +17,9 @@ from postproc.verify import Verifier
 from tests.linuxcnc import oracle
 
 NODES = np.array([-100.0, 0.0, 30.0, 60.0, 100.0, 200.0])
-EXZ = np.array([0.0, 0.0, 0.012, -0.006, 0.010, 0.0])  # mm, X by z: bends by up to 15 um over 0 to 100
+EXZ = np.array(
+    [0.0, 0.0, 0.012, -0.006, 0.010, 0.0]
+)  # mm, X by z: bends by up to 15 um over 0 to 100
 EZZ = np.array([0.0, 0.0, 0.003, 0.006, 0.010, 0.010])  # mm, along the thread: 100 um/m
 
 
@@ -31,7 +33,9 @@ def lathe(exz=EXZ, ezz=EZZ) -> Machine:
     return Machine("m", "", "linuxcnc", parse("w-b-Z-X-t"), axes)
 
 
-def corrected(text: str, dialect: str, machine: Machine | None = None) -> tuple[list[str], list[str], Verifier]:
+def corrected(
+    text: str, dialect: str, machine: Machine | None = None
+) -> tuple[list[str], list[str], Verifier]:
     machine = machine or lathe()
     filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.001))
     verifier = Verifier(filter_)
@@ -67,7 +71,12 @@ def test_a_thread_is_cut_and_every_piece_names_its_lead(case):
     lines, _, verifier = corrected(text, case.split()[0])
     at = next(i for i, line in enumerate(lines) if "G33" in line or "G32" in line)
     pieces = lines[at : at + 4]  # nodes at 60 and 30 and 100, 0 are ends
-    assert [len(re.findall(rf"(?<![\d.]){re.escape(lead)}(?![\d.])", line)) for line in pieces] == [1, 1, 1, 0]
+    assert [len(re.findall(rf"(?<![\d.]){re.escape(lead)}(?![\d.])", line)) for line in pieces] == [
+        1,
+        1,
+        1,
+        0,
+    ]
     assert not any(re.search(r"G(1|01)\b", line) for line in pieces)
     assert verifier.passed and verifier.corrected.deviation < 0.00106
     assert verifier.uncorrected.deviation > 0.011
@@ -88,7 +97,9 @@ def test_the_worst_thread_is_named_however_the_text_is_cut():
     machine = lathe()
     seen = []
     for step in (1, 17, 1000):
-        filter_ = Filter(machine, dialects.load("fanuc-lathe"), setup_of(machine), Options(tolerance=0.001))
+        filter_ = Filter(
+            machine, dialects.load("fanuc-lathe"), setup_of(machine), Options(tolerance=0.001)
+        )
         for i in range(0, len(text), step):
             filter_.feed(text[i : i + step].encode())
         filter_.finish()
@@ -123,7 +134,9 @@ def test_a_thread_that_nothing_leads_to_is_named():
 
 @pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
 def test_linuxcnc_accepts_what_is_written():
-    program = "G21 G90 G8 G18\nM3 S100\nF100\nG0 X20 Z100\nG33 Z0 K2\nX19.5 Z-20 K2\nG0 X30\nZ100\nM2\n"
+    program = (
+        "G21 G90 G8 G18\nM3 S100\nF100\nG0 X20 Z100\nG33 Z0 K2\nX19.5 Z-20 K2\nG0 X30\nZ100\nM2\n"
+    )
     lines, _, _ = corrected(program, "linuxcnc")
     text = "\n".join(lines) + "\n"
     before, after = oracle.motions(program), oracle.motions(text)

@@ -73,7 +73,10 @@ def path(text: str) -> list[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
     for line in re.sub(r"\([^)]*\)", "", text.split("G43 H1")[1].split("G49")[0]).splitlines():
         codes = re.findall(r"G0*([0-3])(?![\d.])", line)
         code = codes[-1] if codes else code
-        value = {x: float(v) for x, v in re.findall(r"([XYZIJ])([-+]?\d*\.?\d+)", re.sub(r"G\d+", "", line))}
+        value = {
+            x: float(v)
+            for x, v in re.findall(r"([XYZIJ])([-+]?\d*\.?\d+)", re.sub(r"G\d+", "", line))
+        }
         if value:
             end = np.array([value.get(x, here[k]) for k, x in enumerate("XYZ")])
             found.append((code, here, end, np.array([value.get("I", 0.0), value.get("J", 0.0)])))
@@ -92,7 +95,12 @@ def samples(motion) -> np.ndarray:
     sweep = (last - first) % (2 * np.pi) if code == "3" else -((first - last) % (2 * np.pi))
     radius = np.hypot(*centre) + (np.hypot(*(end[:2] - middle)) - np.hypot(*centre)) * t
     angle = first + (sweep if abs(sweep) > 1e-9 else 2 * np.pi) * t
-    return np.hstack([middle + radius * np.hstack([np.cos(angle), np.sin(angle)]), start[2] + (end[2] - start[2]) * t])
+    return np.hstack(
+        [
+            middle + radius * np.hstack([np.cos(angle), np.sin(angle)]),
+            start[2] + (end[2] - start[2]) * t,
+        ]
+    )
 
 
 def distance(place: np.ndarray, motion) -> float:
@@ -122,7 +130,12 @@ def test_lines_and_arcs_in_a_plane(chain, tmp_path):
     for motion in (m for m in written if m[0] != "0" and np.isfinite(m[1]).all()):
         for word in samples(motion):
             actual = word + plane.off(word)
-            worst = max(worst, min(distance(actual, m) for m in nominal if m[0] != "0" and np.isfinite(m[1]).all()))
+            worst = max(
+                worst,
+                min(
+                    distance(actual, m) for m in nominal if m[0] != "0" and np.isfinite(m[1]).all()
+                ),
+            )
     for motion in (m for m in nominal if m[0] != "0" and np.isfinite(m[1]).all()):
         before = max(before, max(distance(w + plane.off(w), motion) for w in samples(motion)))
     assert before > 0.004
@@ -168,8 +181,12 @@ def test_orientation_turns_nothing_in_a_plane(tmp_path):
 
 
 def test_a_machine_without_errors_changes_no_byte(tmp_path):
-    text = Plane(1, "w-C-A-b-X-Y-Z-t").head + "G1 X20. Y-15. F500.\nG2 X30. I5. J0.\nG49\nG69\nM30\n"
-    assert corrected(load(plain("w-C-A-b-X-Y-Z-t"), tmp_path), "fanuc-mill", text, OFFSETS)[0] == text
+    text = (
+        Plane(1, "w-C-A-b-X-Y-Z-t").head + "G1 X20. Y-15. F500.\nG2 X30. I5. J0.\nG49\nG69\nM30\n"
+    )
+    assert (
+        corrected(load(plain("w-C-A-b-X-Y-Z-t"), tmp_path), "fanuc-mill", text, OFFSETS)[0] == text
+    )
 
 
 def test_any_cut_of_the_input_gives_the_same_bytes(tmp_path):
@@ -205,7 +222,9 @@ def test_what_can_not_be_followed_is_said(before, after, message, tmp_path):
     machine = load(plane.truth, tmp_path)
     head = plane.head
     if before == "G53.1\n":
-        machine = load(plane.truth, tmp_path / "zero", "fanuc-mill", '[tool_point]\nplanes = "zero"')
+        machine = load(
+            plane.truth, tmp_path / "zero", "fanuc-mill", '[tool_point]\nplanes = "zero"'
+        )
         head = head.replace("G0 X0. Y0. Z80. C0. A0.", "G0 X0. Y0. Z80. C0. A20.")
     if before == "I":
         head, before, after = re.sub(r"I\S+ J\S+ K\S+", "I0. J80. K0.", head), "#", ""
@@ -228,7 +247,11 @@ def test_the_way_g53_1_takes_is_said_where_there_are_two(tmp_path):
     filter_.feed(text.encode())
     said = [n.message for n in filter_.notices if n.code == "G53.1"]
     assert len(said) == 1
-    assert "C0.000 A30.000" in said[0] and "C180.000 A-30.000" in said[0] or "C-180.000 A-30.000" in said[0]
+    assert (
+        "C0.000 A30.000" in said[0]
+        and "C180.000 A-30.000" in said[0]
+        or "C-180.000 A-30.000" in said[0]
+    )
     assert TURN["A"] == 0
 
 

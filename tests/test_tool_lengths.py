@@ -37,7 +37,12 @@ def test_h0_is_no_length(dialect, before):
 
 
 def test_d0_and_t0_are_no_length():
-    assert corrected("G90 G500\nD1\n" + BODY.format("D0"), "siemens", {"D1": {"Z": 30.0}})[0].count("D0") == 1
+    assert (
+        corrected("G90 G500\nD1\n" + BODY.format("D0"), "siemens", {"D1": {"Z": 30.0}})[0].count(
+            "D0"
+        )
+        == 1
+    )
 
 
 def test_h0_of_linuxcnc_before_any_tool_is_no_length_and_is_said():

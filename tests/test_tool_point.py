@@ -23,7 +23,13 @@ CALLS = {
     "fanuc-mill": ("G43.4", "G43.4 H1", "G49", {"H1": {"Z": LENGTH}}, ""),
     "haas": ("G234", "G234 H1", "G49", {"H1": {"Z": LENGTH}}, ""),
     "siemens": ("TRAORI", "T1 D1\nTRAORI", "TRAFOOF", {"D1": {"Z": LENGTH}}, ""),
-    "linuxcnc": ("M428", "G43 H1\nM428", "M429", {"H1": {"Z": LENGTH}}, '[tool_point]\non = "M428"\noff = ["M429"]'),
+    "linuxcnc": (
+        "M428",
+        "G43 H1\nM428",
+        "M429",
+        {"H1": {"Z": LENGTH}},
+        '[tool_point]\non = "M428"\noff = ["M429"]',
+    ),
 }
 
 
@@ -31,9 +37,14 @@ def load(truth: Truth, folder, dialect: str = "fanuc-mill", more: str = ""):
     return places.load(str(truth.write(folder, dialect, more)))
 
 
-def corrected(machine, dialect, text, offsets=None, tolerance=TOLERANCE, cut=None, **options) -> tuple[str, Verifier]:
+def corrected(
+    machine, dialect, text, offsets=None, tolerance=TOLERANCE, cut=None, **options
+) -> tuple[str, Verifier]:
     filter_ = Filter(
-        machine, dialects.load(dialect), setup_of(machine, offsets or {}), Options(tolerance=tolerance, **options)
+        machine,
+        dialects.load(dialect),
+        setup_of(machine, offsets or {}),
+        Options(tolerance=tolerance, **options),
     )
     verifier = Verifier(filter_)
     data = text.encode()
@@ -43,7 +54,10 @@ def corrected(machine, dialect, text, offsets=None, tolerance=TOLERANCE, cut=Non
 
 @pytest.mark.parametrize(
     ("chain", "dialect"),
-    [*((chain, "fanuc-mill") for chain in CHAINS), *((CHAINS[k + 1], dialect) for k, dialect in enumerate(CALLS) if k)],
+    [
+        *((chain, "fanuc-mill") for chain in CHAINS),
+        *((CHAINS[k + 1], dialect) for k, dialect in enumerate(CALLS) if k),
+    ],
 )
 def test_the_tip_stays_on_its_path(chain, dialect, tmp_path):
     """Random machines and programs, judged by exact transforms of the whole chain and a control of their own: the tip is
@@ -84,7 +98,9 @@ def test_orientation_is_corrected_where_it_is_asked_for(chain, tmp_path):
     truth = random_truth(rng, chain)
     machine = load(truth, tmp_path)
     text = random_program(rng, truth.rotary, "G43.4 H1", "G49")
-    output, verifier = corrected(machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, orientation=True)
+    output, verifier = corrected(
+        machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, orientation=True
+    )
     judged = tool_point.judge(truth, text, output, "G43.4", "G49", LENGTH, turned=True)
     assert judged.tip < TOLERANCE + 0.0001 + machine.bounds.second_order
     assert judged.lean < np.radians(TOLERANCE / 2)
@@ -99,7 +115,9 @@ def test_a_leaning_table_by_hand(tmp_path):
     truth = plain("w-C-A-b-X-Y-Z-t")
     truth.table["A"][1][3] = 100e-6
     machine = load(truth, tmp_path)
-    text = "N10 G90 G54 G0 X0. Y0. Z0. A10. C0.\nN20 G43.4 H1\nN30 G0 X0. Y0. Z0. A30.\nN40 G49\nM30\n"
+    text = (
+        "N10 G90 G54 G0 X0. Y0. Z0. A10. C0.\nN20 G43.4 H1\nN30 G0 X0. Y0. Z0. A30.\nN40 G49\nM30\n"
+    )
     offsets = {"H1": {"Z": 0.0}}
     assert words(corrected(machine, "fanuc-mill", text, offsets)[0], 30) == "G0 X0. Y0. Z0. A30."
     output, verifier = corrected(machine, "fanuc-mill", text, offsets, orientation=True)
@@ -134,9 +152,16 @@ def test_lost_motion_is_taken_up_where_the_slides_turn(chain, tmp_path):
     text = "\n".join(f"N{k} {line}" for k, line in enumerate(lines, 1)) + "\n"
     off = {}
     for reversal in ("mean", "step"):
-        output, verifier = corrected(machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, reversal=reversal)
+        output, verifier = corrected(
+            machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, reversal=reversal
+        )
         off[reversal] = tool_point.played(truth, text, output, "G43.4", "G49", LENGTH)
-        assert corrected(machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, cut=50, reversal=reversal)[0] == output
+        assert (
+            corrected(
+                machine, "fanuc-mill", text, {"H1": {"Z": LENGTH}}, cut=50, reversal=reversal
+            )[0]
+            == output
+        )
     assert np.median(off["mean"]) > 0.005
     assert off["step"].max() < verifier.allowed
     assert verifier.passed
@@ -159,12 +184,22 @@ def plain(chain: str, **errors) -> Truth:
         table[x] = nodes, mean, np.zeros_like(mean)
     shift = {x: np.array([errors.get(f"{d}0{x}", 0.0) for d in "XYZ"]) for x in axes}
     travel = {x: (-400.0, 400.0) for x in axes}
-    return Truth(chain, zero.copy(), dict.fromkeys(axes, zero), table, dict.fromkeys(axes, zero), shift, travel)
+    return Truth(
+        chain,
+        zero.copy(),
+        dict.fromkeys(axes, zero),
+        table,
+        dict.fromkeys(axes, zero),
+        shift,
+        travel,
+    )
 
 
 def words(output: str, number: int) -> str:
     """The block N.. of an output, without its number and spaces."""
-    return next(line for line in output.splitlines() if line.startswith(f"N{number} ")).split(" ", 1)[1]
+    return next(line for line in output.splitlines() if line.startswith(f"N{number} ")).split(
+        " ", 1
+    )[1]
 
 
 def test_a_table_beside_its_place_by_hand(tmp_path):
@@ -207,10 +242,15 @@ def test_explain_tells_tips_from_slides(tmp_path, capsys):
     load(plain("w-C-A-b-X-Y-Z-t", EXX=0.010), tmp_path / "m")
     program = tmp_path / "part.nc"
     program.write_text("G90 G54\nG0 X40. Y0. Z0. A0. C0.\nG43.4 H1\nG0 X40. Y0. Z0.\nG49\nM30\n")
-    assert main(["explain", str(program), "--machine", str(tmp_path / "m"), "--offset", "H1=Z80"]) == 0
+    assert (
+        main(["explain", str(program), "--machine", str(tmp_path / "m"), "--offset", "H1=Z80"]) == 0
+    )
     said = capsys.readouterr().out
     assert "to X 40.0000 Y 0.0000 Z 0.0000 A 0.0000 C 0.0000 (slide position, mm)" in said
-    assert "Z 0.0000 A 0.0000 C 0.0000 (tool tip, mm); slides to X 40.0000 Y 0.0000 Z 80.0000 A" in said
+    assert (
+        "Z 0.0000 A 0.0000 C 0.0000 (tool tip, mm); slides to X 40.0000 Y 0.0000 Z 80.0000 A"
+        in said
+    )
     assert said.count("without correction X would be off by +10.0 um") == 2
 
 
@@ -232,7 +272,10 @@ def test_any_cut_of_the_input_gives_the_same_bytes(dialect, tmp_path):
     truth = random_truth(rng, "w-C-b-X-Y-Z-B-t")
     machine = load(truth, tmp_path, dialect, more)
     text = random_program(rng, truth.rotary, call, off)
-    text = text.replace("M30", f"G0 X1. Y2. Z40. C0.\nG1 X5. B10. F300.\n{call}\nG1 X7. C10.\n{off}\nG1 X9. C0.\nM30")
+    text = text.replace(
+        "M30",
+        f"G0 X1. Y2. Z40. C0.\nG1 X5. B10. F300.\n{call}\nG1 X7. C10.\n{off}\nG1 X9. C0.\nM30",
+    )
     whole = corrected(machine, dialect, text, offsets)[0]
     assert whole != text
     for cut in (1, 17, 60, 200):
@@ -246,7 +289,8 @@ def test_short_blocks_stay_whole(tmp_path):
     machine = load(truth, tmp_path)
     t = np.linspace(0, 2 * np.pi, 400)
     path = [
-        f"G1 X{40 * np.cos(a):.3f} Y{40 * np.sin(a):.3f} Z{5 * a:.3f} A{20 * np.sin(a):.3f} C{30 * a:.3f}" for a in t
+        f"G1 X{40 * np.cos(a):.3f} Y{40 * np.sin(a):.3f} Z{5 * a:.3f} A{20 * np.sin(a):.3f} C{30 * a:.3f}"
+        for a in t
     ]
     numbered = [
         f"N{k} {line}"
@@ -280,9 +324,15 @@ FIVE = "G21 G90 G54 G17\nG0 X0. Y0. Z50. C0. A0.\n"
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("G43.4 H1\nG28 Z0.\nG1 X1. F100\n", "a reference point while X Y Z are places of the tool tip"),
+        (
+            "G43.4 H1\nG28 Z0.\nG1 X1. F100\n",
+            "a reference point while X Y Z are places of the tool tip",
+        ),
         ("G43.4 H1\nG53 G0 Z0.\n", "G53 while X Y Z are places of the tool tip"),
-        ("G43.4 H1\nG41 D1 G1 X10. F100\n", "cutter radius compensation while the tool point is on"),
+        (
+            "G43.4 H1\nG41 D1 G1 X10. F100\n",
+            "cutter radius compensation while the tool point is on",
+        ),
         ("G43.4 H1\nG81 X10. Z-5. R2. F100\n", "a drilling cycle while the tool point is on"),
         ("G43.4 H1\nG92 X0.\nG1 X1. F100\n", "a new zero while X Y Z are places of the tool tip"),
         ("G43.4 H2\nG1 X1. F100\n", "the tool length H2 is not stated"),
@@ -301,13 +351,20 @@ def test_what_can_not_be_followed_is_said(text, message, tmp_path):
 def test_haas_is_asked_which_frame_it_takes(tmp_path):
     """Nothing says whether G234 counts X Y Z with the table at zero or as it stands: asked for, and then followed."""
     truth = random_truth(np.random.default_rng(1), "w-C-A-b-X-Y-Z-t")
-    text = "G21 G90 G54\nG0 X0. Y0. Z50. C45. A0.\nG234 H1\nG1 X10. Y0. Z0. A0. C45. F100.\nG49\nM30\n"
+    text = (
+        "G21 G90 G54\nG0 X0. Y0. Z50. C45. A0.\nG234 H1\nG1 X10. Y0. Z0. A0. C45. F100.\nG49\nM30\n"
+    )
     offsets = {"H1": {"Z": LENGTH}}
     with pytest.raises(ProgramError, match="while C does not stand at zero") as error:
         corrected(load(truth, tmp_path / "a"), "haas", text, offsets)
     assert 'frame = "zero"' in error.value.advice
     zero, call = (
-        corrected(load(truth, tmp_path / frame, "haas", f'[tool_point]\nframe = "{frame}"'), "haas", text, offsets)[0]
+        corrected(
+            load(truth, tmp_path / frame, "haas", f'[tool_point]\nframe = "{frame}"'),
+            "haas",
+            text,
+            offsets,
+        )[0]
         for frame in ("zero", "call")
     )
     assert zero != call
@@ -336,7 +393,9 @@ def test_what_the_folder_does_not_state_is_asked_for(chain, drop, asked, tmp_pat
 def test_a_machine_that_starts_with_its_tool_point_on(tmp_path):
     """LinuxCNC's five-axis kinematics are on from the start; M429 takes them back."""
     truth = random_truth(np.random.default_rng(3), "w-C-A-b-X-Y-Z-t")
-    machine = load(truth, tmp_path, "linuxcnc", '[tool_point]\non = "M428"\noff = "M429"\nat_start = true')
+    machine = load(
+        truth, tmp_path, "linuxcnc", '[tool_point]\non = "M428"\noff = "M429"\nat_start = true'
+    )
     text = "N1 G21 G90 G54\nN2 G0 X0 Y0 Z50 A0 C0\nN3 G1 X30 Y10 A30 C60 F500\nN4 X10 Z20 A-20 C10\nN5 M429\nN6 G0 X0 Y0 Z50\nM2\n"
     output, verifier = corrected(machine, "linuxcnc", text)
     assert verifier.passed

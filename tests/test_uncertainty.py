@@ -56,7 +56,9 @@ def known(m: Machine, way: float = 0.0, **place: float) -> dict[str, float]:
 
 
 def test_one_axis_between_its_nodes_and_by_direction(tmp_path):
-    m = machine(tmp_path, X_uncertainty="X_mm,EXX_um_fwd,EXX_um_rev\n-500,1,2\n0,1,2\n100,3,8\n500,3,8\n")
+    m = machine(
+        tmp_path, X_uncertainty="X_mm,EXX_um_fwd,EXX_um_rev\n-500,1,2\n0,1,2\n100,3,8\n500,3,8\n"
+    )
     assert known(m, +1, X=50) == approx({"X": 2.0, "Y": 0.0, "Z": 0.0})
     assert known(m, -1, X=50)["X"] == approx(5.0)
     assert known(m, 0, X=50)["X"] == approx(3.5), "both directions at once, as if wrong alike"
@@ -65,8 +67,15 @@ def test_one_axis_between_its_nodes_and_by_direction(tmp_path):
 def test_an_angle_times_its_arm(tmp_path):
     """w-b-Z-X-t, yaw of Z known to 10 urad, X measured from 20, tool at Z = -50: at X = 120 e_Z =
     -b 100 mm, 1 um; e_X = b (-50 mm), 0.5 um."""
-    text = HEAD.format(chain="w-b-Z-X-t") + AXIS.format("X") + AXIS.format("Z") + "measured_at = { X = 20.0 }\n"
-    m = machine(tmp_path, text + "[tool]\nZ = -50.0\n", Z_uncertainty="Z_mm,EBZ_urad\n-500,10\n500,10\n")
+    text = (
+        HEAD.format(chain="w-b-Z-X-t")
+        + AXIS.format("X")
+        + AXIS.format("Z")
+        + "measured_at = { X = 20.0 }\n"
+    )
+    m = machine(
+        tmp_path, text + "[tool]\nZ = -50.0\n", Z_uncertainty="Z_mm,EBZ_urad\n-500,10\n500,10\n"
+    )
     assert known(m, X=120) == approx({"X": 0.5, "Z": 1.0})
     assert known(m, X=20)["Z"] == approx(0.0)
     longer = MapUncertainty(m).with_tool((0.0, 0.0, 30.0))
@@ -102,7 +111,9 @@ def test_parameters_of_effects(tmp_path):
     assert known(m, 1)["Y"] == known(m, -1)["Y"] == approx(2.0)
     assert known(m, 0)["Y"] == approx(0.0)
     each = np.array([known(m, X=x)["X"] for x in np.arange(0, 10, 0.1)])
-    assert each.max() == approx(1.0, abs=0.03) and each.min() == approx(5 * np.sin(np.radians(10)), abs=0.03)
+    assert each.max() == approx(1.0, abs=0.03) and each.min() == approx(
+        5 * np.sin(np.radians(10)), abs=0.03
+    )
 
 
 def test_what_is_not_stated_has_no_part_and_is_named(tmp_path):
@@ -116,7 +127,10 @@ def test_what_is_not_stated_has_no_part_and_is_named(tmp_path):
 def test_the_shipped_machines_state_none():
     """Neither the thesis nor the made-up ones say how well their numbers are known."""
     for folder in sorted((Path(__file__).resolve().parents[1] / "machines").glob("*/machine.toml")):
-        assert AlongPath(read_machine(folder.parent)).report() == "the map's own uncertainty is not stated"
+        assert (
+            AlongPath(read_machine(folder.parent)).report()
+            == "the map's own uncertainty is not stated"
+        )
 
 
 def test_the_correction_does_not_depend_on_it(tmp_path):
@@ -148,7 +162,9 @@ def uncertain_machine(rng, chain_text: str):
         measured = rng.uniform(-200, 200, 3)
         centre = np.zeros(3) if linear else rng.uniform(-80, 80, 3)
         uncertainty = AxisUncertainty(table, tuple(range(6)))
-        axes[x] = Axis(x, (-400.0, 400.0), 1e-4, measured, None, "", centre, uncertainty=uncertainty)
+        axes[x] = Axis(
+            x, (-400.0, 400.0), 1e-4, measured, None, "", centre, uncertainty=uncertainty
+        )
         sizes[x] = (u, lean)
         q = float(rng.uniform(-300, 300) if linear else rng.uniform(-60, 60))
         carried = chain.axes[chain.axes.index(x) + 1 :]  # where any other stood is no arm
@@ -184,7 +200,11 @@ def test_quadrature_of_exact_derivatives(chain):
     for k, link in enumerate(links):
         u, lean = sizes[link.letter]
         for row in np.diag(np.concatenate([u, lean])):
-            one = [*links[:k], replace(link, d=row[:3], eps=row[3:6], lean=row[6:]), *links[k + 1 :]]
+            one = [
+                *links[:k],
+                replace(link, d=row[:3], eps=row[3:6], lean=row[6:]),
+                *links[k + 1 :],
+            ]
             slope = (tip(one, m.tool, 1e-3) - tip(one, m.tool, -1e-3)) / 2e-3
             square += np.linalg.lstsq(ways, slope, rcond=None)[0] ** 2
     assert stated == approx(np.sqrt(square), rel=1e-6)
@@ -203,7 +223,9 @@ def test_drawn_machines_spread_as_stated(chain):
         for link in links:
             u, lean = sizes[link.letter]
             error = rng.normal(size=6) * u / 2
-            one.append(replace(link, d=error[:3], eps=error[3:], lean=rng.normal(size=3) * lean / 2))
+            one.append(
+                replace(link, d=error[:3], eps=error[3:], lean=rng.normal(size=3) * lean / 2)
+            )
         drawn[k] = np.linalg.lstsq(ways, tip(one, m.tool, 1.0) - nominal, rcond=None)[0]
     spread = 2 * drawn.std(axis=0)
     assert stated == approx(spread, rel=5 / np.sqrt(2 * DRAWS))
@@ -219,7 +241,11 @@ def test_drawn_tables_spread_as_stated_between_their_nodes(along):
     full = np.zeros((6, 3))
     full[0] = u
     axis = Axis(
-        "X", (0.0, 100.0), 1e-4, np.zeros(3), uncertainty=AxisUncertainty(AxisTable("X", nodes, full, full), (0,))
+        "X",
+        (0.0, 100.0),
+        1e-4,
+        np.zeros(3),
+        uncertainty=AxisUncertainty(AxisTable("X", nodes, full, full), (0,)),
     )
     m = Machine("m", "", "linuxcnc", parse("w-X-b-t"), {"X": axis})
     at = np.linspace(0, 100, 21)[None]
@@ -241,7 +267,9 @@ def test_the_length_covers_the_vector_in_95_of_100():
         m, links, _ = uncertain_machine(rng, chain)
         position = np.array([[link.q for link in links if link.letter == x] for x in m.letters])
         sure = MapUncertainty(m)
-        parts = np.array([v[:, 0] for v in sure.of_each(position, np.zeros_like(position)).values()])
+        parts = np.array(
+            [v[:, 0] for v in sure.of_each(position, np.zeros_like(position)).values()]
+        )
         assert len(parts) == 6 * len(m.axes) + len(m.square_u)
         drawn = rng.normal(size=(20_000, len(parts))) / 2 @ parts
         inside = np.linalg.norm(drawn, axis=1) <= sure.length(position, np.zeros_like(position))[0]
@@ -309,7 +337,11 @@ def test_the_batch_does_not_matter(tmp_path):
         lines[k : k + 2] = [b"G1 X80 Y0\n", b"G2 X80 Y0 I-40 J0\n"]
     whole = corrected(m, [b"".join(lines)])[1].report()
     assert "line" in whole
-    for cuts in ([b"".join(lines[:7]), b"".join(lines[7:])], lines, [bytes([c]) for c in b"".join(lines)]):
+    for cuts in (
+        [b"".join(lines[:7]), b"".join(lines[7:])],
+        lines,
+        [bytes([c]) for c in b"".join(lines)],
+    ):
         assert corrected(m, cuts)[1].report() == whole
 
 
@@ -322,7 +354,8 @@ def test_of_equal_places_the_first_line_counts(tmp_path):
 
 def test_the_commands_say_it(tmp_path):
     text = (
-        MILL + '[squareness.u]\nC0Y = 3.0\n[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um = 9.0\nu_size_um = 4.0\n'
+        MILL
+        + '[squareness.u]\nC0Y = 3.0\n[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um = 9.0\nu_size_um = 4.0\n'
     )
     machine(tmp_path / "m", text, X_uncertainty="X_mm,EXX_um,EBX_urad\n-500,3,1\n500,1,2\n")
     program = tmp_path / "p.nc"
@@ -330,7 +363,10 @@ def test_the_commands_say_it(tmp_path):
 
     def said(*arguments: str) -> str:
         done = subprocess.run(
-            [sys.executable, "-m", "postproc", *arguments], capture_output=True, text=True, check=True
+            [sys.executable, "-m", "postproc", *arguments],
+            capture_output=True,
+            text=True,
+            check=True,
         )
         return done.stdout + done.stderr
 
@@ -338,7 +374,10 @@ def test_the_commands_say_it(tmp_path):
     assert "known to +- (95 %, at most): EXX 3.0 um, EBX 2.0 urad" in shown
     assert "squareness C0Y is known to +- 3.0 urad (95 %)" in shown
     assert "known to size_um +- 4 (95 %)" in shown
-    assert "the map itself is known to +- " in shown and "no uncertainty is stated of EYY, EZZ" in shown
+    assert (
+        "the map itself is known to +- " in shown
+        and "no uncertainty is stated of EYY, EZZ" in shown
+    )
     assert "the map itself is known to +- 2.7 um (95 %) there" in said(
         "explain", str(program), "--machine", str(tmp_path / "m")
     )
@@ -351,14 +390,30 @@ def test_the_commands_say_it(tmp_path):
 BAD_TABLES = {
     "below zero": ("X_mm,EXX_um\n-500,1\n0,-2\n500,1\n", 3, "U of EXX is -2 at X = 0"),
     "an angle below zero": ("X_mm,EBX_urad\n-500,1\n500,-3\n", 3, "U of EBX is -3 at X = 500"),
-    "begins late": ("X_mm,EXX_um\n0,1\n500,1\n", 2, "go from X = 0 to 500, the table from -500 to 500"),
-    "ends early": ("X_mm,EXX_um\n-500,1\n0,1\n", 3, "go from X = -500 to 0, the table from -500 to 500"),
+    "begins late": (
+        "X_mm,EXX_um\n0,1\n500,1\n",
+        2,
+        "go from X = 0 to 500, the table from -500 to 500",
+    ),
+    "ends early": (
+        "X_mm,EXX_um\n-500,1\n0,1\n",
+        3,
+        "go from X = -500 to 0, the table from -500 to 500",
+    ),
     "no number": ("X_mm,EXX_um\n-500,1\n500,\n", 3, "'' is not a number"),
     "not finite": ("X_mm,EXX_um\n-500,nan\n500,1\n", 2, "not finite"),
     "another axis": ("X_mm,EYY_um\n-500,1\n500,1\n", 1, "'EYY_um' is not a component of axis X"),
     "another unit": ("X_mm,EXX_mm\n-500,1\n500,1\n", 1, "'EXX_mm' is not a component of axis X"),
-    "the runs of a calibration": ("X_mm,component,u\n0,EXX,1\n", 1, "'component' is not a component of axis X"),
-    "one direction": ("X_mm,EXX_um_fwd\n-500,1\n500,1\n", 1, "give one column, or both _fwd and _rev"),
+    "the runs of a calibration": (
+        "X_mm,component,u\n0,EXX,1\n",
+        1,
+        "'component' is not a component of axis X",
+    ),
+    "one direction": (
+        "X_mm,EXX_um_fwd\n-500,1\n500,1\n",
+        1,
+        "give one column, or both _fwd and _rev",
+    ),
     "no order": ("X_mm,EXX_um\n500,1\n-500,1\n", 3, "does not ascend"),
     "one node": ("X_mm,EXX_um\n0,1\n", 1, "1 nodes: a table needs two at least"),
 }
@@ -401,14 +456,21 @@ def test_faulty_uncertainties_in_machine_toml_are_refused_with_their_line(tmp_pa
 
 
 def test_uncertainties_of_an_axis_that_there_is_not_are_refused(tmp_path):
-    with pytest.raises(MachineError, match=r"Q_uncertainty.csv is of no axis of the machine[\s\S]*axes: X Y Z"):
+    with pytest.raises(
+        MachineError, match=r"Q_uncertainty.csv is of no axis of the machine[\s\S]*axes: X Y Z"
+    ):
         machine(tmp_path, Q_uncertainty="Q_mm,EXQ_um\n0,1\n1,1\n")
 
 
 def test_the_uncertainties_of_one_turn_are_repeated(tmp_path):
     turning = '[axes.C]\ntravel = [-720.0, 720.0]\nleast_increment = 0.001\ntable = "C.csv"\n'
     text = HEAD.format(chain="w-C-b-X-Y-t") + AXIS.format("X") + AXIS.format("Y") + turning
-    m = machine(tmp_path, text, C="C_deg,EXC_um\n0,1\n90,5\n360,1\n", C_uncertainty="C_deg,EXC_um\n0,1\n180,3\n360,1\n")
+    m = machine(
+        tmp_path,
+        text,
+        C="C_deg,EXC_um\n0,1\n90,5\n360,1\n",
+        C_uncertainty="C_deg,EXC_um\n0,1\n180,3\n360,1\n",
+    )
     for c in (90, 450, -270, 630):
         u = MapUncertainty(m).length(np.array([[0.0], [0.0], [float(c)]]), np.zeros((3, 1)))
         assert u[0] == approx(2 * UM), c
@@ -416,13 +478,17 @@ def test_the_uncertainties_of_one_turn_are_repeated(tmp_path):
 
 def test_hysteresis_is_read_in_um(tmp_path):
     assert machine(tmp_path).limits.hysteresis == approx(1 * UM)
-    assert machine(tmp_path, MILL + "[limits]\nhysteresis_um = 2.5\n").limits.hysteresis == approx(2.5 * UM)
+    assert machine(tmp_path, MILL + "[limits]\nhysteresis_um = 2.5\n").limits.hysteresis == approx(
+        2.5 * UM
+    )
     assert machine(tmp_path, MILL + "[limits]\nhysteresis_um = 0\n").limits.hysteresis == 0.0
 
 
 def test_two_effects_of_one_name_are_told_apart(tmp_path):
     wave = EFFECT.replace("10.0", "{}")
-    m = machine(tmp_path, MILL + wave.format("10.0") + "u_amplitude_um = 1.0\n" + wave.format("4.0"))
+    m = machine(
+        tmp_path, MILL + wave.format("10.0") + "u_amplitude_um = 1.0\n" + wave.format("4.0")
+    )
     assert list(MapUncertainty(m).parts) == ["cyclic X #1 (amplitude_um)"]
     assert MapUncertainty(m).missing[-1] == "cyclic X #2"
     assert isinstance(m.effects[0].spread[0], EffectTerm)

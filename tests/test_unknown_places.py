@@ -18,7 +18,9 @@ NODES = np.linspace(-100.0, 500.0, 7)
 LEAST = 1e-4
 
 
-def mill(*components: str, square: dict | None = None, chain: str = "w-X-Y-b-Z-t", **more) -> Machine:
+def mill(
+    *components: str, square: dict | None = None, chain: str = "w-X-Y-b-Z-t", **more
+) -> Machine:
     """Three axes with these components: 20 um (urad) times a bent curve, nothing else."""
     axes = {}
     for letter in XYZ:
@@ -26,8 +28,12 @@ def mill(*components: str, square: dict | None = None, chain: str = "w-X-Y-b-Z-t
         for name in components:
             if name[2] == letter:
                 size = 0.02 if name[1] in XYZ else 20e-6
-                rows[COMPONENTS.index(name[:2])] = size * np.sin(NODES / 90.0 + COMPONENTS.index(name[:2]))
-        axes[letter] = Axis(letter, (-200.0, 600.0), LEAST, np.zeros(3), AxisTable(letter, NODES, rows, rows))
+                rows[COMPONENTS.index(name[:2])] = size * np.sin(
+                    NODES / 90.0 + COMPONENTS.index(name[:2])
+                )
+        axes[letter] = Axis(
+            letter, (-200.0, 600.0), LEAST, np.zeros(3), AxisTable(letter, NODES, rows, rows)
+        )
     return Machine("m", "", "linuxcnc", parse(chain), axes, square=square or {}, **more)
 
 
@@ -44,7 +50,12 @@ def numerical(machine: Machine) -> np.ndarray:
     for j in range(3):
         there = place.copy()
         there[j] += rng.uniform(-80, 80, 60)
-        result[:, j] = np.abs(machine.deviation(there, 0 * place) - machine.deviation(place, 0 * place)).max(axis=1) > 0
+        result[:, j] = (
+            np.abs(machine.deviation(there, 0 * place) - machine.deviation(place, 0 * place)).max(
+                axis=1
+            )
+            > 0
+        )
     return result
 
 
@@ -59,16 +70,25 @@ def test_the_dependence_is_that_of_the_deviation(chain):
     for letter, lean in (("Y", [0, 0, 1e-4]), ("Z", [1e-4, 0, 0]), ("X", [0, 1e-4, 0])):
         machine = mill(square={letter: np.array(lean)}, chain=chain)
         assert (direct(machine) == numerical(machine)).all()
-    values = np.random.default_rng(1).normal(0, 0.01, (6, 7, 7)) * np.array([0, 1, 0, 0, 0, 0])[:, None, None]
+    values = (
+        np.random.default_rng(1).normal(0, 0.01, (6, 7, 7))
+        * np.array([0, 1, 0, 0, 0, 0])[:, None, None]
+    )
     machine = mill("EXX", chain=chain)
     grid = GridTable("X", "Z", NODES, NODES, values, values)
-    machine = replace(machine, axes={**machine.axes, "X": replace(machine.axes["X"], grids=(grid,))})
+    machine = replace(
+        machine, axes={**machine.axes, "X": replace(machine.axes["X"], grids=(grid,))}
+    )
     assert (direct(machine) == numerical(machine)).all()
 
 
 def test_a_correction_depends_through_the_commands_of_other_axes():
     machine = mill("EXY", "EYZ")  # X by y, y's command by z
-    assert machine.depends.tolist() == [[True, True, True], [False, True, True], [False, False, False]]
+    assert machine.depends.tolist() == [
+        [True, True, True],
+        [False, True, True],
+        [False, False, False],
+    ]
 
 
 def test_x_is_corrected_where_nobody_knows_z():
@@ -77,7 +97,10 @@ def test_x_is_corrected_where_nobody_knows_z():
     text = "G21 G90\nG0 X0\nG1 X100 F500\nX250\nG91 X30\nG90 Z10\nX20\n"
     known = corrected(machine, "G0 X-50 Y0 Z20\n" + text)
     unknown = corrected(machine, "G0 X-50\n" + text)
-    assert unknown.splitlines()[2:] == known.splitlines()[2:] and unknown.count("\n") > known.count("\n") - 2
+    assert (
+        unknown.splitlines()[2:] == known.splitlines()[2:]
+        and unknown.count("\n") > known.count("\n") - 2
+    )
 
 
 def test_an_axis_off_its_reference_is_held_and_not_written():
@@ -124,7 +147,9 @@ def test_a_place_outside_the_tables_counts_only_where_it_is_known():
     machine = mill("EXX", "EZZ")
     z = machine.axes["Z"]
     table = AxisTable("Z", NODES + 150.0, z.table.forward, z.table.reverse)
-    machine = replace(machine, axes={**machine.axes, "Z": replace(z, travel=(50.0, 700.0), table=table)})
+    machine = replace(
+        machine, axes={**machine.axes, "Z": replace(z, travel=(50.0, 700.0), table=table)}
+    )
     out = corrected(machine, "G21 G90\nG0 X0\nG1 X100 F500\n")
     assert "Z" not in out.replace("TOL", "").split("\n", 2)[2]
     with pytest.raises(ProgramError, match="outside the error table of Z"):

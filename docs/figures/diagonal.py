@@ -37,7 +37,9 @@ EVERY = 30.0  # mm of Z between two error vectors: the spacing of the measuremen
 DPI = 112  # 9 inches: 1008 pixels
 
 # Okabe and Ito's colours, which the colour-blind can tell apart; every curve differs in its line too.
-NOMINAL, PLAIN, ENDS, GCOMP, INK = (LIGHT[role] for role in ("nominal", "before", "command", "after", "ink"))
+NOMINAL, PLAIN, ENDS, GCOMP, INK = (
+    LIGHT[role] for role in ("nominal", "before", "command", "after", "ink")
+)
 
 
 def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
@@ -81,12 +83,16 @@ def deviations(machine: Machine) -> tuple[np.ndarray, dict[str, np.ndarray], np.
     )
 
 
-def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], part: np.ndarray) -> None:
+def paths(
+    axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], part: np.ndarray
+) -> None:
     """Nominal and actual paths, deviations magnified."""
     magnified = {name: nominal + MAGNIFIED * d for name, d in deviation.items()}
     step = round(EVERY / 510.0 * (SAMPLES - 1))
     tail, head = nominal[::-1, ::step], magnified["plain"][::-1, ::step]
-    axes.plot(*nominal[::-1], color=NOMINAL, linewidth=6, solid_capstyle="round", label="nominal path")
+    axes.plot(
+        *nominal[::-1], color=NOMINAL, linewidth=6, solid_capstyle="round", label="nominal path"
+    )
     axes.quiver(
         *tail,
         *(head - tail),
@@ -110,15 +116,27 @@ def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], par
     )
     at = [magnified["gcomp"][i] for i in (1, 0)]
     axes.plot(
-        *[np.interp(part, np.linspace(0, 1, SAMPLES), row) for row in at], "o", color=GCOMP, markersize=4.5, zorder=5
+        *[np.interp(part, np.linspace(0, 1, SAMPLES), row) for row in at],
+        "o",
+        color=GCOMP,
+        markersize=4.5,
+        zorder=5,
     )
-    axes.set(xlim=(-12, 652), ylim=(-14, 252), xlabel="Z, mm", ylabel="X (radius), mm", aspect="equal")
+    axes.set(
+        xlim=(-12, 652), ylim=(-14, 252), xlabel="Z, mm", ylabel="X (radius), mm", aspect="equal"
+    )
     axes.set_xticks(np.arange(0, 601, 100))
     axes.set_yticks([0, 50, 100, 150, 200])
     scale = 50 * UM * MAGNIFIED
     axes.plot([500, 500 + scale], [30, 30], color=INK, linewidth=2, marker="|", markersize=8)
     axes.text(500 + scale / 2, 22, "50 µm of deviation", ha="center", va="top", color=INK)
-    axes.text(0, 236, f"deviations by the measured error map,\nmagnified {MAGNIFIED}×", va="top", color=INK)
+    axes.text(
+        0,
+        236,
+        f"deviations by the measured error map,\nmagnified {MAGNIFIED}×",
+        va="top",
+        color=INK,
+    )
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
@@ -130,11 +148,23 @@ def paths(axes: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], par
     )
 
 
-def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np.ndarray], tolerance: float) -> None:
+def sizes(
+    large: Axes,
+    small: Axes,
+    nominal: np.ndarray,
+    deviation: dict[str, np.ndarray],
+    tolerance: float,
+) -> None:
     """Size of the deviation over Z, on two scales."""
     size = {name: np.hypot(*d) / UM for name, d in deviation.items()}
     z = nominal[1]
-    large.plot(z, size["plain"], color=PLAIN, linewidth=2.2, label=f"uncompensated: {size['plain'].max():.1f} µm")
+    large.plot(
+        z,
+        size["plain"],
+        color=PLAIN,
+        linewidth=2.2,
+        label=f"uncompensated: {size['plain'].max():.1f} µm",
+    )
     large.plot(
         z,
         size["ends"],
@@ -144,13 +174,26 @@ def sizes(large: Axes, small: Axes, nominal: np.ndarray, deviation: dict[str, np
         label=f"only its ends corrected: {size['ends'].max():.1f} µm",
     )
     for axes in (large, small):
-        axes.plot(z, size["gcomp"], color=GCOMP, linewidth=1.8, label=f"gcomp: {size['gcomp'].max():.2f} µm")
+        axes.plot(
+            z,
+            size["gcomp"],
+            color=GCOMP,
+            linewidth=1.8,
+            label=f"gcomp: {size['gcomp'].max():.2f} µm",
+        )
         axes.set(xlim=(-10, 520), xticks=np.arange(0, 511, 60))
     small.fill_between(z, size["gcomp"], color=GCOMP, alpha=0.15, linewidth=0)
     small.plot(z, size["plain"], color=PLAIN, linewidth=2.2)
     small.plot(z, size["ends"], color=ENDS, linewidth=2.2, linestyle=(0, (5, 1.6)))
     small.axhline(tolerance / UM, color=INK, linewidth=1.5, linestyle=(0, (1, 1.5)))
-    small.text(255, tolerance / UM - 0.02, f"tolerance {tolerance / UM:g} µm", ha="center", va="top", color=INK)
+    small.text(
+        255,
+        tolerance / UM - 0.02,
+        f"tolerance {tolerance / UM:g} µm",
+        ha="center",
+        va="top",
+        color=INK,
+    )
     large.set(ylim=(-2, 80), yticks=[0, 20, 40, 60, 80])
     large.tick_params(labelbottom=False)
     small.text(16, 0.62, "the same, enlarged", va="center", color=INK)
@@ -198,7 +241,10 @@ def main() -> None:
     paths(top, nominal, deviation, part)
     sizes(large, small, nominal, deviation, tolerance)
     top.set_title(
-        "One G1 over the diagonal of a Studer S-36: X0 Z0 to X340 Z510", loc="left", pad=30, fontweight="bold"
+        "One G1 over the diagonal of a Studer S-36: X0 Z0 to X340 Z510",
+        loc="left",
+        pad=30,
+        fontweight="bold",
     )
     large.set_title(
         "How far the tool is from where the program says, and the largest on the way",
@@ -211,7 +257,9 @@ def main() -> None:
     figure.savefig(HERE / "diagonal.png", dpi=DPI)
     for name, d in deviation.items():
         size = np.hypot(*d) / UM
-        print(f"{name:6s} largest deviation {size.max():8.3f} um at Z {nominal[1][size.argmax()]:.1f}")
+        print(
+            f"{name:6s} largest deviation {size.max():8.3f} um at Z {nominal[1][size.argmax()]:.1f}"
+        )
     print(f"{len(part) - 1} blocks, tolerance {tolerance / UM:g} um")
 
 

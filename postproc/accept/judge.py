@@ -81,13 +81,17 @@ def _repeat(test: Positioning) -> float | None:
 
 def _changes(results: list[Result], tests: list[Positioning], line: bool) -> list[Change]:
     both = [
-        {p.name: p for p in r.parameters} | {LARGEST: _largest(r, t, line)} for r, t in zip(results, tests, strict=True)
+        {p.name: p for p in r.parameters} | {LARGEST: _largest(r, t, line)}
+        for r, t in zip(results, tests, strict=True)
     ]
     names = [n for n in (*SHOWN, LARGEST) if n in both[0] and n in both[1]]
     if line:
         names = [n for n in names if n not in ("A", "E")]
     if both[0].get("A", Parameter("A", None, "")).value is None and not line:
-        names = [*(f"{n}{s}" for n in "AE" for s in "+-" if both[0][f"{n}{s}"].value is not None), *names]
+        names = [
+            *(f"{n}{s}" for n in "AE" for s in "+-" if both[0][f"{n}{s}"].value is not None),
+            *names,
+        ]
     return [_change(both[0][n], both[1][n]) for n in names]
 
 
@@ -97,11 +101,19 @@ def _largest(result: Result, test: Positioning, line: bool) -> Parameter:
     values = _about(test, line)
 
     def largest(means: np.ndarray) -> np.ndarray:
-        return np.nanmax(np.abs(means - np.nanmean(means, axis=(-2, -1), keepdims=True)), axis=(-2, -1))
+        return np.nanmax(
+            np.abs(means - np.nanmean(means, axis=(-2, -1), keepdims=True)), axis=(-2, -1)
+        )
 
     runs = None if noise is None or not noise.s else about(values, noise, largest)
-    terms = tuple(replace(t, of=frozenset([LARGEST])) for t in result.terms if t.of & {"E", "E+", "E-"})
-    what = "largest deviation from the line of the mean" if line else "largest deviation from their mean"
+    terms = tuple(
+        replace(t, of=frozenset([LARGEST])) for t in result.terms if t.of & {"E", "E+", "E-"}
+    )
+    what = (
+        "largest deviation from the line of the mean"
+        if line
+        else "largest deviation from their mean"
+    )
     return combined(Parameter(LARGEST, float(np.nanmax(np.abs(values))), what), terms, runs)
 
 
@@ -147,7 +159,9 @@ def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray 
     out = []
     for sign in (1.0, -1.0):
         off = machine.deviation(position, sign * approach)
-        out.append(sum(c * off[machine.letters.index(x)] for x, c in along.items() if x in machine.letters))
+        out.append(
+            sum(c * off[machine.letters.index(x)] for x, c in along.items() if x in machine.letters)
+        )
     return np.stack([np.broadcast_to(o, target.shape) for o in out])
 
 
@@ -168,5 +182,7 @@ def _curves(tests: list[Positioning]) -> dict[str, list[float | None]]:
     for name, test in zip(("before", "after"), tests, strict=True):
         middle = np.nanmean(test.mean)
         for row, sign in enumerate("+-"):
-            out[f"{name} {sign}"] = [float(v) if math.isfinite(v) else None for v in test.mean[row] - middle]
+            out[f"{name} {sign}"] = [
+                float(v) if math.isfinite(v) else None for v in test.mean[row] - middle
+            ]
     return out

@@ -18,7 +18,9 @@ ALIKE = 0.9999  # cosine of the angle between the directions of two readings
 NEAR = 0.6  # mm: a corrected target lies no farther from its nominal one (max_correction 0.5 mm)
 
 
-def split(recordings: Sequence[Recording], after: Sequence[Recording]) -> tuple[list[Recording], list[Recording]]:
+def split(
+    recordings: Sequence[Recording], after: Sequence[Recording]
+) -> tuple[list[Recording], list[Recording]]:
     """Before and after. Without a list of its own, what comes second of a motion is after.
 
     Raises AcceptError where that can not be told, or a file's head says otherwise (`compensated`).
@@ -44,7 +46,9 @@ def split(recordings: Sequence[Recording], after: Sequence[Recording]) -> tuple[
     return first, second
 
 
-def pairs(before: Sequence[Recording], after: Sequence[Recording], commanded: bool) -> list[tuple[Motion, Motion]]:
+def pairs(
+    before: Sequence[Recording], after: Sequence[Recording], commanded: bool
+) -> list[tuple[Motion, Motion]]:
     """Motions before and after, in the order of before. Raises AcceptError for one without a partner."""
     old = [m for r in before for m in motions(r)]
     points = [(r, _points(r)) for r in before]
@@ -61,12 +65,19 @@ def pairs(before: Sequence[Recording], after: Sequence[Recording], commanded: bo
         found.append((motion, same[0]))
     for motion in new:
         if not any(after_one is motion for _, after_one in found):
-            raise AcceptError(f"{subject(motion)} of {motion.recording.file} was not measured before")
+            raise AcceptError(
+                f"{subject(motion)} of {motion.recording.file} was not measured before"
+            )
     return found
 
 
 def _key(motion: Motion) -> tuple:
-    return motion.test, motion.subject, motion.axes, tuple((x, round(v, 1)) for x, v in sorted(motion.at.items()))
+    return (
+        motion.test,
+        motion.subject,
+        motion.axes,
+        tuple((x, round(v, 1)) for x, v in sorted(motion.at.items())),
+    )
 
 
 def _alike(one: Recording, other: Recording) -> bool:
@@ -83,14 +94,18 @@ def _points(recording: Recording) -> np.ndarray:
     return np.unique(np.stack([recording.position(x) for x in recording.axes], axis=1), axis=0)
 
 
-def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], commanded: bool) -> Recording:
+def _nominal(
+    recording: Recording, before: list[tuple[Recording, np.ndarray]], commanded: bool
+) -> Recording:
     """The recording on the targets of before: as it is, or from the corrected ones that its program commanded.
 
     Raises AcceptError where its targets are others.
     """
     own = np.stack([recording.position(x) for x in recording.axes], axis=1)
     best, source = None, recording
-    alike = [(r, p) for r, p in before if r.axes == recording.axes and r.quantity == recording.quantity]
+    alike = [
+        (r, p) for r, p in before if r.axes == recording.axes and r.quantity == recording.quantity
+    ]
     for other, points in alike:
         if not _alike(recording, other):
             continue
@@ -122,7 +137,11 @@ def _nominal(recording: Recording, before: list[tuple[Recording, np.ndarray]], c
     along = sum(recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes))
     name = "reading_urad" if recording.quantity == "angle" else "reading_um"
     columns = dict(recording.columns)
-    columns[name] = columns[name] + (0.0 if recording.quantity == "angle" else along / recording.unit)
+    columns[name] = columns[name] + (
+        0.0 if recording.quantity == "angle" else along / recording.unit
+    )
     head = recording.head | {"sensitive": dict(source.sensitive)}
-    columns |= {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": best[:, i] for i, x in enumerate(recording.axes)}
+    columns |= {
+        f"{x}_{'mm' if x in 'XYZ' else 'deg'}": best[:, i] for i, x in enumerate(recording.axes)
+    }
     return replace(recording, head=head, columns=columns)

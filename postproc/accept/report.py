@@ -19,7 +19,11 @@ def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     lines = [line for one in outcomes for line in _faults(one)]
     judged = [(one, r) for one in outcomes for r in one.ratios]
     good = sum(r.verdict == "good" for _, r in judged)
-    small = [f"{one.subject} {r.of} ({ratio(r)})" for one, r in judged if r.verdict == "undecided" and r.U is not None]
+    small = [
+        f"{one.subject} {r.of} ({ratio(r)})"
+        for one, r in judged
+        if r.verdict == "undecided" and r.U is not None
+    ]
     if not lines and good:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")
         if machine and not small:
@@ -46,7 +50,9 @@ def _faults(one: Outcome) -> list[str]:
         mine = [r for r in one.ratios if r.verdict == kind]
         if mine:
             said = "; ".join(f"{r.of} {ratio(r)}" for r in mine)
-            lines.append(f"{VERDICTS[kind]}: {one.subject}: {said}; {_turned(one) if kind == 'turned' else advice}")
+            lines.append(
+                f"{VERDICTS[kind]}: {one.subject}: {said}; {_turned(one) if kind == 'turned' else advice}"
+            )
     return lines
 
 
@@ -57,14 +63,18 @@ def _turned(one: Outcome) -> str:
     if len(one.turned) > 1 and one.acted is not None and one.acted > 0.5:
         return "what the map says was taken out, so the map's own sign is turned: negate its column, or calibrate again"
     if len(one.turned) > 1 and one.acted is not None and one.acted < -0.5:
-        return "the map has the right sign, and the control or the program uses it the other way round"
+        return (
+            "the map has the right sign, and the control or the program uses it the other way round"
+        )
     return ADVICE["turned"]
 
 
 def text(outcomes: Sequence[Outcome], machine: str) -> str:
     """All of it."""
     parts = ["\n".join(_lines(one)) for one in outcomes]
-    return "\n\n".join([*parts, "\n".join(["verdict", *(f"  {line}" for line in verdict(outcomes, machine))])])
+    return "\n\n".join(
+        [*parts, "\n".join(["verdict", *(f"  {line}" for line in verdict(outcomes, machine))])]
+    )
 
 
 def unit_of(one: Outcome) -> float:
@@ -73,12 +83,19 @@ def unit_of(one: Outcome) -> float:
 
 def _lines(one: Outcome) -> list[str]:
     unit = unit_of(one)
-    out = [f"{one.before.test}  {one.subject}", f"  {one.before.recording.file} -> {one.after.recording.file}", ""]
+    out = [
+        f"{one.before.test}  {one.subject}",
+        f"  {one.before.recording.file} -> {one.after.recording.file}",
+        "",
+    ]
     rows = [["", f"before, {one.unit}", "U (k=2)", "after", "U (k=2)", "less by", ""]]
     rows += [_row(change, unit) for change in one.changes]
     widths = [max(len(r[i]) for r in rows) for i in range(len(rows[0]))]
     for r in rows:
-        cells = [c.ljust(w) if i in (0, 6) else c.rjust(w) for i, (c, w) in enumerate(zip(r, widths, strict=True))]
+        cells = [
+            c.ljust(w) if i in (0, 6) else c.rjust(w)
+            for i, (c, w) in enumerate(zip(r, widths, strict=True))
+        ]
         out.append(("  " + "  ".join(cells)).rstrip())
     out += ["", *(f"  {r.of}: {ratio(r)}: {VERDICTS[r.verdict]}" for r in one.ratios)]
     out += [f"  {line}" for line in rest(one, unit)]
@@ -86,7 +103,10 @@ def _lines(one: Outcome) -> list[str]:
 
 
 def _row(change: Change, unit: float) -> list[str]:
-    shown = [_number(v, unit) for v in (change.before.value, change.before.U, change.after.value, change.after.U)]
+    shown = [
+        _number(v, unit)
+        for v in (change.before.value, change.before.U, change.after.value, change.after.U)
+    ]
     return [change.before.name, *shown, reduction(change), change.before.means]
 
 
@@ -122,7 +142,9 @@ def rest(one: Outcome, unit: float) -> list[str]:
             f", of it {min(one.scatter, one.left) / unit:.2f} scatter of the runs and {beyond / unit:.2f} systematic"
         )
     if one.repeat is not None:
-        out.append(f"repeatability in one direction, up to {one.repeat / unit:.2f} {one.unit}, stays with any map")
+        out.append(
+            f"repeatability in one direction, up to {one.repeat / unit:.2f} {one.unit}, stays with any map"
+        )
     if one.acted is not None:
         out.append(f"of what the map states {100 * one.acted:.0f} % was taken out")
     return out

@@ -16,7 +16,12 @@ from postproc.iso.sampling import noise_of
 
 WAYS = ("approached in +", "approached in -")
 REVERSAL = "reversal"
-LIMITS = ((-0.5, "too much"), (0.5, "good"), (1.5, "nothing"), (np.inf, "turned"))  # half way between 0, 1 and 2
+LIMITS = (
+    (-0.5, "too much"),
+    (0.5, "good"),
+    (1.5, "nothing"),
+    (np.inf, "turned"),
+)  # half way between 0, 1 and 2
 LEAST = 0.3e-3  # mm or rad * m: an rms of less no correction is judged by
 
 
@@ -60,7 +65,9 @@ def _dof(*tests: Positioning) -> float:
     return float(min((np.nanmax(n.dof) for n in found if n is not None), default=0.0))
 
 
-def _ratio(of: str, b: np.ndarray, a: np.ndarray, ub: np.ndarray, ua: np.ndarray, dof: float, taken: int) -> Ratio:
+def _ratio(
+    of: str, b: np.ndarray, a: np.ndarray, ub: np.ndarray, ua: np.ndarray, dof: float, taken: int
+) -> Ratio:
     share = (len(b) - taken) / len(b)
     size2 = float(b @ b) - share * float(ub @ ub)
     rms = float(np.sqrt(b @ b / max(len(b) - taken, 1)))
@@ -78,7 +85,9 @@ def _ratio(of: str, b: np.ndarray, a: np.ndarray, ub: np.ndarray, ua: np.ndarray
 
 def _verdict(value: float, wide: float) -> str:
     """Where the whole interval lies; "undecided" where it reaches over more than two of the ranges."""
-    low, high = ((next(v for limit, v in LIMITS if at < limit)) for at in (value - wide, value + wide))
+    low, high = (
+        (next(v for limit, v in LIMITS if at < limit)) for at in (value - wide, value + wide)
+    )
     if low == high:
         return low
     return "undecided" if wide > 0.5 else "between"

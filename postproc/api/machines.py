@@ -16,14 +16,18 @@ def machines() -> dict[str, Path]:
     return places.every()
 
 
-def load_machine(name: str | Path, temperatures: dict[str, float] | None = None, only: Sequence[str] = ()) -> Machine:
+def load_machine(
+    name: str | Path, temperatures: dict[str, float] | None = None, only: Sequence[str] = ()
+) -> Machine:
     """The machine of a name, or of the folder at a path, as `--machine` takes it.
 
     temperatures: degrees Celsius of scales or screws by axis, and of the work as "work", for machines that state how they
     grow. only: components (EXX), squareness (C0Y) and effects (backlash:X) of the map that shall be corrected, all where it
     is empty. Raises UsageError with the names that there are, MachineError with file and line of what is wrong in the folder.
     """
-    asked = argparse.Namespace(machine=str(name), temperature=dict(temperatures or {}), only=tuple(only))
+    asked = argparse.Namespace(
+        machine=str(name), temperature=dict(temperatures or {}), only=tuple(only)
+    )
     return reading.machine_of(asked)
 
 

@@ -30,7 +30,9 @@ def read_recordings(path: str | Path, format: str = "", **options: Any) -> list[
     columns, others, machine, strict, extra, head. Raises GcompError with the line of what can not be read.
     """
     return read_all(
-        Source(str(path), ports.read_whole(Path(path), LARGEST)), format, replace(ReadingOptions(), **options)
+        Source(str(path), ports.read_whole(Path(path), LARGEST)),
+        format,
+        replace(ReadingOptions(), **options),
     )
 
 
@@ -40,7 +42,8 @@ def read_recording(path: str | Path, format: str = "", **options: Any) -> Record
     if len(found) > 1:
         names = ", ".join(str(r.head.get("component", r.kind)) for r in found)
         raise UsageError(
-            f"{path} holds {len(found)} recordings: {names}", "component=... names one; read_recordings reads all"
+            f"{path} holds {len(found)} recordings: {names}",
+            "component=... names one; read_recordings reads all",
         )
     return found[0]
 
@@ -120,7 +123,11 @@ def diagnose(
     found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
     names = tuple(f.block.key for f in found.findings if f.status == "accepted")
     return Diagnosed(
-        found.verdict, names, report.as_text(found), report.as_json(found, [s.data for s in sources]), found
+        found.verdict,
+        names,
+        report.as_text(found),
+        report.as_json(found, [s.data for s in sources]),
+        found,
     )
 
 
@@ -178,7 +185,9 @@ def calibrate(
     copied = command.like_of(str(like) if like else None)
     head, axes, decided = command.machine_of(said, copied)
     found = reckoned(list(recordings), decided)
-    return Calibrated(report.table(found), folder.folder(found, head, axes), report.data(found), found)
+    return Calibrated(
+        report.table(found), folder.folder(found, head, axes), report.data(found), found
+    )
 
 
 def _defaults(command: Any) -> argparse.Namespace:

@@ -133,8 +133,14 @@ class Compensated:
 
     def as_dict(self) -> dict[str, Any]:
         """What `to_json` writes."""
-        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("program", "notices", "verified")}
-        told = [{"code": n.code, "message": n.message, "line": n.line or None} for n in self.notices]
+        own = {
+            f.name: getattr(self, f.name)
+            for f in fields(self)
+            if f.name not in ("program", "notices", "verified")
+        }
+        told = [
+            {"code": n.code, "message": n.message, "line": n.line or None} for n in self.notices
+        ]
         return {
             "format": FORMAT,
             **own,
@@ -166,7 +172,9 @@ def compensate(
 
 
 def verify(
-    program: str | bytes | Path | Iterable[str | bytes], machine: Machine | str | Path, **settings: Unpack[Settings]
+    program: str | bytes | Path | Iterable[str | bytes],
+    machine: Machine | str | Path,
+    **settings: Unpack[Settings],
 ) -> Verified:
     """How far a nominal program would be off as it is, and once corrected; no program is kept. As `gcomp FILE --verify`."""
     verified = compensate(program, machine, verify=True, **settings).verified
@@ -185,7 +193,9 @@ def attempt(program: Any, machine: Machine, options: argparse.Namespace) -> atte
     """The program, corrected as the options of the command line want it; its output is in the attempt's spool."""
     if isinstance(program, Path):
         with ports.opened(str(program)) as (source, name, _):
-            return attempts.best(options, machine, _kept(source), name, ports.head(source), lambda size: None)
+            return attempts.best(
+                options, machine, _kept(source), name, ports.head(source), lambda size: None
+            )
     with _text(program) as source:
         head = source.read(ports.HEAD)
         source.seek(0)
@@ -248,7 +258,9 @@ def _options(settings: dict[str, Any], program: Any) -> argparse.Namespace:
     options = defaults()
     unknown = sorted(set(settings) - set(Settings.__annotations__))
     if unknown:
-        raise TypeError(f"there is no setting {unknown[0]!r}; settings: {', '.join(Settings.__annotations__)}")
+        raise TypeError(
+            f"there is no setting {unknown[0]!r}; settings: {', '.join(Settings.__annotations__)}"
+        )
     for name, value in settings.items():
         if name in CHOICES and value not in CHOICES[name]:
             raise UsageError(f"{name}={value!r} is none of {', '.join(CHOICES[name])}")
@@ -279,6 +291,8 @@ def _length(name: str, value: float) -> float:
 
 def _offset(name: str, place: dict[str, float]) -> tuple[str, dict[str, float]]:
     try:
-        return values.offset(f"{name}=" + ",".join(f"{axis}{value:.9f}" for axis, value in place.items()))
+        return values.offset(
+            f"{name}=" + ",".join(f"{axis}{value:.9f}" for axis, value in place.items())
+        )
     except argparse.ArgumentTypeError as error:
         raise UsageError(f"offsets: {error}") from None

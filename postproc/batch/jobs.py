@@ -19,7 +19,19 @@ from postproc.machine import places
 # What programs in a folder are called, beside the names that --expand knows.
 KNOWN = {f"*{ending.lower()}" for ending in ENDINGS if ending.lower() not in ("", ".txt")}
 PATTERNS = (*sorted(KNOWN), "*.gcode", "*.gco", "*.g", "*.iso", "*.eia", "*.pim", "*.min")
-OWN = ("output", "jobs", "scheduler", "retries", "programs", "pattern", "force", "json", "quiet", "machine", "file")
+OWN = (
+    "output",
+    "jobs",
+    "scheduler",
+    "retries",
+    "programs",
+    "pattern",
+    "force",
+    "json",
+    "quiet",
+    "machine",
+    "file",
+)
 
 
 @dataclass(frozen=True)
@@ -32,12 +44,19 @@ class Job:
     number: int = 0
 
 
-def jobs(programs: Sequence[str], machines: Sequence[str], folder: Path, patterns: Sequence[str]) -> list[Job]:
+def jobs(
+    programs: Sequence[str], machines: Sequence[str], folder: Path, patterns: Sequence[str]
+) -> list[Job]:
     """All that is to be done, in order. Raises UsageError where nothing is found, or two results would be one file."""
-    found = [(source, relative) for name in programs for source, relative in _programs(Path(name), folder, patterns)]
+    found = [
+        (source, relative)
+        for name in programs
+        for source, relative in _programs(Path(name), folder, patterns)
+    ]
     if not found:
         raise UsageError(
-            f"there is no program in {', '.join(programs)}", f"--pattern '*.nc'; looked for {' '.join(patterns)}"
+            f"there is no program in {', '.join(programs)}",
+            f"--pattern '*.nc'; looked for {' '.join(patterns)}",
         )
     result: list[Job] = []
     taken: dict[Path, str] = {}
@@ -47,7 +66,8 @@ def jobs(programs: Sequence[str], machines: Sequence[str], folder: Path, pattern
             output = root / relative
             if output in taken:
                 raise UsageError(
-                    f"{source} and {taken[output]} would both be written to {output}", "run them with two folders -o"
+                    f"{source} and {taken[output]} would both be written to {output}",
+                    "run them with two folders -o",
                 )
             if output.resolve() == source.resolve():
                 raise UsageError(f"{output} is the program itself", "-o names another folder")
@@ -65,7 +85,9 @@ def _programs(path: Path, output: Path, patterns: Sequence[str]) -> Iterator[tup
         raise UsageError(f"there is no program {path}")
     inside = output.resolve()
     if inside == path.resolve():
-        raise UsageError(f"the results would be written among the programs in {path}", "-o names another folder")
+        raise UsageError(
+            f"the results would be written among the programs in {path}", "-o names another folder"
+        )
     for file in sorted(path.rglob("*")):
         if inside in file.resolve().parents or not file.is_file() or file.name.startswith("."):
             continue
@@ -96,7 +118,9 @@ def _settings(options: argparse.Namespace) -> str:
 def _folder(machine: str) -> str:
     """All files of a machine's folder as one digest."""
     files = sorted(p for p in places.folder_of(machine).rglob("*") if p.is_file())
-    return hashlib.sha256("".join(f"{p.name} {_digest(str(p))}" for p in files).encode()).hexdigest()
+    return hashlib.sha256(
+        "".join(f"{p.name} {_digest(str(p))}" for p in files).encode()
+    ).hexdigest()
 
 
 @cache

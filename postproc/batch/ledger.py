@@ -45,21 +45,31 @@ class Ledger:
     def _lock(self) -> None:
         try:
             import fcntl
-        except ImportError:  # Windows has none; there a second run finds its outputs done or standing
+        except (
+            ImportError
+        ):  # Windows has none; there a second run finds its outputs done or standing
             return
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise UsageError(
-                f"another gcomp batch is writing to {self.path.parent}", "wait for it, or name another folder"
+                f"another gcomp batch is writing to {self.path.parent}",
+                "wait for it, or name another folder",
             ) from None
 
     def done(self, output: str, key: str) -> dict[str, Any] | None:
         """What was told of a job, if it is done: under the same key, and its result stands there as it was written."""
         entry = self.known.get(self._name(output))
-        if entry is None or entry.get("key") != key or entry.get("status") != "done" or not Path(output).is_file():
+        if (
+            entry is None
+            or entry.get("key") != key
+            or entry.get("status") != "done"
+            or not Path(output).is_file()
+        ):
             return None
-        same = hashlib.sha256(ports.read_whole(Path(output), 4 * LARGEST)).hexdigest() == entry.get("sha256")
+        same = hashlib.sha256(ports.read_whole(Path(output), 4 * LARGEST)).hexdigest() == entry.get(
+            "sha256"
+        )
         return entry if same else None
 
     def wrote(self, output: str) -> bool:

@@ -32,7 +32,9 @@ def alone(jobs: Iterable[Job], options: argparse.Namespace) -> Iterator[Told]:
         yield job, work(job, options)
 
 
-def local(jobs: Iterable[Job], options: argparse.Namespace, workers: int, retries: int) -> Iterator[Told]:
+def local(
+    jobs: Iterable[Job], options: argparse.Namespace, workers: int, retries: int
+) -> Iterator[Told]:
     """So many processes of this computer."""
     importlib.import_module("postproc.api.programs")  # once, before processes are forked
     waiting = iter(jobs)
@@ -111,7 +113,9 @@ def _quiet() -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def cluster(jobs: Iterable[Job], options: argparse.Namespace, address: str, retries: int) -> Iterator[Told]:
+def cluster(
+    jobs: Iterable[Job], options: argparse.Namespace, address: str, retries: int
+) -> Iterator[Told]:
     """The workers of a Dask scheduler; they must see the same files and have the same gcomp."""
     try:
         from distributed import Client, as_completed
@@ -123,7 +127,9 @@ def cluster(jobs: Iterable[Job], options: argparse.Namespace, address: str, retr
     try:
         client = Client(address, timeout=ANSWERS)
     except (OSError, ValueError) as error:
-        raise UsageError(f"no Dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
+        raise UsageError(
+            f"no Dask scheduler answers at {address}: {str(error) or type(error).__name__}"
+        ) from None
     with client:
         waiting = iter(jobs)
         at_work: dict[Any, Job] = {}

@@ -21,7 +21,12 @@ DONE, REFUSED, FAILED = "done", "refused", "failed"
 def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     """Correct a program and write it whole, or not at all. Never raises for what a program or a file is: that is told."""
     begun = time.monotonic()
-    told: dict[str, Any] = {"program": job.program, "machine": job.machine, "output": job.output, "pid": os.getpid()}
+    told: dict[str, Any] = {
+        "program": job.program,
+        "machine": job.machine,
+        "output": job.output,
+        "pid": os.getpid(),
+    }
     try:
         told |= _corrected(job, options)
     except GcompError as error:
@@ -45,7 +50,9 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     own.in_place = own.unbuffered = own.filter_progress = False
     own.verify = bool(options.verify or options.report)
     done = programs.attempt(
-        Path(job.program), _machine(job.machine, tuple(sorted(options.temperature.items())), options.only), own
+        Path(job.program),
+        _machine(job.machine, tuple(sorted(options.temperature.items())), options.only),
+        own,
     )
     with done.spool as spool:
         spool.seek(0)
@@ -57,7 +64,11 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
         ports.replace_file(target, spool, backup=False)
     if options.report:
         _page(done, target)
-    return {"status": DONE, "sha256": sha.hexdigest(), "result": programs.result(done, b"").as_dict()}
+    return {
+        "status": DONE,
+        "sha256": sha.hexdigest(),
+        "result": programs.result(done, b"").as_dict(),
+    }
 
 
 @lru_cache(maxsize=64)

@@ -24,7 +24,9 @@ def optic_of(components: list[Component], letter: str, options: Options) -> str:
         for series in component.series:
             word = series.head.get("optic", "tool")
             if word not in OPTICS:
-                raise CalibrationError(f"optic = {word!r}", "tool or workpiece", Place(series.file, 1))
+                raise CalibrationError(
+                    f"optic = {word!r}", "tool or workpiece", Place(series.file, 1)
+                )
             said.add(word)
     if len(said) > 1:
         raise CalibrationError(
@@ -57,7 +59,9 @@ def bring_together(
         optics[letter] = optic_of(list(mine.values()), letter, options)
         arm = [x for x in options.chain.arm(letter, optics[letter]) if x != letter]
         moved = [c for c in mine.values() if not c.angle]
-        first = min(moved, key=lambda c: c.name != f"E{letter}{letter}", default=next(iter(mine.values())))
+        first = min(
+            moved, key=lambda c: c.name != f"E{letter}{letter}", default=next(iter(mine.values()))
+        )
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
         beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
         for x in arm:
@@ -85,7 +89,9 @@ def _carried(
         if across == row:
             continue
         turn = 3 - row - across
-        sign = 1.0 if (turn + 1) % 3 == across else -1.0  # (eps x arm)_i = eps_j arm_k - eps_k arm_j
+        sign = (
+            1.0 if (turn + 1) % 3 == across else -1.0
+        )  # (eps x arm)_i = eps_j arm_k - eps_k arm_j
         angle = mine.get(f"{COMPONENTS[3 + turn]}{component.letter}")
         if angle is None:
             missing.append(
@@ -94,12 +100,18 @@ def _carried(
             continue
         used.append(angle.name)
         for way in (0, 1):
-            extra[way] += sign * distance * np.interp(component.nodes, angle.nodes, angle.value[way])
-            variance[way] += (distance * np.interp(component.nodes, angle.nodes, np.nan_to_num(angle.u[way]))) ** 2
+            extra[way] += (
+                sign * distance * np.interp(component.nodes, angle.nodes, angle.value[way])
+            )
+            variance[way] += (
+                distance * np.interp(component.nodes, angle.nodes, np.nan_to_num(angle.u[way]))
+            ) ** 2
     where = ", ".join(f"{x} {d:+g} mm" for x, d in away.items())
     says = f"{component.name} was measured {why} ({where} to go)"
     if used:
-        says += f": carried there with {', '.join(used)}, by up to {np.abs(extra).max() * 1e3:.2f} um"
+        says += (
+            f": carried there with {', '.join(used)}, by up to {np.abs(extra).max() * 1e3:.2f} um"
+        )
     if missing:
         says += f"; not measured: {', '.join(missing)}"
     return (component.moved(extra, np.sqrt(variance), says) if used else replace(component)), says

@@ -125,7 +125,9 @@ def assign(recording: Recording) -> Series | Diagonal:
         if kind == "displacement" and direction != letter and letter in XYZ:
             told = (f"a displacement across {letter} is a straightness: taken as {component}",)
     if f"approach_{letter}" not in recording.columns:
-        told += (f"no column approach_{letter}: taken as measured in one direction, its reversal is not known",)
+        told += (
+            f"no column approach_{letter}: taken as measured in one direction, its reversal is not known",
+        )
     run = recording.columns.get("run", np.ones(len(recording)))
     return Series(
         component, letter, recording.file, recording.position(letter), recording.approach(letter), run,
@@ -135,11 +137,15 @@ def assign(recording: Recording) -> Series | Diagonal:
     )  # fmt: skip
 
 
-def _diagonal(recording: Recording, moving: list[str], vector: dict[str, float], refuse) -> Diagonal:
+def _diagonal(
+    recording: Recording, moving: list[str], vector: dict[str, float], refuse
+) -> Diagonal:
     """Several axes moving in proportion, read along their common direction."""
     both = " and ".join(moving)
     if any(x in ROTARY for x in moving):
-        raise refuse(f"{both} move together", "a component needs one axis moving and the others at rest")
+        raise refuse(
+            f"{both} move together", "a component needs one axis moving and the others at rest"
+        )
     places = np.stack([recording.position(x) for x in moving])
     centred = places - places.mean(axis=1, keepdims=True)
     along = np.linalg.svd(centred, full_matrices=False)[0][:, 0]
@@ -152,7 +158,11 @@ def _diagonal(recording: Recording, moving: list[str], vector: dict[str, float],
         )
     sensitive = np.array([vector.get(x, 0.0) for x in moving])
     cosine = float(along @ sensitive)
-    if recording.quantity != "displacement" or abs(cosine) < ALONG or any(x not in moving for x in vector):
+    if (
+        recording.quantity != "displacement"
+        or abs(cosine) < ALONG
+        or any(x not in moving for x in vector)
+    ):
         raise refuse(
             f"{both} move together, and the {recording.quantity} is read at {np.degrees(np.arccos(min(1.0, abs(cosine)))):.1f} degrees to their path",
             "of several axes that move together only the displacement along the path is used (ISO 230-6)",

@@ -50,7 +50,11 @@ class Calibration:
 
     def axes(self) -> list[str]:
         """Axes of the chain that have a component to be written."""
-        return [x for x in self.options.chain.axes if any(c.letter == x for c in self.components.values())]
+        return [
+            x
+            for x in self.options.chain.axes
+            if any(c.letter == x for c in self.components.values())
+        ]
 
     def of(self, letter: str) -> list[Component]:
         """Components of an axis that are written, in the order of a table."""
@@ -64,7 +68,9 @@ class Calibration:
     def values(self, component: Component) -> np.ndarray:
         """(2, K) of a component at all nodes of its axis, held beyond its own."""
         value = np.tile(component.mean, (2, 1)) if self.options.mean else component.value
-        return np.stack([np.interp(self.nodes(component.letter), component.nodes, v) for v in value])
+        return np.stack(
+            [np.interp(self.nodes(component.letter), component.nodes, v) for v in value]
+        )
 
     def two_way(self, component: Component) -> bool:
         """Whether a component is written with a column for each direction."""
@@ -91,7 +97,9 @@ class Calibration:
                 table = AxisTable(x, self.nodes(x), both[0], both[1], stated)
             at = np.array([self.measured_at.get(x, {}).get(i, 0.0) for i in XYZ])
             small = tuple(c.name for c, _ in self.left_out if c.letter == x)
-            axes[x] = Axis(x, self.travel(x), 1e-4, at, table, self.optics.get(x, ""), left_out=small)
+            axes[x] = Axis(
+                x, self.travel(x), 1e-4, at, table, self.optics.get(x, ""), left_out=small
+            )
         return Machine(
             "", "", "", self.options.chain, axes, tool=np.array(self.options.point),
             limits=Limits(outside=self.options.outside), signs="unverified",
@@ -132,7 +140,9 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
         if away is not None:
             refused.append(away)
             continue
-        told += [Finding("assignment", "note", one.component, f"{one.file}: {text}") for text in one.told]
+        told += [
+            Finding("assignment", "note", one.component, f"{one.file}: {text}") for text in one.told
+        ]
         mine = outliers.find(one, cells_of(one.position, one.approach, one.reading))
         found += mine
         if options.drop_outliers and mine:
@@ -144,8 +154,12 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
         series.setdefault(one.component, []).append(one)
     if not series:
         if refused:
-            raise refused[0] if len(refused) == 1 else CalibrationError("\n".join(map(str, refused)))
-        raise CalibrationError("no recording of one axis moving alone", "calibration begins with single axes")
+            raise (
+                refused[0] if len(refused) == 1 else CalibrationError("\n".join(map(str, refused)))
+            )
+        raise CalibrationError(
+            "no recording of one axis moving alone", "calibration begins with single axes"
+        )
     measured = {name: build(parts, options) for name, parts in series.items()}
     left_out = [(c, c.small) for c in measured.values() if c.small and not options.keep_all]
     kept = {n: c for n, c in measured.items() if n not in {c.name for c, _ in left_out}}
@@ -157,7 +171,9 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
         )
     kept, measured_at, optics, carried = bring_together(kept, options)
     told += [Finding("measured-at", "note", "", text) for text in carried]
-    result = Calibration(options, kept, left_out, refused, found, diagonals, measured_at, optics, round_)
+    result = Calibration(
+        options, kept, left_out, refused, found, diagonals, measured_at, optics, round_
+    )
     square, says = squaring.determine(result)
     result = replace(result, squareness=square, findings=told + says)
     return replace(result, findings=result.findings + _checked(result))

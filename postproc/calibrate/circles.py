@@ -24,7 +24,9 @@ from postproc.machine.chain import XYZ
 from postproc.recordings import Recording
 
 SECTORS = 16  # of a turn: what the equation leaves is taken as alike within one, and as independent between them
-BESIDE = 0.1  # mm that a commanded place may lie beside the circle; further out it belongs to the run-in
+BESIDE = (
+    0.1  # mm that a commanded place may lie beside the circle; further out it belongs to the run-in
+)
 SHARED = ("scale", "square", "first play", "second play", "lag")
 LEAST = 12  # samples of a run
 
@@ -63,7 +65,9 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     for k, (one, expected) in enumerate(zip(recordings, known, strict=True)):
         part, value, angle, sense = _rows(one, expected, axes)
         own = np.zeros((len(value), 3 * len(recordings)))
-        own[:, 3 * k : 3 * k + 3] = np.column_stack([np.cos(angle), np.sin(angle), np.ones(len(angle))])
+        own[:, 3 * k : 3 * k + 3] = np.column_stack(
+            [np.cos(angle), np.sin(angle), np.ones(len(angle))]
+        )
         rows.append(np.hstack([part, own]))
         values.append(value)
         sectors.append((np.mod(angle, 2 * np.pi) / (2 * np.pi) * SECTORS).astype(int))
@@ -76,14 +80,20 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
         )  # fmt: skip
     if len(np.unique(sector)) < SECTORS:
         raise CalibrationError(
-            "the circles are no full turns", "a full turn in each sense", Place(recordings[0].file, 1)
+            "the circles are no full turns",
+            "a full turn in each sense",
+            Place(recordings[0].file, 1),
         )
     solve = np.linalg.pinv(terms)
     found = solve @ y
     left = y - terms @ found
     pulls = np.stack([solve[:, sector == k] @ left[sector == k] for k in range(SECTORS)], axis=1)
     free = SECTORS - 3 - len(SHARED)
-    spread = np.sqrt((pulls**2).sum(axis=1) * SECTORS / free) * float(t_factor(np.array(float(free)))) / 2
+    spread = (
+        np.sqrt((pulls**2).sum(axis=1) * SECTORS / free)
+        * float(t_factor(np.array(float(free))))
+        / 2
+    )
     u = dict(zip(SHARED, spread[: len(SHARED)].tolist(), strict=True))
     return Circles(
         axes, float(found[1]), float(found[0]), (float(found[2]), float(found[3])), u, float(np.sqrt(np.mean(left**2))),
@@ -91,11 +101,14 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     )  # fmt: skip
 
 
-def _rows(one: Recording, expected: np.ndarray, axes: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _rows(
+    one: Recording, expected: np.ndarray, axes: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Columns of SHARED, the reading without what is known, the angle and the sense of each sample on the circle."""
     if axes_of(one) != axes:
         raise CalibrationError(
-            f"{one.file} is a circle of {axes_of(one)}, the first one of {axes}", "one plane at a time"
+            f"{one.file} is a circle of {axes_of(one)}, the first one of {axes}",
+            "one plane at a time",
         )
     radius = float(one.head["radius_mm"])
     arm = np.stack([one.position(x) - one.head["centre"][x] for x in axes])

@@ -104,7 +104,9 @@ class Component:
 
     def moved(self, extra: np.ndarray, u_extra: np.ndarray, told: str) -> Component:
         """The same with (2, K) added, and its uncertainty."""
-        return replace(self, value=self.value + extra, u=np.hypot(self.u, u_extra), shifts=(*self.shifts, told))
+        return replace(
+            self, value=self.value + extra, u=np.hypot(self.u, u_extra), shifts=(*self.shifts, told)
+        )
 
 
 def elsewhere(first: Series, other: Series) -> CalibrationError | None:
@@ -153,7 +155,12 @@ def join(series: list[Series], keep_lines: bool) -> Series:
 
 
 def _one_state(
-    first: Series, other: Series, shared: np.ndarray, ours: np.ndarray, difference: np.ndarray, cells: Cells
+    first: Series,
+    other: Series,
+    shared: np.ndarray,
+    ours: np.ndarray,
+    difference: np.ndarray,
+    cells: Cells,
 ) -> None:
     """Raises CalibrationError where the other file shows less than half of what the first shows, or over one and a half
     times that: 0 is after compensation, 2 with its sign turned (accept/signs.py has the same limits)."""
@@ -196,12 +203,16 @@ def build(series: list[Series], options: Options) -> Component:
     one = join(series, options.keep_lines)
     cells = cells_of(one.position, one.approach, one.reading)
     if len(cells.nodes) < 2:
-        raise CalibrationError(f"{one.component} has {len(cells.nodes)} target", "two at least", Place(one.file, 1))
+        raise CalibrationError(
+            f"{one.component} has {len(cells.nodes)} target", "two at least", Place(one.file, 1)
+        )
     k = len(cells.nodes)
     ways = 2 if cells.two_way else 1
     mean = cells.mean[:ways].ravel()
     fill, filled = _fill(cells)
-    both = np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)  # (K, 2K): mean of both directions
+    both = (
+        np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)
+    )  # (K, 2K): mean of both directions
     zero, datum = _datum(cells.nodes, one.letter, options)
     line = _line(cells.nodes, options.line)
     lined = one.straight and not options.keep_lines
@@ -296,7 +307,9 @@ def _variance(one: Series, cells: Cells, ways: int) -> tuple[np.ndarray, np.ndar
     return np.maximum(scatter.s[:ways].ravel() ** 2, least) / n, scatter.dof[:ways].ravel()
 
 
-def _uncertainty(matrix: np.ndarray, one: Series, cells: Cells, ways: int) -> tuple[np.ndarray, np.ndarray]:
+def _uncertainty(
+    matrix: np.ndarray, one: Series, cells: Cells, ways: int
+) -> tuple[np.ndarray, np.ndarray]:
     """(R,) u of rows of a matrix times the means by scatter alone, with the factor t / 2 of the effective degrees of
     freedom (Welch and Satterthwaite, JCGM 100 G.4), and those degrees; NaN where the scatter is not known."""
     variance, dof = _variance(one, cells, ways)
@@ -312,7 +325,9 @@ def _uncertainty(matrix: np.ndarray, one: Series, cells: Cells, ways: int) -> tu
     return np.sqrt(total) * t_factor(free) / 2.0, free
 
 
-def _outside(one: Series, cells: Cells, options: Options, datum: float | None, ways: int) -> np.ndarray:
+def _outside(
+    one: Series, cells: Cells, options: Options, datum: float | None, ways: int
+) -> np.ndarray:
     """(2K,) u that more runs do not lessen: the instrument's, and of a length the temperature's (ISO/TR 230-9).
 
     An instrument's u that is noise shows in the scatter already; of one run alone it is counted there.

@@ -21,7 +21,9 @@ def draw(calibration: Calibration, kind: str) -> bytes:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise GcompError("a figure needs matplotlib, which is not installed", "pip install 'gcomp[figures]'") from None
+        raise GcompError(
+            "a figure needs matplotlib, which is not installed", "pip install 'gcomp[figures]'"
+        ) from None
     left = {c.name for c, _ in calibration.left_out}
     shown = sorted(calibration.measured.values(), key=lambda c: ("XYZABC".index(c.letter), c.name))
     columns = 1 if len(shown) < 2 else 2 if len(shown) < 7 else 3
@@ -51,14 +53,31 @@ def _component(axis, calibration: Calibration, component: Component, left_out: b
     for way, colour, label, marker in ways:
         value, u = component.value[way] / one, component.u[way] / one
         if np.isfinite(u).any():
-            axis.fill_between(component.nodes, value - 2 * u, value + 2 * u, color=colour, alpha=0.2, linewidth=0)
-        axis.plot(component.nodes, value, color=colour, marker=marker, markersize=2.5, linewidth=1.0, label=label)
+            axis.fill_between(
+                component.nodes, value - 2 * u, value + 2 * u, color=colour, alpha=0.2, linewidth=0
+            )
+        axis.plot(
+            component.nodes,
+            value,
+            color=colour,
+            marker=marker,
+            markersize=2.5,
+            linewidth=1.0,
+            label=label,
+        )
     for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
         k = int(np.argmin(np.abs(component.nodes - outlier.position)))
         way = 1 if outlier.approach < 0 and component.two_way else 0
         height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
         if np.isfinite(height):
-            axis.plot(outlier.position, height, "x", color=INK, markersize=7, label=None if n else "outlier")
+            axis.plot(
+                outlier.position,
+                height,
+                "x",
+                color=INK,
+                markersize=7,
+                label=None if n else "outlier",
+            )
     axis.axhline(0, color=FAINT, linewidth=0.6, zorder=0)
     note = " (left out)" if left_out else " (line off)" if component.lined else ""
     axis.set_title(component.name + note, fontsize=9, loc="left", color=INK)

@@ -22,7 +22,9 @@ from postproc.units import UM, URAD
 ALIKE = 0.01  # share by which diagonals may miss Pythagoras: a tape reads 1 mm of a metre, a wrong side far more
 STEEPEST = 0.005  # a screw or belt off by more has wrong steps per mm, which the control is told
 USUAL_LIMIT = Limits.max_correction
-LARGEST_LIMIT = 3.0  # mm: 10 mrad on 300 mm, which the eye sees; beyond, a slip is likelier than a machine
+LARGEST_LIMIT = (
+    3.0  # mm: 10 mrad on 300 mm, which the eye sees; beyond, a slip is likelier than a machine
+)
 
 
 @dataclass(frozen=True)
@@ -105,11 +107,16 @@ def folder(first: First) -> dict[str, str]:
     """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should mend."""
     files: dict[str, str] = {}
     axes: dict[str, dict[str, Any]] = {}
-    comments = {"": HEAD, "chain": "who carries whom, from the workpiece through the bed to the tool"}
+    comments = {
+        "": HEAD,
+        "chain": "who carries whom, from the workpiece through the bed to the tool",
+    }
     for x in sorted(first.travel):
         axes[x] = {"travel": list(map(float, first.travel[x])), "least_increment": first.least}
         comments[f"axes.{x}.travel"] = "mm, places of the slide in machine coordinates"
-        comments[f"axes.{x}.least_increment"] = "mm, the smallest step of a word that the control obeys"
+        comments[f"axes.{x}.least_increment"] = (
+            "mm, the smallest step of a word that the control obeys"
+        )
         if x in first.scale:
             axes[x]["table"] = f"{x}.csv"
             comments[f"axes.{x}.table"] = "mm it goes too far (+) or too short (-): its scale"
@@ -128,15 +135,24 @@ def folder(first: First) -> dict[str, str]:
         comments["home"] = "mm, where the slides stand after homing"
     data["axes"] = axes
     if first.square:
-        data["squareness"] = {name: round(value / URAD, 3) for name, (value, _) in first.square.items()}
-        comments |= {f"squareness.{name}": f"urad; {how}; {_leans(name)}" for name, (_, how) in first.square.items()}
+        data["squareness"] = {
+            name: round(value / URAD, 3) for name, (value, _) in first.square.items()
+        }
+        comments |= {
+            f"squareness.{name}": f"urad; {how}; {_leans(name)}"
+            for name, (_, how) in first.square.items()
+        }
         if first.square_u:
-            data["squareness"]["u"] = {name: round(2 * u / URAD, 3) for name, u in first.square_u.items()}
+            data["squareness"]["u"] = {
+                name: round(2 * u / URAD, 3) for name, u in first.square_u.items()
+            }
             comments |= {f"squareness.u.{name}": "urad, U = 2 u, 95 %" for name in first.square_u}
     most = _largest(first)
     if USUAL_LIMIT < most <= LARGEST_LIMIT:
         data["limits"] = {"max_correction": math.ceil(most * 1.2 * 10) / 10}
-        comments["limits.max_correction"] = f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
+        comments["limits.max_correction"] = (
+            f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
+        )
     if first.backlash:
         data["effect"] = [
             {
@@ -145,7 +161,11 @@ def folder(first: First) -> dict[str, str]:
                 "size_um": round(size / UM, 3),
                 "source": "stated by hand, or a ballbar: gcomp machines new",
             }
-            | ({"u_size_um": round(2 * first.backlash_u[x] / UM, 3)} if x in first.backlash_u else {})
+            | (
+                {"u_size_um": round(2 * first.backlash_u[x] / UM, 3)}
+                if x in first.backlash_u
+                else {}
+            )
             for x, size in first.backlash.items()
         ]
     return {"machine.toml": machine_toml(data, comments)} | files

@@ -26,14 +26,18 @@ KEPT = (
 )  # of a model's axis
 
 
-def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+def folder(
+    calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str, Mapping[str, Any]]
+) -> dict[str, str]:
     """File name to text.
 
     head: keys of machine.toml beside the axes and the squareness (name, title, control, diameter, tool, offsets,
     limits, ...); axes: letter to what is said of it (travel, least_increment, ...). Everything measured comes from the
     calibration.
     """
-    data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
+    data: dict[str, Any] = (
+        {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
+    )
     comments = {"": _top(calibration)}
     data["source"] = head.get("source") or _source(calibration)
     data["signs"] = calibration.machine.signs
@@ -41,22 +45,31 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
     sections: dict[str, dict[str, Any]] = {}
     texts: dict[str, str] = {}
     written = calibration.axes()
-    for letter in [*calibration.options.chain.axes, *(x for x in axes if x not in calibration.options.chain.axes)]:
+    for letter in [
+        *calibration.options.chain.axes,
+        *(x for x in axes if x not in calibration.options.chain.axes),
+    ]:
         said = axes.get(letter, {})
         section = {k: said[k] for k in KEPT if k in said}
         if "travel" not in section:
             section = {"travel": [float(t) for t in calibration.travel(letter)], **section}
-            comments[f"axes.{letter}.travel"] = f"{place_name(letter)}, from the first target to the last: not stated"
+            comments[f"axes.{letter}.travel"] = (
+                f"{place_name(letter)}, from the first target to the last: not stated"
+            )
         sections[letter] = section
         if "centre" in section:
             comments[f"axes.{letter}.centre"] = "of the machine that this one is like: not measured"
-        if letter in calibration.machine.axes and (small := calibration.machine.axes[letter].left_out):
+        if letter in calibration.machine.axes and (
+            small := calibration.machine.axes[letter].left_out
+        ):
             section["left_out"] = list(small)
             comments[f"axes.{letter}.left_out"] = "measured, and within the uncertainty"
         if letter not in written:
             continue
         section["table"] = f"{letter}.csv"
-        comments[f"axes.{letter}.table"] = "; ".join(dict.fromkeys(c.file for c in calibration.of(letter)))
+        comments[f"axes.{letter}.table"] = "; ".join(
+            dict.fromkeys(c.file for c in calibration.of(letter))
+        )
         at = calibration.measured_at.get(letter, {})
         if at and letter in "XYZ":
             section["measured_at"] = {x: round(v, 6) for x, v in at.items()}
@@ -70,8 +83,14 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
         texts[f"{letter}_runs.csv"] = _runs(calibration, letter)
     data["axes"] = sections
     if calibration.squareness:
-        data["squareness"] = {s.name: round(s.value / URAD, 6) for s in calibration.squareness.values()}
-        known_u = {s.name: round(2 * s.u / URAD, 6) for s in calibration.squareness.values() if s.u is not None}
+        data["squareness"] = {
+            s.name: round(s.value / URAD, 6) for s in calibration.squareness.values()
+        }
+        known_u = {
+            s.name: round(2 * s.u / URAD, 6)
+            for s in calibration.squareness.values()
+            if s.u is not None
+        }
         if known_u:
             data["squareness"]["u"] = known_u
         for one in calibration.squareness.values():
@@ -83,7 +102,9 @@ def folder(calibration: Calibration, head: Mapping[str, Any], axes: Mapping[str,
 
 def chain_text(chain: Chain) -> str:
     """w-b-Z-X-t of a chain."""
-    return "-".join(["w", *chain.axes[: chain.workpiece_side], "b", *chain.axes[chain.workpiece_side :], "t"])
+    return "-".join(
+        ["w", *chain.axes[: chain.workpiece_side], "b", *chain.axes[chain.workpiece_side :], "t"]
+    )
 
 
 def files(calibration: Calibration) -> list[str]:
@@ -93,7 +114,9 @@ def files(calibration: Calibration) -> list[str]:
 
 
 def _source(calibration: Calibration) -> str:
-    instruments = {str(s.head.get("instrument", "")) for c in calibration.measured.values() for s in c.series} - {""}
+    instruments = {
+        str(s.head.get("instrument", "")) for c in calibration.measured.values() for s in c.series
+    } - {""}
     by = f" ({', '.join(sorted(instruments))})" if instruments else ""
     return f"calibrated by gcomp from {', '.join(files(calibration))}{by}"
 
@@ -104,7 +127,9 @@ def _top(calibration: Calibration) -> str:
     ]
     doubts = [f.message for f in calibration.findings if f.level == "doubt"]
     if doubts:
-        lines += ["In doubt when it was written:"] + [f"- {' '.join(text.split())}" for text in doubts]
+        lines += ["In doubt when it was written:"] + [
+            f"- {' '.join(text.split())}" for text in doubts
+        ]
     for component, why in calibration.left_out:
         lines.append(f"Left out: {component.name}, {LEFT_OUT[why]}")
     lines += [f"Not in this map: {text}" for text in calibration.lacks]
@@ -122,7 +147,11 @@ def treatment(component: Component) -> str:
     says = []
     if component.straight:
         slope = f"slope {component.slope / URAD:+.2f} urad"
-        says.append(f"its line was taken off ({slope})" if component.lined else f"its line is left in ({slope})")
+        says.append(
+            f"its line was taken off ({slope})"
+            if component.lined
+            else f"its line is left in ({slope})"
+        )
     unit = place_name(component.letter)
     says.append(
         "zero as recorded"
@@ -140,7 +169,10 @@ def _table(calibration: Calibration, letter: str) -> str:
         unit, one = unit_of(component.name)
         value = calibration.values(component) / one
         if calibration.two_way(component):
-            columns |= {f"{component.name}_{unit}_fwd": value[0], f"{component.name}_{unit}_rev": value[1]}
+            columns |= {
+                f"{component.name}_{unit}_fwd": value[0],
+                f"{component.name}_{unit}_rev": value[1],
+            }
         else:
             columns[f"{component.name}_{unit}"] = value[0]
         comments.append(f"{component.name}: {component.file}; {treatment(component)}")
@@ -162,14 +194,19 @@ def _uncertainty(calibration: Calibration, letter: str) -> str:
     for component in calibration.of(letter):
         unit, one = unit_of(component.name)
         if not np.isfinite(component.u).all():
-            comments.append(f"{component.name}: its u is not known, as of one run and an instrument that states none")
+            comments.append(
+                f"{component.name}: its u is not known, as of one run and an instrument that states none"
+            )
             continue
         u = 2 * component.u / one
         if component.two_way and calibration.options.mean:
             u = np.tile(u.mean(axis=0), (2, 1))
         both = [np.interp(nodes, component.nodes, way) for way in u]
         if calibration.two_way(component):
-            columns |= {f"{component.name}_{unit}_fwd": both[0], f"{component.name}_{unit}_rev": both[1]}
+            columns |= {
+                f"{component.name}_{unit}_fwd": both[0],
+                f"{component.name}_{unit}_rev": both[1],
+            }
         else:
             columns[f"{component.name}_{unit}"] = both[0]
     return axis_table(letter, nodes, columns, comments) if columns else ""

@@ -29,7 +29,9 @@ def slope(line: np.ndarray, value: np.ndarray, kind: str) -> float:
     return float(np.polyfit(line, value, 1)[0])
 
 
-def of_line(calibration: Calibration, component: str, nodes: np.ndarray, at: Mapping[str, float]) -> float:
+def of_line(
+    calibration: Calibration, component: str, nodes: np.ndarray, at: Mapping[str, float]
+) -> float:
     """rad: slope that the tables give a straightness (EXZ: X read while Z moves over nodes (N,) mm)
     with the other axes at `at`, mm (0 where none is named)."""
     machine, kind = calibration.machine, calibration.options.line
@@ -46,7 +48,8 @@ def opened(calibration: Calibration, name: str, at: Mapping[str, float]) -> floa
     """rad: what the tables add to a squareness for who measures it with the axes at `at`, mm."""
     a, b = tuple(square.pair_of(name))
     lines = [
-        of_line(calibration, f"E{other}{moving}", _nodes(calibration, moving), at) for moving, other in ((a, b), (b, a))
+        of_line(calibration, f"E{other}{moving}", _nodes(calibration, moving), at)
+        for moving, other in ((a, b), (b, a))
     ]
     return square.sign(name) * sum(lines)
 

@@ -93,14 +93,18 @@ def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
     result = []
     for way in known:
         for k in np.flatnonzero(np.isfinite(spread[way])):
-            noise = _floor(series) + (cells.s[way, k] / np.sqrt(cells.n[way, k]) if cells.n[way, k] > 1 else 0.0)
+            noise = _floor(series) + (
+                cells.s[way, k] / np.sqrt(cells.n[way, k]) if cells.n[way, k] > 1 else 0.0
+            )
             scale = spread[way, k] * max(usual, float(local[way, k]), noise)
             if abs(off[way, k]) <= NEIGHBOURS * scale:
                 continue
             other = off[1 - way, k]
             if cells.two_way and other * off[way, k] > 0 and abs(other) > abs(off[way, k]) / 2:
                 continue
-            mine = np.flatnonzero(cells.index == (k + len(cells.nodes) * way if cells.two_way else k))
+            mine = np.flatnonzero(
+                cells.index == (k + len(cells.nodes) * way if cells.two_way else k)
+            )
             result += [_outlier(series, int(row), off[way, k], scale, "neighbours") for row in mine]
     return result
 

@@ -48,7 +48,9 @@ def _treated(calibration: Calibration) -> list[str]:
     parts = sorted(calibration.components.values(), key=_order)
     zeros = {}
     for c in parts:
-        zeros[c.letter] = "as recorded" if c.datum is None else f"{c.letter} = {c.datum:g} {place_name(c.letter)}"
+        zeros[c.letter] = (
+            "as recorded" if c.datum is None else f"{c.letter} = {c.datum:g} {place_name(c.letter)}"
+        )
     lines = [
         f"zero (mean of both directions) at: {', '.join(zeros.values())}"
         if any(c.datum is not None for c in parts)
@@ -56,7 +58,11 @@ def _treated(calibration: Calibration) -> list[str]:
     ]
     slopes = [f"{c.name} {c.slope / URAD:+.2f}" for c in parts if c.straight]
     if slopes:
-        did = "left in" if calibration.options.keep_lines else f"taken off ({calibration.options.line})"
+        did = (
+            "left in"
+            if calibration.options.keep_lines
+            else f"taken off ({calibration.options.line})"
+        )
         lines.append(f"lines of straightness {did}, urad: {', '.join(slopes)}")
     return lines
 
@@ -117,7 +123,11 @@ def sentence(outlier: Outlier) -> str:
     """File, line, value, how far off, against what."""
     unit, one = unit_of(outlier.component)
     way = {1: ", approached in +", -1: ", approached in -"}.get(outlier.approach, "")
-    what = "the other runs there" if outlier.against == "runs" else "its neighbours, which the other direction follows"
+    what = (
+        "the other runs there"
+        if outlier.against == "runs"
+        else "its neighbours, which the other direction follows"
+    )
     return (
         f"{outlier.file}:{outlier.line}: {outlier.component} at {outlier.component[2]} = {outlier.position:g}{way}: "
         f"{outlier.value / one:+.2f} {unit} is {outlier.off / one:+.2f} off {what} ({outlier.times:.0f} standard deviations)"

@@ -78,7 +78,10 @@ def with_square(name: str, value: float, over: float) -> float:
 
 
 def from_diagonals(
-    slopes: Sequence[float], directions: Sequence[Mapping[str, float]], u: Sequence[float], names: Sequence[str]
+    slopes: Sequence[float],
+    directions: Sequence[Mapping[str, float]],
+    u: Sequence[float],
+    names: Sequence[str],
 ) -> tuple[dict[str, float], dict[str, float], float]:
     """Squareness and scale from the slopes of diagonals: rad by name, u by name, and the scale common to all axes.
 
@@ -99,4 +102,8 @@ def from_diagonals(
     solve = np.linalg.pinv(terms)
     found = solve @ np.array(slopes)
     spread = np.sqrt(solve**2 @ np.array(u) ** 2)
-    return dict(zip(names, found, strict=False)), dict(zip(names, spread, strict=False)), float(found[-1])
+    return (
+        dict(zip(names, found, strict=False)),
+        dict(zip(names, spread, strict=False)),
+        float(found[-1]),
+    )

@@ -54,7 +54,11 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
         elif wanted in found.get(name, {}):
             result[name] = found[name][wanted]
         else:
-            there = f"there is {' and '.join(found[name])}" if name in found else "the recordings give none"
+            there = (
+                f"there is {' and '.join(found[name])}"
+                if name in found
+                else "the recordings give none"
+            )
             raise CalibrationError(
                 f"squareness {name} can not be had from {wanted}: {there}",
                 "straightness: both axes of the pair against one square, lines taken off; diagonals: two in its plane; ballbar: circles in both senses",
@@ -78,11 +82,13 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
     opened = opening.opened(calibration, name, at)
     known = [opening.known_to(calibration, name, at, x) for x in square.pair_of(name)]
     where = ", ".join(f"{x} = {v:g}" for x, v in at.items())
-    told = (
-        f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make {opened / URAD:+.1f} of it"
-    )
+    told = f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make {opened / URAD:+.1f} of it"
     return Squareness(
-        name, value - opened, None if u is None else float(np.hypot(u, np.linalg.norm(known))), "stated", told
+        name,
+        value - opened,
+        None if u is None else float(np.hypot(u, np.linalg.norm(known))),
+        "stated",
+        told,
     )
 
 
@@ -116,7 +122,13 @@ def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding
             f"{other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
         )
         told.append(
-            Finding("squareness", "doubt" if doubt else "note", chosen.name, text, {"apart_urad": apart, "u_urad": u})
+            Finding(
+                "squareness",
+                "doubt" if doubt else "note",
+                chosen.name,
+                text,
+                {"apart_urad": apart, "u_urad": u},
+            )
         )
     return told
 
@@ -134,7 +146,13 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> l
                     f"is added to it: what of the line is squareness counts twice, up to {abs(component.slope) * length * 1e3:.1f} um"
                 )
                 told.append(
-                    Finding("squareness", "doubt", component.name, text, {"slope_urad": component.slope / URAD})
+                    Finding(
+                        "squareness",
+                        "doubt",
+                        component.name,
+                        text,
+                        {"slope_urad": component.slope / URAD},
+                    )
                 )
     return told
 
@@ -159,7 +177,9 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     sums: dict[bool, list[float]] = {}
     for one in parts[0].series:
         for other in parts[1].series:
-            same = bool(one.head.get("reference")) and one.head.get("reference") == other.head.get("reference")
+            same = bool(one.head.get("reference")) and one.head.get("reference") == other.head.get(
+                "reference"
+            )
             turned = bool(one.head.get("reversed", False))
             if (same or asked) and turned == bool(other.head.get("reversed", False)):
                 slopes = {s.component: _slope(calibration, s) for s in (one, other)}
@@ -174,12 +194,21 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     if len(means) == 2:
         own = -square.sign(name) * (means[True] - means[False]) / 2
         told = f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and dropped out"
-        return Squareness(name, sum(means.values()) / 2, scatter / np.sqrt(2), f"two straightnesses, {files}", told)
+        return Squareness(
+            name,
+            sum(means.values()) / 2,
+            scatter / np.sqrt(2),
+            f"two straightnesses, {files}",
+            told,
+        )
     value = next(iter(means.values()))
     if options.square_error is not None:
         over, u = options.square_error
         return Squareness(
-            name, square.with_square(name, value, over), float(np.hypot(scatter, u)), f"two straightnesses, {files}"
+            name,
+            square.with_square(name, value, over),
+            float(np.hypot(scatter, u)),
+            f"two straightnesses, {files}",
         )
     told = "the square's own error is in it: turn the square over (reversed = true) or state it with --square-error"
     return Squareness(name, value, None, f"two straightnesses, {files}", told)
@@ -189,7 +218,9 @@ def _known(component: Component) -> float:
     return 0.0 if not np.isfinite(component.u_slope) else component.u_slope
 
 
-def _diagonals(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Squareness], list[Finding]]:
+def _diagonals(
+    calibration: Calibration, axes: tuple[str, ...]
+) -> tuple[list[Squareness], list[Finding]]:
     """Squareness of all pairs that the diagonals cross, from what the measured components do not explain."""
     options = calibration.options
     slopes, directions, spread, told = [], [], [], []
@@ -200,7 +231,9 @@ def _diagonals(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Sq
         directions.append(diagonal.direction)
         spread.append(u)
         crossed = [x for x in XYZ if x in diagonal.path]
-        pairs += [p for p in ("".join(c) for c in itertools.combinations(crossed, 2)) if p not in pairs]
+        pairs += [
+            p for p in ("".join(c) for c in itertools.combinations(crossed, 2)) if p not in pairs
+        ]
         lacking = [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]
         if lacking:
             text = f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the diagonal's scale contains it"
@@ -213,12 +246,18 @@ def _diagonals(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Sq
     text = f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not explain"
     u_scale = float(np.sqrt(np.sum(np.square(spread))) / len(spread))
     doubt = abs(scale) > 3 * u_scale and abs(scale) > 2 * URAD
-    told.append(Finding("diagonal", "doubt" if doubt else "note", "", text, {"scale_um_per_m": scale / URAD}))
+    told.append(
+        Finding(
+            "diagonal", "doubt" if doubt else "note", "", text, {"scale_um_per_m": scale / URAD}
+        )
+    )
     files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
     return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
 
 
-def _circles(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Squareness], list[Finding]]:
+def _circles(
+    calibration: Calibration, axes: tuple[str, ...]
+) -> tuple[list[Squareness], list[Finding]]:
     """Squareness of each plane in which a ballbar went round, from what the measured components do not explain."""
     planes: dict[str, list[Recording]] = {}
     found, told = [], []
@@ -231,17 +270,37 @@ def _circles(calibration: Calibration, axes: tuple[str, ...]) -> tuple[list[Squa
         one = circles.fit(some, [_round(calibration, r, plane) for r in some])
         name = square.name_for(plane, calibration.options.squareness, axes)
         files = " and ".join(one.files)
-        found.append(Squareness(name, square.sign(name) * one.square, one.u["square"], f"ballbar, {files}"))
-        for x, play, u in zip(plane, one.play, (one.u["first play"], one.u["second play"]), strict=True):
+        found.append(
+            Squareness(name, square.sign(name) * one.square, one.u["square"], f"ballbar, {files}")
+        )
+        for x, play, u in zip(
+            plane, one.play, (one.u["first play"], one.u["second play"]), strict=True
+        ):
             doubt = abs(play) > 2 * u and abs(play) > UM
             text = f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u = {u / UM:.2f})"
-            told.append(Finding("ballbar", "doubt" if doubt else "note", f"E{x}{x}", text, {"play_um": play / UM}))
+            told.append(
+                Finding(
+                    "ballbar",
+                    "doubt" if doubt else "note",
+                    f"E{x}{x}",
+                    text,
+                    {"play_um": play / UM},
+                )
+            )
         text = (
             f"{files}: the scale of {plane[0]} is {one.scale / URAD:+.1f} um/m more than that of {plane[1]} beyond the map (u = "
             f"{one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um rms are left; of both alike a bar of unknown length says nothing"
         )
         doubt = abs(one.scale) > 2 * one.u["scale"] and abs(one.scale) > 2 * URAD
-        told.append(Finding("ballbar", "doubt" if doubt else "note", "", text, {"scale_um_per_m": one.scale / URAD}))
+        told.append(
+            Finding(
+                "ballbar",
+                "doubt" if doubt else "note",
+                "",
+                text,
+                {"scale_um_per_m": one.scale / URAD},
+            )
+        )
     return found, told
 
 
@@ -259,7 +318,9 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
     for x, way in zip(plane, (-sense * np.sign(unit[1]), sense * np.sign(unit[0])), strict=True):
         approach[machine.letters.index(x)] = way
     off = machine.deviation(position, approach)
-    return np.asarray(sum(u * off[machine.letters.index(x)] for x, u in zip(plane, unit, strict=True)))
+    return np.asarray(
+        sum(u * off[machine.letters.index(x)] for x, u in zip(plane, unit, strict=True))
+    )
 
 
 def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
@@ -279,7 +340,9 @@ def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
     left = diagonal.reading - along
     s = np.asarray(sum(c * diagonal.path[x] for x, c in diagonal.direction.items()))
     # Each direction of travel has its own height: a reversal is not a slope.
-    terms = np.column_stack([s - s.mean(), diagonal.approach >= 0, diagonal.approach < 0]).astype(float)
+    terms = np.column_stack([s - s.mean(), diagonal.approach >= 0, diagonal.approach < 0]).astype(
+        float
+    )
     terms = terms[:, terms.any(axis=0)]
     fit, *_ = np.linalg.lstsq(terms, left, rcond=None)
     rest = left - terms @ fit

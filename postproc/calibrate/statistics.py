@@ -14,7 +14,9 @@ import numpy as np
 SAME = 0.01  # mm: targets nearer to each other are one target
 LEVEL = 0.95  # of the tests
 
-SHARE = math.erf(math.sqrt(2.0))  # 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
+SHARE = math.erf(
+    math.sqrt(2.0)
+)  # 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
 
 
 def t_factor(dof: np.ndarray | float) -> np.ndarray:
@@ -92,7 +94,9 @@ def cells_of(position: np.ndarray, approach: np.ndarray, reading: np.ndarray) ->
     )  # fmt: skip
 
 
-def _moments(index: np.ndarray, reading: np.ndarray, cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _moments(
+    index: np.ndarray, reading: np.ndarray, cells: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean, standard deviation and number of each cell."""
     used = index >= 0
     index, reading = index[used], reading[used]

@@ -21,31 +21,52 @@ EXAMPLE = "gcomp accept x_before.rtl z_before.rtl x_after.rtl z_after.rtl --mach
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "files", nargs="+", metavar="REC", help="recordings before, then as many after in the same order"
+        "files",
+        nargs="+",
+        metavar="REC",
+        help="recordings before, then as many after in the same order",
     )
-    parser.add_argument("--after", nargs="+", default=[], metavar="REC", help="those after, where they are named apart")
     parser.add_argument(
-        "--machine", metavar="M", help="the machine whose map was used: says whether it or the control errs"
+        "--after",
+        nargs="+",
+        default=[],
+        metavar="REC",
+        help="those after, where they are named apart",
+    )
+    parser.add_argument(
+        "--machine",
+        metavar="M",
+        help="the machine whose map was used: says whether it or the control errs",
     )
     parser.add_argument(
         "--commanded",
         action="store_true",
         help="readings after are against what the corrected program commands, not its nominal targets (of gcomp simulate its files say so)",
     )
-    parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness")
+    parser.add_argument(
+        "--line", choices=LINES, default="least-squares", help="reference line of straightness"
+    )
     as_json.argument(parser, report.FORMAT)
     parser.add_argument(
-        "--report", "--page", dest="page", metavar="FILE.html", help="a page with the curves before and after"
+        "--report",
+        "--page",
+        dest="page",
+        metavar="FILE.html",
+        help="a page with the curves before and after",
     )
     reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     if options.page and options.page == options.json:
-        raise UsageError(f"the page and the JSON are both to be written to {options.json}", "name two files")
+        raise UsageError(
+            f"the page and the JSON are both to be written to {options.json}", "name two files"
+        )
     machine = places.load(options.machine) if options.machine else None
     how = reading_options(options)
-    named, apart = (read_files(names, options.format, how) for names in (options.files, options.after))
+    named, apart = (
+        read_files(names, options.format, how) for names in (options.files, options.after)
+    )
     before, after = pairing.split(named, apart)
     found = [
         judge.outcome(one, other, machine, Options(options.line))
@@ -56,6 +77,8 @@ def run(options: argparse.Namespace) -> int:
     if options.page:
         from postproc.pages import accepted
 
-        ports.replace_file(Path(options.page), io.BytesIO(accepted.html(found, name).encode()), backup=False)
+        ports.replace_file(
+            Path(options.page), io.BytesIO(accepted.html(found, name).encode()), backup=False
+        )
     as_json.put(options.json, report.as_json(found, name))
     return 0

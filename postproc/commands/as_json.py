@@ -15,7 +15,9 @@ SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
 
 def argument(parser: argparse.ArgumentParser, format: str) -> None:
     """The option."""
-    parser.add_argument("--json", metavar="FILE", help=f"all of it as JSON ({format}); - for standard output")
+    parser.add_argument(
+        "--json", metavar="FILE", help=f"all of it as JSON ({format}); - for standard output"
+    )
 
 
 def beside(path: str | None) -> TextIO:

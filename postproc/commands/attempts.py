@@ -42,7 +42,9 @@ class Attempt:
     spool: BinaryIO = field(default_factory=ports.spool)
 
     @classmethod
-    def fresh(cls, options: argparse.Namespace, machine: Machine, name: str, head: bytes = b"") -> Attempt:
+    def fresh(
+        cls, options: argparse.Namespace, machine: Machine, name: str, head: bytes = b""
+    ) -> Attempt:
         """Nothing read yet."""
         filter_ = reading.filter_of(options, machine, head)
         filter_.name = name

@@ -36,7 +36,9 @@ COLUMNS = (
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("programs", nargs="+", metavar="PROGRAM", help="programs, or folders of them")
+    parser.add_argument(
+        "programs", nargs="+", metavar="PROGRAM", help="programs, or folders of them"
+    )
     parser.add_argument("-o", "--output", metavar="DIR", required=True, help="the folder of results; with several machines one folder for each in it")  # fmt: skip
     parser.add_argument("-j", "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="processes (default: one for each core)")  # fmt: skip
     parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, like tcp://host:8786, in place of processes here; its workers must see the same files")  # fmt: skip
@@ -44,9 +46,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pattern", metavar="GLOB", action="append", default=[], help="which files of folders are programs: '*.nc'; repeatable (default: the usual endings)")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="do again what is done, and write over files that gcomp batch did not write")  # fmt: skip
     parser.add_argument("--verify", action="store_true", help="replay each result on its machine's model; the table has the deviations")  # fmt: skip
-    parser.add_argument("--report", action="store_true", help="a page beside each result (verifies too)")
+    parser.add_argument(
+        "--report", action="store_true", help="a page beside each result (verifies too)"
+    )
     as_json.argument(parser, FORMAT)
-    parser.add_argument("--quiet", action="store_true", help="no progress, no table; refusals are still told")
+    parser.add_argument(
+        "--quiet", action="store_true", help="no progress, no table; refusals are still told"
+    )
     reading.arguments(parser, several=True)
 
 
@@ -57,9 +63,13 @@ def run(options: argparse.Namespace) -> int:
     if not options.machine:
         reading.machine_of(options)  # refuses with the machines that there are
     for name in dict.fromkeys(options.machine):
-        reading.machine_of(argparse.Namespace(machine=name, temperature=options.temperature, only=options.only))
+        reading.machine_of(
+            argparse.Namespace(machine=name, temperature=options.temperature, only=options.only)
+        )
     folder = Path(options.output)
-    todo = jobs(options.programs, list(dict.fromkeys(options.machine)), folder, options.pattern or PATTERNS)
+    todo = jobs(
+        options.programs, list(dict.fromkeys(options.machine)), folder, options.pattern or PATTERNS
+    )
     told: list[dict[str, Any]] = []
     with contextlib.closing(Ledger(folder)) as ledger, _progress(len(todo), options) as step:
         try:
@@ -92,7 +102,11 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
             if known:
                 standing.append({**known, "program": job.program, "machine": job.machine, "output": job.output, "before": True, "number": job.number})  # fmt: skip
             elif not options.force and Path(job.output).exists() and not ledger.wrote(job.output):
-                standing.append(_refused(job, f"{job.output} exists, and gcomp batch did not write it; --force does"))
+                standing.append(
+                    _refused(
+                        job, f"{job.output} exists, and gcomp batch did not write it; --force does"
+                    )
+                )
             else:
                 ledger.begin(job.output)
                 yield job
@@ -100,14 +114,21 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
     for job, told in _pool(pool, open_jobs(), options):
         yield from _drained(standing)
         own = todo[job.number]  # as it was named here
-        told |= {"program": own.program, "machine": own.machine, "output": own.output, "number": job.number}
+        told |= {
+            "program": own.program,
+            "machine": own.machine,
+            "output": own.output,
+            "number": job.number,
+        }
         ledger.write(keys[job.number], {k: v for k, v in told.items() if k != "number"})
         yield told
     yield from _drained(standing)
 
 
 def _pool(pool, open_jobs: Iterator, options: argparse.Namespace):
-    plain = argparse.Namespace(**{k: v for k, v in vars(options).items() if k not in ("programs", "json")})
+    plain = argparse.Namespace(
+        **{k: v for k, v in vars(options).items() if k not in ("programs", "json")}
+    )
     if options.scheduler:
         for name in ("library", "offsets"):
             setattr(plain, name, [str(Path(path).resolve()) for path in getattr(plain, name)])
@@ -127,7 +148,10 @@ def _absolute(job):
 
     machine = str(places.folder_of(job.machine).resolve())
     return replace(
-        job, program=str(Path(job.program).resolve()), output=str(Path(job.output).resolve()), machine=machine
+        job,
+        program=str(Path(job.program).resolve()),
+        output=str(Path(job.output).resolve()),
+        machine=machine,
     )
 
 
@@ -195,7 +219,9 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
         )
         said += "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
         print(f"{said}; all in {folder / TABLE}", file=out)
-    programs = [{k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told]
+    programs = [
+        {k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told
+    ]
     as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
     return 1 if counts["failed"] else 2 if counts["refused"] else 0
 

@@ -14,7 +14,16 @@ from pathlib import Path
 from typing import Any
 
 from postproc import ports
-from postproc.calibrate import LINES, STEEL, CalibrationError, Options, figure, folder, report, square
+from postproc.calibrate import (
+    LINES,
+    STEEL,
+    CalibrationError,
+    Options,
+    figure,
+    folder,
+    report,
+    square,
+)
 from postproc.calibrate.calibration import Calibration, calibrate
 from postproc.commands import as_json, session, values
 from postproc.commands.recordings import files_of, read_files, reading_arguments, reading_options
@@ -46,33 +55,62 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="REC",
         help="recordings of one axis moving, of diagonals, of circles; or a session, measurement.toml",
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
-    parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        help="the machine folder to write; without it nothing is",
+    )
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="write over a machine folder; the old one stays as .bak",
+    )
     as_json.argument(parser, report.FORMAT)
-    parser.add_argument("--figure", metavar="FILE", help="draw the components with their uncertainty (.png .svg .pdf)")
+    parser.add_argument(
+        "--figure",
+        metavar="FILE",
+        help="draw the components with their uncertainty (.png .svg .pdf)",
+    )
 
     parser.add_argument(
-        "--report", metavar="FILE.html", help="a page with the machine that was found, and what looks wrong"
+        "--report",
+        metavar="FILE.html",
+        help="a page with the machine that was found, and what looks wrong",
     )
 
     machine = parser.add_argument_group("the machine")
     machine.add_argument(
-        "--like", metavar="MACHINE", help="take from it what machines of a kind share: control, chain, travels, limits"
+        "--like",
+        metavar="MACHINE",
+        help="take from it what machines of a kind share: control, chain, travels, limits",
     )
     machine.add_argument("--title", help="what the machine is, in words")
     machine.add_argument("--control", help="dialect of its control")
     machine.add_argument("--chain", help="who carries whom: w-b-Z-X-t")
     machine.add_argument("--diameter", metavar="AXES", help="axes whose words are diameters: X")
     machine.add_argument(
-        "--travel", type=_range, action="append", default=[], metavar="Z=-5,520", help="mm an axis reaches"
+        "--travel",
+        type=_range,
+        action="append",
+        default=[],
+        metavar="Z=-5,520",
+        help="mm an axis reaches",
     )
     machine.add_argument(
-        "--least-increment", type=values.length, metavar="LENGTH", help="of the programmed word: 0.001mm"
+        "--least-increment",
+        type=values.length,
+        metavar="LENGTH",
+        help="of the programmed word: 0.001mm",
     )
-    machine.add_argument("--max-slope", type=float, metavar="UM_PER_MM", help="limit of a table's slope (5)")
+    machine.add_argument(
+        "--max-slope", type=float, metavar="UM_PER_MM", help="limit of a table's slope (5)"
+    )
     machine.add_argument("--accept-slope", action="store_true", help="a steeper table is true")
     machine.add_argument(
-        "--outside", choices=("error", "clamp"), help="beyond the targets: refuse, or hold the end value"
+        "--outside",
+        choices=("error", "clamp"),
+        help="beyond the targets: refuse, or hold the end value",
     )
 
     how = parser.add_argument_group("how to reckon")
@@ -83,8 +121,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="where deviations are zero; none: zeros as recorded",
     )
-    how.add_argument("--line", choices=LINES, default=LINES[0], help="reference line of a straightness")
-    how.add_argument("--keep-lines", action="store_true", help="leave the lines of straightnesses in")
+    how.add_argument(
+        "--line", choices=LINES, default=LINES[0], help="reference line of a straightness"
+    )
+    how.add_argument(
+        "--keep-lines", action="store_true", help="leave the lines of straightnesses in"
+    )
     how.add_argument(
         "--squareness", type=_squareness, action="append", default=[], metavar="B0X=-382.4,2",
         help="urad and its u, or from what: B0X=straightness, B0X=diagonals, B0X=ballbar",
@@ -103,12 +145,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="mm, where the axes stood when the --squareness was measured",
     )
     how.add_argument("--drop-outliers", action="store_true", help="leave outliers out")
-    how.add_argument("--keep-all", action="store_true", help="write components within their uncertainty too")
     how.add_argument(
-        "--mean", action="store_true", help="one column for both directions: the control takes up the play"
+        "--keep-all", action="store_true", help="write components within their uncertainty too"
     )
     how.add_argument(
-        "--lead", type=_length_of, action="append", default=[], metavar="Z=5", help="mm of a turn of the screw"
+        "--mean",
+        action="store_true",
+        help="one column for both directions: the control takes up the play",
+    )
+    how.add_argument(
+        "--lead",
+        type=_length_of,
+        action="append",
+        default=[],
+        metavar="Z=5",
+        help="mm of a turn of the screw",
     )
     how.add_argument(
         "--point",
@@ -117,12 +168,22 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X0,Z120",
         help="mm, the measured point from the last carriage",
     )
-    how.add_argument("--u-random", action="store_true", help="u_um of the recordings is noise and averages out")
     how.add_argument(
-        "--u-temperature", type=float, default=0.0, metavar="K", help="standard uncertainty of the scale's temperature"
+        "--u-random", action="store_true", help="u_um of the recordings is noise and averages out"
     )
     how.add_argument(
-        "--expansion", type=float, default=STEEL * 1e6, metavar="UM_M_K", help=f"expansion ({STEEL * 1e6:g} um/(m K))"
+        "--u-temperature",
+        type=float,
+        default=0.0,
+        metavar="K",
+        help="standard uncertainty of the scale's temperature",
+    )
+    how.add_argument(
+        "--expansion",
+        type=float,
+        default=STEEL * 1e6,
+        metavar="UM_M_K",
+        help=f"expansion ({STEEL * 1e6:g} um/(m K))",
     )
 
     reading_arguments(parser)
@@ -147,7 +208,10 @@ def run(options: argparse.Namespace) -> int:
         print(f"\nnot taken from {options.like}: {text}", file=told)
     if options.output:
         backup = write_folder(Path(options.output), texts, options.force)
-        print(f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""), file=told)
+        print(
+            f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""),
+            file=told,
+        )
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
     as_json.put(options.json, report.data(calibration) | {"sha256": digests})
@@ -223,7 +287,9 @@ def _two(text: str) -> tuple[float, float]:
 def _squareness(text: str) -> tuple[str, Any]:
     name, rest = _named(text)
     if name not in square.NAMES:
-        raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
+        )
     if rest in SOURCES:
         return name, rest
     first, comma, second = rest.partition(",")
@@ -260,13 +326,23 @@ def like_of(name: str | None) -> dict[str, Any]:
     return tomllib.loads(ports.read_whole(path / "machine.toml", LARGEST).decode("utf-8-sig"))
 
 
-def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], Options]:
+def machine_of(
+    options: argparse.Namespace, like: dict[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any], Options]:
     """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the option that is missing."""
     head = {k: like[k] for k in TAKEN if k in like}
-    said = {"control": options.control or head.get("control"), "chain": options.chain or like.get("chain")}
-    for key, advice in (("chain", "w-b-Z-X-t, who carries whom"), ("control", f"one of {', '.join(dialects.names())}")):
+    said = {
+        "control": options.control or head.get("control"),
+        "chain": options.chain or like.get("chain"),
+    }
+    for key, advice in (
+        ("chain", "w-b-Z-X-t, who carries whom"),
+        ("control", f"one of {', '.join(dialects.names())}"),
+    ):
         if not said[key]:
-            raise UsageError(f"the machine's {key} is not said", f"--{key} ({advice}), or --like MACHINE")
+            raise UsageError(
+                f"the machine's {key} is not said", f"--{key} ({advice}), or --like MACHINE"
+            )
     control = dialects.load(str(said["control"])).name
     try:
         chain = chains.parse(str(said["chain"]))
@@ -278,7 +354,10 @@ def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[
         if options.least_increment:
             section["least_increment"] = options.least_increment
         if "least_increment" not in section:
-            raise UsageError(f"the least increment of {x} is not said", "--least-increment 0.001mm, or --like MACHINE")
+            raise UsageError(
+                f"the least increment of {x} is not said",
+                "--least-increment 0.001mm, or --like MACHINE",
+            )
     for x, (low, high) in options.travel:
         if x not in chain.axes:
             raise UsageError(f"--travel names {x}, and the chain {said['chain']} has none")
@@ -310,7 +389,9 @@ def machine_of(options: argparse.Namespace, like: dict[str, Any]) -> tuple[dict[
     return head, axes, decided
 
 
-def _recordings(names: list[str], options: argparse.Namespace) -> tuple[list[Recording], dict[str, str]]:
+def _recordings(
+    names: list[str], options: argparse.Namespace
+) -> tuple[list[Recording], dict[str, str]]:
     """All recordings, and the SHA-256 of each file by its name. Raises UsageError for a file that is named twice."""
     digests: dict[str, str] = {}
     for name in files_of(names):
@@ -332,7 +413,9 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
     """
     path = Path(os.path.abspath(path))
     if path.exists() and not force:
-        raise UsageError(f"{path} is there already", "--force writes over it and keeps the old one beside it")
+        raise UsageError(
+            f"{path} is there already", "--force writes over it and keeps the old one beside it"
+        )
     if path.exists() and not (path / "machine.toml").is_file():
         raise UsageError(f"{path} is no machine folder: it is not written over")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -350,7 +433,9 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
         backup = None
         if path.exists():
             backup = next(
-                b for n in range(1, 1000) if not (b := path.with_name(f"{path.name}.bak{n if n > 1 else ''}")).exists()
+                b
+                for n in range(1, 1000)
+                if not (b := path.with_name(f"{path.name}.bak{n if n > 1 else ''}")).exists()
             )
             os.rename(path, backup)
         try:
@@ -373,7 +458,8 @@ def _accept(written: Path) -> None:
     except MachineError as error:
         place = f"{Path(error.place.file).name}:{error.place.line}: " if error.place else ""
         raise CalibrationError(
-            f"the machine would be refused, so it is not written: {place}{error.message}", error.advice
+            f"the machine would be refused, so it is not written: {place}{error.message}",
+            error.advice,
         ) from None
 
 

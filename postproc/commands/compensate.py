@@ -32,14 +32,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="write here instead of to standard output; in one step, when all is accepted",
     )
     out.add_argument(
-        "--in-place", action="store_true", help="correct FILE itself; its old content stays beside it as FILE.bak"
+        "--in-place",
+        action="store_true",
+        help="correct FILE itself; its old content stays beside it as FILE.bak",
     )
     out.add_argument(
         "--unbuffered",
         action="store_true",
         help="pass block by block, for live pipes; a refusal then comes after what is already out",
     )
-    out.add_argument("--dry-run", action="store_true", help="write no program: say what would change")
+    out.add_argument(
+        "--dry-run", action="store_true", help="write no program: say what would change"
+    )
     say = parser.add_argument_group("what it says")
     say.add_argument(
         "--verify",
@@ -47,7 +51,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance",
     )
     say.add_argument(
-        "--json", metavar="FILE", help="what was done as JSON (gcomp-program/1); - for standard output, with -o"
+        "--json",
+        metavar="FILE",
+        help="what was done as JSON (gcomp-program/1); - for standard output, with -o",
     )
     say.add_argument(
         "--report", metavar="FILE.html",
@@ -59,7 +65,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do",
     )
-    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -67,7 +75,9 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
     if options.output == "":
         raise UsageError("--output names no file", "-o FILE, or leave it out for standard output")
-    if options.unbuffered and (options.output or options.in_place or options.dry_run or options.expand):
+    if options.unbuffered and (
+        options.output or options.in_place or options.dry_run or options.expand
+    ):
         raise UsageError(
             "--unbuffered writes to standard output as it goes: not with --output, --in-place, --dry-run or --expand"
         )
@@ -106,11 +116,21 @@ def run(options: argparse.Namespace) -> int:
 def _one_place_each(options: argparse.Namespace) -> None:
     """Raises UsageError where the program and what is told of it would go to one place."""
     if options.json and options.unbuffered:
-        raise UsageError("--json is known at the end of a program, and --unbuffered has none", "without --unbuffered")
-    if options.json == "-" and not (options.output not in (None, "-") or options.in_place or options.dry_run):
-        raise UsageError("the program and --json - are both for standard output", "-o FILE for the program")
+        raise UsageError(
+            "--json is known at the end of a program, and --unbuffered has none",
+            "without --unbuffered",
+        )
+    if options.json == "-" and not (
+        options.output not in (None, "-") or options.in_place or options.dry_run
+    ):
+        raise UsageError(
+            "the program and --json - are both for standard output", "-o FILE for the program"
+        )
     if options.report and options.unbuffered:
-        raise UsageError("--report is drawn at the end of a program, and --unbuffered has none", "without --unbuffered")
+        raise UsageError(
+            "--report is drawn at the end of a program, and --unbuffered has none",
+            "without --unbuffered",
+        )
     named = [options.output or "", options.file or "", options.json or "", options.report or ""]
     for k, name in enumerate(named):
         if name not in ("", "-") and k > 1 and name in named[:k]:

@@ -68,7 +68,9 @@ def bash() -> str:
             if action.option_strings and action.choices:
                 which = "|".join(f"{name}:{o}" for o in action.option_strings)
                 values = " ".join(map(str, action.choices))
-                choices.append(f'    {which}) COMPREPLY=($(compgen -W "{values}" -- "$word")); return;;')
+                choices.append(
+                    f'    {which}) COMPREPLY=($(compgen -W "{values}" -- "$word")); return;;'
+                )
     every = list(parsers())
     return BASH.format(
         default=DEFAULT, names="|".join(every), cases="\n".join(cases), choices="\n".join(choices), commands=" ".join(every),
@@ -98,7 +100,9 @@ def fish() -> str:
             elif action.nargs != 0:
                 words += " -r"
             seen = f"__fish_seen_subcommand_from {name}"
-            lines.append(f"complete -c gcomp -n {_quoted(seen)}{words} -d {_quoted(action.help or '')}")
+            lines.append(
+                f"complete -c gcomp -n {_quoted(seen)}{words} -d {_quoted(action.help or '')}"
+            )
     return "\n".join(lines) + "\n"
 
 

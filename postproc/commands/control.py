@@ -18,21 +18,38 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     from postproc.streaming.orders import WORDS
 
     parser.add_argument(
-        "--port", metavar="PORT", help="/dev/ttyUSB0, COM3, socket://host:port; auto: the only one that there is"
+        "--port",
+        metavar="PORT",
+        help="/dev/ttyUSB0, COM3, socket://host:port; auto: the only one that there is",
     )
     parser.add_argument(
-        "--list-ports", action="store_true", help="the serial ports of this computer, with what is plugged in"
+        "--list-ports",
+        action="store_true",
+        help="the serial ports of this computer, with what is plugged in",
     )
     parser.add_argument("--baud", type=int, default=115200, help="default 115200")
-    parser.add_argument("--protocol", default="auto", metavar="NAME", help="default auto: by what the controller says")
     parser.add_argument(
-        "--no-reset-on-open", action="store_true", help="keep DTR low, so that the board is not restarted"
+        "--protocol",
+        default="auto",
+        metavar="NAME",
+        help="default auto: by what the controller says",
     )
     parser.add_argument(
-        "order", nargs="?", choices=WORDS, help="left out: the controller's state, and the order that leads out of it"
+        "--no-reset-on-open",
+        action="store_true",
+        help="keep DTR low, so that the board is not restarted",
     )
     parser.add_argument(
-        "words", nargs="*", metavar="WORD", help="jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'"
+        "order",
+        nargs="?",
+        choices=WORDS,
+        help="left out: the controller's state, and the order that leads out of it",
+    )
+    parser.add_argument(
+        "words",
+        nargs="*",
+        metavar="WORD",
+        help="jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'",
     )
 
 
@@ -45,7 +62,9 @@ def run(options: argparse.Namespace) -> int:
         print(ports_found.listed())
         return 0
     if options.order:
-        orders.line_of(options.order, options.words)  # before a port is opened, which restarts some boards
+        orders.line_of(
+            options.order, options.words
+        )  # before a port is opened, which restarts some boards
     url = ports_found.chosen(options.port)
     port = Port(url, options.baud, reset=not options.no_reset_on_open)
     try:
@@ -64,7 +83,11 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
     loop.greet(port, greeting)
     assert greeting.protocol is not None
     if options.order is None:
-        print(told(greeting.status, url) if greeting.status else "this controller does not report its state")
+        print(
+            told(greeting.status, url)
+            if greeting.status
+            else "this controller does not report its state"
+        )
         return 0
     order = Order(greeting.protocol, options.order, options.words, greeting.status)
     try:
@@ -102,6 +125,10 @@ def _loop(port, order) -> None:
                 data = data[port.write(data) :]
             order.receive(port.read(WAIT), time.monotonic())
             if now - begun > LONGEST:
-                raise UsageError(f"the controller has not finished within {LONGEST:g} s", "look at the machine")
+                raise UsageError(
+                    f"the controller has not finished within {LONGEST:g} s", "look at the machine"
+                )
     except Lost as error:
-        raise UsageError(f"the port {port.url} was closed: {error}", "is the controller still plugged in?") from None
+        raise UsageError(
+            f"the port {port.url} was closed: {error}", "is the controller still plugged in?"
+        ) from None

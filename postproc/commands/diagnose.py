@@ -21,12 +21,19 @@ EXAMPLE = "gcomp diagnose r1.csv r2.csv --machine studer-s36 --json answer.json"
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "recordings", nargs="+", metavar="REC", help="recordings of one experiment (gcomp recordings --list: formats)"
+        "recordings",
+        nargs="+",
+        metavar="REC",
+        help="recordings of one experiment (gcomp recordings --list: formats)",
     )
     parser.add_argument("--machine", metavar="NAME", help="the machine whose model is to be judged")
     as_json.argument(parser, "gcomp-diagnosis/1")
-    parser.add_argument("--residuals", metavar="FILE", help="every reading before and after, as CSV")
-    parser.add_argument("--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects")
+    parser.add_argument(
+        "--residuals", metavar="FILE", help="every reading before and after, as CSV"
+    )
+    parser.add_argument(
+        "--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects"
+    )
     parser.add_argument("--report", metavar="FILE", help="the answer as a page with figures, HTML")
     parser.add_argument(
         "--holdout",
@@ -79,7 +86,9 @@ def run(options: argparse.Namespace) -> int:
             read.append(formats.read(source, options=lenient))
         left = corrected(read, options.compensated)
         found = diagnose(
-            read, without_errors(machine) if left else machine, Options(held_out=options.holdout, told=told)
+            read,
+            without_errors(machine) if left else machine,
+            Options(held_out=options.holdout, told=told),
         )
     finally:
         told("")  # a refusal has its line to itself
@@ -100,7 +109,10 @@ def run(options: argparse.Namespace) -> int:
             for text in report.not_told_apart(found, tuple(options.accept)):
                 print(f"gcomp: {text}", file=sys.stderr)
         if found.unknown:
-            _write(str(Path(options.write_machine) / f"{report.map_name(found)}.csv"), report.unknown_csv(found))
+            _write(
+                str(Path(options.write_machine) / f"{report.map_name(found)}.csv"),
+                report.unknown_csv(found),
+            )
     if options.report:
         from postproc.pages import diagnosis
 
@@ -122,7 +134,10 @@ def run(options: argparse.Namespace) -> int:
 
 def corrected(read: list[Recording], said: bool) -> bool:
     """Whether the readings hold what a correction has left, so that no map is in them. Raises UsageError where some do."""
-    left = [said or (r.head.get("compensated") is True and r.head.get("against") != "commanded") for r in read]
+    left = [
+        said or (r.head.get("compensated") is True and r.head.get("against") != "commanded")
+        for r in read
+    ]
     if any(left) and not all(left):
         raise UsageError(
             f"{read[left.index(True)].file} was measured after compensation, {read[left.index(False)].file} was not, or "

@@ -36,31 +36,43 @@ ENDINGS = (
 )
 
 
-def written_out(filter_: Filter, source, options: argparse.Namespace, keeps: bool = True) -> Written:
+def written_out(
+    filter_: Filter, source, options: argparse.Namespace, keeps: bool = True
+) -> Written:
     """The program of the stream, ready to be written out. keeps: drilling cycles stay where their holes bend by less than
     the tolerance of holes. Raises UsageError where its control has nothing to write out."""
     text = source.read(LARGEST + 1)
     if len(text) > LARGEST:
         raise UsageError(
-            f"a program of more than {LARGEST:,} bytes is not read whole", "without --expand any length passes"
+            f"a program of more than {LARGEST:,} bytes is not read whole",
+            "without --expand any length passes",
         )
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
     library = Library([here, *map(Path, options.library)], filter_.notices)
     return of_text(filter_, text, library.text, options, keeps)
 
 
-def of_text(filter_: Filter, text: bytes, library, options: argparse.Namespace, keeps: bool = True) -> Written:
+def of_text(
+    filter_: Filter, text: bytes, library, options: argparse.Namespace, keeps: bool = True
+) -> Written:
     """The same for a text, with what finds subprograms."""
     from postproc.nc.checksums import bare
     from postproc.nc.expand import Limits, Program
     from postproc.nc.expand.written import Written
     from postproc.nc.interpreter import Interpreter
 
-    program = Program(filter_.name, bare(text) if filter_.dialect.grammar.checksums else text, library)
+    program = Program(
+        filter_.name, bare(text) if filter_.dialect.grammar.checksums else text, library
+    )
     # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
-    tracked, limits = Interpreter(filter_.dialect, filter_.setup), Limits(options.max_steps, options.max_depth)
+    tracked, limits = (
+        Interpreter(filter_.dialect, filter_.setup),
+        Limits(options.max_steps, options.max_depth),
+    )
     compensator = filter_.compensator
-    return Written(program, tracked, limits, compensator.keeps if keeps else None, compensator.tolerance)
+    return Written(
+        program, tracked, limits, compensator.keeps if keeps else None, compensator.tolerance
+    )
 
 
 def is_way_out(error: GcompError) -> bool:
@@ -86,9 +98,12 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
         yield text
     finally:
         filter_.notices[told:] = [
-            replace(n, line=written.source(n.line)[0]) if n.line else n for n in filter_.notices[told:]
+            replace(n, line=written.source(n.line)[0]) if n.line else n
+            for n in filter_.notices[told:]
         ]
-        known = {notice.code for notice in filter_.notices}  # of a block that stays a cycle both tell the same
+        known = {
+            notice.code for notice in filter_.notices
+        }  # of a block that stays a cycle both tell the same
         filter_.notices += [notice for notice in written.notices if notice.code not in known]
 
 
@@ -99,7 +114,9 @@ def _portions(written: Written) -> Iterator[bytes]:
     except ProgramError as error:
         place = error.place
         if place is not None and place.line:
-            _at(error, written, place.line, "" if place.file == written.program.name else place.file)
+            _at(
+                error, written, place.line, "" if place.file == written.program.name else place.file
+            )
         raise
 
 
@@ -142,7 +159,9 @@ class Library:
             else [name, name.lower(), name.upper()]
         )
         for folder in (*self.folders, *self.unasked):
-            paths = (folder / (stem + ending) for stem in dict.fromkeys(stems) for ending in ENDINGS)
+            paths = (
+                folder / (stem + ending) for stem in dict.fromkeys(stems) for ending in ENDINGS
+            )
             path = next((p for p in paths if p.is_file()), None)
             if path is not None and folder in self.unasked:
                 self.left = True

@@ -32,7 +32,9 @@ FORMAT = "gcomp-explain/1"
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
     as_json.argument(parser, FORMAT)
-    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -43,7 +45,9 @@ def run(options: argparse.Namespace) -> int:
         head = ports.head(source)
         filter_ = reading.filter_of(options, machine, head)
         filter_.name = name
-        filter_.watchers.append(lambda words, motions, pieces, output, line: seen.append((words, motions, pieces)))
+        filter_.watchers.append(
+            lambda words, motions, pieces, output, line: seen.append((words, motions, pieces))
+        )
         lines: Iterable[bytes] = source
         if options.expand:
             written = expansion.written_out(filter_, source, options)
@@ -51,7 +55,11 @@ def run(options: argparse.Namespace) -> int:
         told = []
         for number, line in enumerate(lines, 1):
             said = len(filter_.notices)
-            output = filter_.feed(line) if line.endswith(b"\n") else filter_.feed(line) + filter_.finish()
+            output = (
+                filter_.feed(line)
+                if line.endswith(b"\n")
+                else filter_.feed(line) + filter_.finish()
+            )
             sentences = [
                 sentence
                 for words, motions, pieces in seen
@@ -70,7 +78,13 @@ def run(options: argparse.Namespace) -> int:
                 _print(one)
         as_json.put(
             options.json,
-            {"format": FORMAT, "program": name, "machine": machine.name, "map": machine.digest, "lines": told},
+            {
+                "format": FORMAT,
+                "program": name,
+                "machine": machine.name,
+                "map": machine.digest,
+                "lines": told,
+            },
         )
     return 0
 
@@ -90,12 +104,16 @@ def _print(one: dict[str, Any]) -> None:
         print(f"       ! {notice}")
 
 
-def _block(filter_, known: MapUncertainty, words: Words, motions: Motions, pieces: Pieces, block: int) -> list[str]:
+def _block(
+    filter_, known: MapUncertainty, words: Words, motions: Motions, pieces: Pieces, block: int
+) -> list[str]:
     """Sentences about one block."""
     text = words.text[words.block_start[block] : words.block_stop[block]].decode("latin-1")
     mine: dict[str, list[float]] = {}
     for w in np.flatnonzero(words.block == block):
-        mine.setdefault(chr(words.letter[w]), []).append(int(words.mantissa[w]) / 10.0 ** int(words.decimals[w]))
+        mine.setdefault(chr(words.letter[w]), []).append(
+            int(words.mantissa[w]) / 10.0 ** int(words.decimals[w])
+        )
     if not mine:
         return []
     says = [_second_opinion(re.sub(r"\([^)]*\)", "", text), mine)]
@@ -111,7 +129,14 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
 
     try:
         line = Line(text.strip().lstrip("/"))
-    except (GCodeParameterError, GCodeWordStrError, AssertionError, ValueError, TypeError, IndexError) as error:
+    except (
+        GCodeParameterError,
+        GCodeWordStrError,
+        AssertionError,
+        ValueError,
+        TypeError,
+        IndexError,
+    ) as error:
         return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(
             f"{k}{v:g}" for k, vs in mine.items() for v in vs
         )
@@ -152,7 +177,9 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     parts = [] if isinstance(machine, TipMachine) else machine.contributions(target, turn)
     for row in machine.corrected:
         named = ", ".join(
-            f"{name} {value[row, 0] / UM:+.1f}" for name, value in parts if abs(value[row, 0]) > SMALLEST_UM * UM
+            f"{name} {value[row, 0] / UM:+.1f}"
+            for name, value in parts
+            if abs(value[row, 0]) > SMALLEST_UM * UM
         )
         says.append(
             f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um"
@@ -164,5 +191,7 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     n = int((pieces.motion == i).sum())
     turns = int(pieces.take_up[pieces.motion == i].sum())
     if n > 1:
-        says.append(f"written as {n} blocks" + (f", {turns} of them to turn a slide round" if turns else ""))
+        says.append(
+            f"written as {n} blocks" + (f", {turns} of them to turn a slide round" if turns else "")
+        )
     return says

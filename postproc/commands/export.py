@@ -42,14 +42,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="the controls, their sign, and what is unverified; with --control its own keys",
     )
     what.add_argument("--control", metavar="NAME", help="whose table: gcomp export --list")
-    what.add_argument("--machine", metavar="M", help="name or folder of the machine whose map is written")
+    what.add_argument(
+        "--machine", metavar="M", help="name or folder of the machine whose map is written"
+    )
     what.add_argument(
         "--read",
         metavar="FILE",
         help="the opposite: say what a control's table takes out, as CSV (-o writes a file for each axis)",
     )
     what.add_argument(
-        "-o", "--output", metavar="FOLDER", help="where to write: a folder, or a file where it is only one"
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        help="where to write: a folder, or a file where it is only one",
     )
     what.add_argument(
         "--residual",
@@ -59,10 +64,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument("--force", action="store_true", help="overwrite files that are there")
     which = parser.add_argument_group("which part of the map")
     which.add_argument(
-        "--axis", metavar="Z", action="append", default=[], help="only this moving axis; may be repeated"
+        "--axis",
+        metavar="Z",
+        action="append",
+        default=[],
+        help="only this moving axis; may be repeated",
     )
     which.add_argument(
-        "--component", metavar="EXZ", action="append", default=[], help="only this component; may be repeated"
+        "--component",
+        metavar="EXZ",
+        action="append",
+        default=[],
+        help="only this component; may be repeated",
     )
     which.add_argument(
         "--only",
@@ -79,20 +92,42 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="mm: where the other axes stand (rotations times arms)",
     )
     which.add_argument(
-        "--one-way", action="store_true", help="the mean of both directions, also where the control knows both"
+        "--one-way",
+        action="store_true",
+        help="the mean of both directions, also where the control knows both",
     )
     how = parser.add_argument_group("how the control is set up")
-    how.add_argument("--unit", choices=("mm", "inch"), default="mm", help="of the control's basic system (mm)")
     how.add_argument(
-        "--spacing", metavar="MM", type=_positive, default=0.0, help="mm between points, where they are even"
+        "--unit", choices=("mm", "inch"), default="mm", help="of the control's basic system (mm)"
     )
     how.add_argument(
-        "--reference", metavar="X=0,Z=0", type=_numbers, default={}, help="mm: reference (home) position of the axes"
+        "--spacing",
+        metavar="MM",
+        type=_positive,
+        default=0.0,
+        help="mm between points, where they are even",
     )
     how.add_argument(
-        "--first", metavar="X=1", type=_numbers, default={}, help="number of the first or the reference point"
+        "--reference",
+        metavar="X=0,Z=0",
+        type=_numbers,
+        default={},
+        help="mm: reference (home) position of the axes",
     )
-    how.add_argument("--step", metavar="MM", type=_positive, default=0.001, help="mm of one detection unit (0.001)")
+    how.add_argument(
+        "--first",
+        metavar="X=1",
+        type=_numbers,
+        default={},
+        help="number of the first or the reference point",
+    )
+    how.add_argument(
+        "--step",
+        metavar="MM",
+        type=_positive,
+        default=0.001,
+        help="mm of one detection unit (0.001)",
+    )
     how.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -104,7 +139,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument(
         "--uncertainty", metavar="FILE.csv", help="write the U (95 %%) of what the tables hold beside them, node by node: no control has a place for it"
     )  # fmt: skip
-    how.add_argument("--template", metavar="FILE", help="an empty table that the control has exported, to be filled")
+    how.add_argument(
+        "--template",
+        metavar="FILE",
+        help="an empty table that the control has exported, to be filled",
+    )
     how.add_argument(
         "--settings",
         metavar="FILE",
@@ -134,38 +173,63 @@ def _positive(text: str) -> float:
 
 
 def run(options: argparse.Namespace) -> int:
-    options.component = [*options.component, *(name.strip() for name in options.only if name.strip())]
+    options.component = [
+        *options.component,
+        *(name.strip() for name in options.only if name.strip()),
+    ]
     if options.list:
         print(listing(options.control))
         return 0
     if not options.control:
-        raise UsageError("--control is missing: whose table?", f"controls: {', '.join(control_tables.names())}")
+        raise UsageError(
+            "--control is missing: whose table?", f"controls: {', '.join(control_tables.names())}"
+        )
     module = control_tables.load(options.control)
     if bool(options.read) == bool(options.machine):
         raise UsageError("either --machine M is written, or --read FILE is read", EXAMPLE)
     if options.read:
         return _read(options, module)
     if not options.output:
-        raise UsageError("-o is missing: where to write?", "-o FOLDER, or -o FILE where it is only one")
+        raise UsageError(
+            "-o is missing: where to write?", "-o FOLDER, or -o FILE where it is only one"
+        )
     machine = places.load(options.machine)
     tables, notices = _chosen(options, machine)
     told = told_of(options, module, machine)
-    whole = getattr(module, "write_machine", None) if not (options.axis or options.component) else None
+    whole = (
+        getattr(module, "write_machine", None) if not (options.axis or options.component) else None
+    )
     if options.residual and whole:
         raise UsageError(f"{options.control} takes the whole map, so nothing is left for --residual", "leave --residual out, or --axis")  # fmt: skip
     export = whole(machine, told) if whole else module.write(tables, told)
-    rest = residual.held(options.control, machine, export, told, tables) if options.residual else ([], [])
+    rest = (
+        residual.held(options.control, machine, export, told, tables)
+        if options.residual
+        else ([], [])
+    )
     known = {} if whole else {t.name: known_of(machine, t) for t in tables}
     if options.uncertainty:
         _beside(options, machine, tables, known)
-    paths = write_files(export.files, Path(options.output), options.force, options.output.endswith(("/", "\\")))
+    paths = write_files(
+        export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))
+    )
     doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
     notices = doubts if whole else doubts + notices
-    print(report(options.control, module, machine, export, [] if whole else tables, notices, paths, known))
+    print(
+        report(
+            options.control, module, machine, export, [] if whole else tables, notices, paths, known
+        )
+    )
     if options.residual:
         print(
             residual.write(
-                options.control, machine, options.machine, Path(options.residual), export, rest, options.force
+                options.control,
+                machine,
+                options.machine,
+                Path(options.residual),
+                export,
+                rest,
+                options.force,
             )
         )
     return 0
@@ -186,7 +250,11 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
     for term in machine.effects:
         for one in term.spread:
             parts += [
-                np.interp(table.nodes, t.nodes, np.abs(np.stack([t.forward, t.reverse])[:, row]).max(axis=0))
+                np.interp(
+                    table.nodes,
+                    t.nodes,
+                    np.abs(np.stack([t.forward, t.reverse])[:, row]).max(axis=0),
+                )
                 for t in one.tables
                 if t.letter == table.moving and row in t.rows
             ]
@@ -194,7 +262,10 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
 
 
 def _beside(
-    options: argparse.Namespace, machine: Machine, tables: list[ErrorTable], known: dict[str, np.ndarray | None]
+    options: argparse.Namespace,
+    machine: Machine,
+    tables: list[ErrorTable],
+    known: dict[str, np.ndarray | None],
 ) -> None:
     """The U of what is written, as a file. Raises UsageError where the folder states none, or the file is there."""
     rows = [
@@ -209,14 +280,21 @@ def _beside(
             "gcomp machines show says what it states",
         )
     text = f"# U, 95 % (k = 2), of the tables for {options.control}; map {machine.digest}\ncomponent,position_mm,U_um\n"
-    write_files({"U": (text + "\n".join(rows) + "\n").encode()}, Path(options.uncertainty), options.force, False)
+    write_files(
+        {"U": (text + "\n".join(rows) + "\n").encode()},
+        Path(options.uncertainty),
+        options.force,
+        False,
+    )
 
 
 def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTable], list[str]]:
     """The machine's one-axis tables that were asked for, and notices about them."""
     for x in [*options.axis, *options.at]:
         if x not in machine.axes:
-            raise UsageError(f"{machine.name} has no axis {x}", f"axes: {' '.join(machine.letters)}")
+            raise UsageError(
+                f"{machine.name} has no axis {x}", f"axes: {' '.join(machine.letters)}"
+            )
     found, left = marginals(machine, options.at)
     tables = [ErrorTable(*m) for m in found]
     have = [t.name for t in tables]
@@ -229,11 +307,16 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
     tables = [
         t
         for t in tables
-        if (not options.axis or t.moving in options.axis) and (not options.component or t.name in options.component)
+        if (not options.axis or t.moving in options.axis)
+        and (not options.component or t.name in options.component)
     ]
     notices = []
     for x in sorted({t.moving for t in tables}):
-        stand = {o: p for o, p in pose_of(machine, x, options.at).items() if o != x and o in machine.chain.axes}
+        stand = {
+            o: p
+            for o, p in pose_of(machine, x, options.at).items()
+            if o != x and o in machine.chain.axes
+        }
         if stand:
             notices.append(
                 f"over {x}: the other axes stand at {' '.join(f'{o} = {p:g}' for o, p in stand.items())} (--at)"
@@ -252,12 +335,18 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
             )
     kept = {t.name for t in tables}
     wanted = [
-        n for n in left if not re.match(r"E[XYZ][XYZ] ", n) or n[:3] in kept or not (options.axis or options.component)
+        n
+        for n in left
+        if not re.match(r"E[XYZ][XYZ] ", n)
+        or n[:3] in kept
+        or not (options.axis or options.component)
     ]
     return tables, notices + wanted
 
 
-def told_of(options: argparse.Namespace, module: Any, machine: Machine | None = None) -> ExportOptions:
+def told_of(
+    options: argparse.Namespace, module: Any, machine: Machine | None = None
+) -> ExportOptions:
     """What the command line says, for the control's module. Raises UsageError for a --set that the control does not know."""
     extra: dict[str, str] = {}
     known = getattr(module, "EXTRA", {})
@@ -299,7 +388,9 @@ def write_files(files: dict[str, bytes], output: Path, force: bool, folder: bool
     """Write all files or none that would overwrite one. Raises UsageError where a file is there and `force` is not set."""
     if len(files) > 1 or output.is_dir() or folder:
         if output.exists() and not output.is_dir():
-            raise UsageError(f"{len(files)} files are to be written, and {output} is a file", "-o FOLDER")
+            raise UsageError(
+                f"{len(files)} files are to be written, and {output} is a file", "-o FOLDER"
+            )
         paths = [output / name for name in files]
     else:
         paths = [output]
@@ -332,14 +423,26 @@ def report(
         "",
     ]
     by_name = {t.name: t for t in tables}
-    lines.append(f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}{'U (95 %)':>13}")
+    lines.append(
+        f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}{'U (95 %)':>13}"
+    )
     for name in [*by_name, *(n for n in export.remainder if n not in by_name)]:
         table = by_name.get(name)
-        size = f"{max(np.abs(table.forward).max(), np.abs(table.reverse).max()) / UM:.2f} um" if table else ""
-        rest = f"{export.remainder[name] / UM:.3f} um" if name in export.remainder else "not written"
+        size = (
+            f"{max(np.abs(table.forward).max(), np.abs(table.reverse).max()) / UM:.2f} um"
+            if table
+            else ""
+        )
+        rest = (
+            f"{export.remainder[name] / UM:.3f} um" if name in export.remainder else "not written"
+        )
         u = known.get(name)
-        stated = "" if table is None else "not stated" if u is None else f"{float(u.max()) / UM:.2f} um"
-        lines.append(f"{name:<10}{len(table.nodes) if table else '':>7}{size:>21}{rest:>20}{stated:>13}".rstrip())
+        stated = (
+            "" if table is None else "not stated" if u is None else f"{float(u.max()) / UM:.2f} um"
+        )
+        lines.append(
+            f"{name:<10}{len(table.nodes) if table else '':>7}{size:>21}{rest:>20}{stated:>13}".rstrip()
+        )
     said = [*notices, *export.notices]
     loud = [n for n in said if n.startswith("unverified")]
     if module.UNVERIFIED and not loud:
@@ -416,7 +519,9 @@ def axis_csv(moving: str, tables: list[ErrorTable], head: str = "") -> str:
             names.append(f"{table.name}_um{suffix}")
             columns.append(table.at(nodes, way) / UM)
     rows = [
-        ",".join(f"{v + 0.0:.10g}" if i == 0 else f"{round(v, 6) + 0.0:.10g}" for i, v in enumerate(row))
+        ",".join(
+            f"{v + 0.0:.10g}" if i == 0 else f"{round(v, 6) + 0.0:.10g}" for i, v in enumerate(row)
+        )
         for row in zip(*columns, strict=True)
     ]
     return head + "\n".join([",".join(names), *rows]) + "\n"

@@ -19,18 +19,29 @@ EXAMPLE = "gcomp hook install prusaslicer --machine my-printer -- --tolerance 5u
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", choices=("list", "install"), help="list the programs, or install a hook for one")
+    parser.add_argument(
+        "what", choices=("list", "install"), help="list the programs, or install a hook for one"
+    )
     parser.add_argument("program", nargs="?", metavar="PROGRAM", help="which one")
     parser.add_argument(
-        "--machine", metavar="NAME", help="a machine by name (gcomp machines) or by the path of its folder"
+        "--machine",
+        metavar="NAME",
+        help="a machine by name (gcomp machines) or by the path of its folder",
     )
     parser.add_argument(
-        "-o", "--output", metavar="FOLDER", help="where to write (default: the folder hooks in gcomp's own)"
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        help="where to write (default: the folder hooks in gcomp's own)",
     )
     parser.add_argument(
-        "--keep", action="store_true", help="let the nominal program stay beside the corrected one as FILE.bak"
+        "--keep",
+        action="store_true",
+        help="let the nominal program stay beside the corrected one as FILE.bak",
     )
-    parser.add_argument("--post", metavar="NAME", default="", help="FreeCAD's own post that is corrected (linuxcnc)")
+    parser.add_argument(
+        "--post", metavar="NAME", default="", help="FreeCAD's own post that is corrected (linuxcnc)"
+    )
     parser.add_argument("--force", action="store_true", help="write over a hook that is there")
 
 
@@ -39,7 +50,9 @@ def run(options: argparse.Namespace) -> int:
         print(listed())
         return 0
     if not options.program:
-        raise UsageError("for which program?", f"gcomp hook install {'|'.join(hooks.names())} --machine NAME")
+        raise UsageError(
+            "for which program?", f"gcomp hook install {'|'.join(hooks.names())} --machine NAME"
+        )
     module = hooks.load(options.program)
     _checked(options)
     installed = module.install(_call(options))
@@ -60,7 +73,11 @@ def _call(options: argparse.Namespace) -> hooks.Call:
     from platformdirs import user_config_path
 
     folder = places.folder_of(options.machine).resolve()
-    target = Path(options.output) if options.output else user_config_path("gcomp", appauthor=False) / "hooks"
+    target = (
+        Path(options.output)
+        if options.output
+        else user_config_path("gcomp", appauthor=False) / "hooks"
+    )
     root = Path(__file__).resolve().parents[2]
     # The environment's own python, not what it is a link to: that one knows no numpy.
     return hooks.Call(
@@ -76,14 +93,17 @@ def _checked(options: argparse.Namespace) -> None:
     parser = argparse.ArgumentParser(prog="gcomp", add_help=False, exit_on_error=False)
     compensate.arguments(parser)
     try:
-        known, unknown = parser.parse_known_args([*options.handed_on, "--machine", options.machine or ""])
+        known, unknown = parser.parse_known_args(
+            [*options.handed_on, "--machine", options.machine or ""]
+        )
     except (argparse.ArgumentError, argparse.ArgumentTypeError) as error:
         raise UsageError(
             f"{' '.join(options.handed_on)}: {error}", "gcomp compensate --help lists the options"
         ) from None
     if unknown or known.file:
         raise UsageError(
-            f"gcomp has no option {(unknown or [known.file])[0]}", "gcomp compensate --help lists the options"
+            f"gcomp has no option {(unknown or [known.file])[0]}",
+            "gcomp compensate --help lists the options",
         )
     if known.output or known.in_place or known.unbuffered or known.dry_run:
         raise UsageError("the hook says where the program goes", "--keep lets the nominal one stay")

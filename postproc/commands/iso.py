@@ -21,49 +21,91 @@ EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --fig
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows")
+    parser.add_argument(
+        "files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows"
+    )
     as_json.argument(parser, report.FORMAT)
-    parser.add_argument("--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib")
+    parser.add_argument(
+        "--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib"
+    )
     parser.add_argument("--report", metavar="FILE.html", help="a page with every result drawn")
     parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness and squareness (least-squares)")  # fmt: skip
     parser.add_argument("--lead", metavar="MM", action="append", default=[], type=_lead, help="lead of the screw, of all axes or Z=10; may be repeated")  # fmt: skip
     u = parser.add_argument_group(
-        "uncertainty (ISO/TR 230-9)", "Standard uncertainties, k = 1. What is not stated is not in U, and is named."
+        "uncertainty (ISO/TR 230-9)",
+        "Standard uncertainties, k = 1. What is not stated is not in U, and is named.",
     )
     u.add_argument(
-        "--device", metavar="UM", type=values.size, help="of one reading, um; default: u_um of the recording"
-    )
-    u.add_argument("--device-angle", metavar="URAD", type=values.size, help="of one reading of an angle, urad")
-    u.add_argument("--misalignment", metavar="MRAD", type=values.size, help="largest angle between beam and axis, mrad")
-    u.add_argument("--alpha", metavar="UM_M_K", type=values.size, help="expansion coefficient, um/m/K")
-    u.add_argument("--u-alpha", metavar="UM_M_K", type=values.size, help="its standard uncertainty, um/m/K")
-    u.add_argument(
-        "--temperature", metavar="C", type=values.number, help="mean temperature in the test, degrees Celsius"
-    )
-    u.add_argument("--u-temperature", metavar="K", type=values.size, help="its standard uncertainty, K")
-    u.add_argument(
-        "--drift", metavar="UM", type=values.size, help="whole range of an EVE test of the same duration, um"
+        "--device",
+        metavar="UM",
+        type=values.size,
+        help="of one reading, um; default: u_um of the recording",
     )
     u.add_argument(
-        "--u-square", metavar="URAD", type=values.size, help="of the square that a squareness rests on, urad"
+        "--device-angle", metavar="URAD", type=values.size, help="of one reading of an angle, urad"
+    )
+    u.add_argument(
+        "--misalignment",
+        metavar="MRAD",
+        type=values.size,
+        help="largest angle between beam and axis, mrad",
+    )
+    u.add_argument(
+        "--alpha", metavar="UM_M_K", type=values.size, help="expansion coefficient, um/m/K"
+    )
+    u.add_argument(
+        "--u-alpha", metavar="UM_M_K", type=values.size, help="its standard uncertainty, um/m/K"
+    )
+    u.add_argument(
+        "--temperature",
+        metavar="C",
+        type=values.number,
+        help="mean temperature in the test, degrees Celsius",
+    )
+    u.add_argument(
+        "--u-temperature", metavar="K", type=values.size, help="its standard uncertainty, K"
+    )
+    u.add_argument(
+        "--drift",
+        metavar="UM",
+        type=values.size,
+        help="whole range of an EVE test of the same duration, um",
+    )
+    u.add_argument(
+        "--u-square",
+        metavar="URAD",
+        type=values.size,
+        help="of the square that a squareness rests on, urad",
     )
     reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    named = [name for name in (options.figure, options.json, options.report) if name and name != "-"]
+    named = [
+        name for name in (options.figure, options.json, options.report) if name and name != "-"
+    ]
     if len(set(named)) < len(named):
-        raise UsageError(f"two things are to be written to {max(named, key=named.count)}", "name two files")
+        raise UsageError(
+            f"two things are to be written to {max(named, key=named.count)}", "name two files"
+        )
     if options.figure:
         figure.check(options.figure)
     read = read_files(options.files, options.format, reading_options(options))
-    results, left = choose.results(read, Options(options.line, dict(options.lead), _stated(options)))
-    picture = figure.draw(results, Path(options.figure).suffix[1:].lower()) if options.figure else b""
+    results, left = choose.results(
+        read, Options(options.line, dict(options.lead), _stated(options))
+    )
+    picture = (
+        figure.draw(results, Path(options.figure).suffix[1:].lower()) if options.figure else b""
+    )
     print(report.text(results, left), file=as_json.beside(options.json))
     if options.report:
         from postproc.pages import measured
 
-        ports.replace_file(Path(options.report), io.BytesIO(measured.html(results, left).encode("utf-8")), backup=False)
+        ports.replace_file(
+            Path(options.report),
+            io.BytesIO(measured.html(results, left).encode("utf-8")),
+            backup=False,
+        )
     if options.figure:
         ports.replace_file(Path(options.figure), io.BytesIO(picture), backup=False)
     as_json.put(options.json, report.as_json(results, left))

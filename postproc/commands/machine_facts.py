@@ -73,13 +73,22 @@ def known(machine: Machine) -> str:
 
 def chain(machine: Machine) -> list[str]:
     axes = list(machine.chain.axes)
-    return ["w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t"]
+    return [
+        "w",
+        *axes[: machine.chain.workpiece_side],
+        "b",
+        *axes[machine.chain.workpiece_side :],
+        "t",
+    ]
 
 
 def largest(machine: Machine) -> float:
     """mm: largest deviation vector over the grid of all nodes, both ways."""
     grid = _grid(machine)
-    return max(float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max()) for s in (-1.0, 1.0))
+    return max(
+        float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max())
+        for s in (-1.0, 1.0)
+    )
 
 
 def _grid(machine: Machine) -> np.ndarray:

@@ -33,10 +33,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument("--control", help="dialect of its control")
     new.add_argument("--title", default="", help="what the machine is, in words")
     new.add_argument(
-        "--travel", action="append", default=[], type=travel, metavar="X=0,400", help="where an axis can be"
+        "--travel",
+        action="append",
+        default=[],
+        type=travel,
+        metavar="X=0,400",
+        help="where an axis can be",
     )
     new.add_argument(
-        "--least-increment", type=values.length, default=0.001, metavar="LENGTH", help="of a word (0.001mm)"
+        "--least-increment",
+        type=values.length,
+        default=0.001,
+        metavar="LENGTH",
+        help="of a word (0.001mm)",
     )
     new.add_argument(
         "--diagonals", action="append", default=[], type=diagonals, metavar="XY=565.9,565.4,400,400",
@@ -50,16 +59,35 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--ballbar", action="append", default=[], metavar="FILE", help="circles in both senses: squareness and lost motion of their axes"
     )  # fmt: skip
     new.add_argument(
-        "--squareness", action="append", default=[], type=angle, metavar="C0Y=120", help="urad, where it is known"
+        "--squareness",
+        action="append",
+        default=[],
+        type=angle,
+        metavar="C0Y=120",
+        help="urad, where it is known",
     )
     new.add_argument(
-        "--backlash", action="append", default=[], type=length_of, metavar="X=0.05", help="lost motion by a dial gauge"
+        "--backlash",
+        action="append",
+        default=[],
+        type=length_of,
+        metavar="X=0.05",
+        help="lost motion by a dial gauge",
     )
     new.add_argument(
-        "--scale", action="append", default=[], type=scale, metavar="X=300,300.2", help="commanded way and measured way"
+        "--scale",
+        action="append",
+        default=[],
+        type=scale,
+        metavar="X=300,300.2",
+        help="commanded way and measured way",
     )
     new.add_argument(
-        "--home", type=values.place, default={}, metavar="X0,Y0,Z0", help="where the slides stand after homing"
+        "--home",
+        type=values.place,
+        default={},
+        metavar="X0,Y0,Z0",
+        help="where the slides stand after homing",
     )
     new.add_argument(
         "--u-length", type=values.length, metavar="LENGTH",
@@ -69,7 +97,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--u-gauge", type=values.length, metavar="LENGTH", help="standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and --drift, like 5um"
     )  # fmt: skip
     new.add_argument("-o", "--output", metavar="FOLDER", help="where to write it (machines/NAME)")
-    new.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
+    new.add_argument(
+        "--force",
+        action="store_true",
+        help="write over a machine folder; the old one stays as .bak",
+    )
 
 
 def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
@@ -82,7 +114,8 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     said = options.chain or (kind.chain if kind else "")
     if not said:
         raise UsageError(
-            "the kind of machine is not said", f"--kind {' or '.join(first.KINDS)}, or --chain w-b-Y-X-Z-t"
+            "the kind of machine is not said",
+            f"--kind {' or '.join(first.KINDS)}, or --chain w-b-Y-X-Z-t",
         )
     try:
         chain = chains.parse(said)
@@ -90,7 +123,9 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
         raise UsageError(f"--chain: {error}") from None
     if not options.control:
         usual = f" ({kind.control} is usual on a {options.kind})" if kind else ""
-        raise UsageError("its control is not said", f"--control{usual}: {', '.join(dialects.names())}")
+        raise UsageError(
+            "its control is not said", f"--control{usual}: {', '.join(dialects.names())}"
+        )
     control = dialects.load(options.control).name
     reach = dict(options.travel)
     for x in chain.axes:
@@ -113,7 +148,10 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     ):
         for x in given:
             if x not in chain.axes:
-                raise UsageError(f"{what} names {x}, and the chain {said} has none", f"axes: {' '.join(chain.axes)}")
+                raise UsageError(
+                    f"{what} names {x}, and the chain {said} has none",
+                    f"axes: {' '.join(chain.axes)}",
+                )
     for name in stated:
         if not all(x in chain.axes for x in square.pair_of(name)):
             raise UsageError(f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain {said} has not both")  # fmt: skip
@@ -126,14 +164,20 @@ def _ballbar(options: argparse.Namespace) -> None:
     planes: dict[str, list[Recording]] = {}
     for one in read_files(options.ballbar, "", ReadingOptions(strict=False)):
         if one.kind != "ballbar":
-            raise UsageError(f"{one.file} is a {one.kind} recording, no ballbar's", "gcomp calibrate takes it")
+            raise UsageError(
+                f"{one.file} is a {one.kind} recording, no ballbar's", "gcomp calibrate takes it"
+            )
         planes.setdefault(circles.axes_of(one), []).append(one)
     for plane, some in planes.items():
         found = circles.fit(some, [np.zeros(len(one)) for one in some])
         name, files = first.name_of(plane[1], plane[0]), " and ".join(found.files)
         how = f"ballbar {files}, u = {found.u['square'] / URAD:.1f} urad"
-        options.squareness.append((name, square.sign(name) * found.square, how, lambda _, u=found.u["square"]: u))
-        for x, play, u in zip(plane, found.play, (found.u["first play"], found.u["second play"]), strict=True):
+        options.squareness.append(
+            (name, square.sign(name) * found.square, how, lambda _, u=found.u["square"]: u)
+        )
+        for x, play, u in zip(
+            plane, found.play, (found.u["first play"], found.u["second play"]), strict=True
+        ):
             if x not in dict(options.backlash) and abs(play) > 2 * u:
                 options.backlash.append((x, play))
                 options.by_circles[x] = u
@@ -141,7 +185,11 @@ def _ballbar(options: argparse.Namespace) -> None:
 
 def _play_u(options: argparse.Namespace) -> dict[str, float]:
     """Axis to mm: of the lost motions whose standard uncertainty is known; a gauge is read twice for one."""
-    by_gauge = {x: options.u_gauge * math.sqrt(2) for x in dict(options.backlash)} if options.u_gauge else {}
+    by_gauge = (
+        {x: options.u_gauge * math.sqrt(2) for x in dict(options.backlash)}
+        if options.u_gauge
+        else {}
+    )
     return by_gauge | options.by_circles
 
 
@@ -153,7 +201,9 @@ def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, floa
     for name, value, how, u_of in [*options.squareness, *options.drift, *options.diagonals]:
         pair = square.pair_of(name)
         if pair in pairs:
-            raise UsageError(f"the squareness of {pair} is said twice: {pairs[pair]} and {how}", "once")
+            raise UsageError(
+                f"the squareness of {pair} is said twice: {pairs[pair]} and {how}", "once"
+            )
         pairs[pair], found[name] = how, (value, how, u_of(options))
     return found
 
@@ -188,7 +238,9 @@ def travel(text: str) -> tuple[str, tuple[float, float]]:
 def length_of(text: str) -> tuple[str, float]:
     name, (size,) = _parts(text, "X=0.05", 1)
     if not -1 <= size <= 2:
-        raise argparse.ArgumentTypeError(f"{text!r} is {size:g} mm of lost motion: mm are wanted, X=0.05 is 50 um")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is {size:g} mm of lost motion: mm are wanted, X=0.05 is 50 um"
+        )
     return _axis(name, text), size
 
 
@@ -205,7 +257,9 @@ Known = Callable[[argparse.Namespace], float | None]  # rad, by what the options
 def angle(text: str) -> tuple[str, float, str, Known]:
     name, (value,) = _parts(text, "C0Y=120", 1)
     if name not in square.NAMES:
-        raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
+        )
     return name, value * URAD, "stated", lambda options: None
 
 
@@ -213,7 +267,9 @@ def drift(text: str) -> tuple[str, float, str, Known]:
     names, (size, way) = _parts(text, "X/Y=0.05,300", 2)
     drifts, _, moving = names.partition("/")
     if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
-        raise argparse.ArgumentTypeError(f"{text!r} is not like X/Y=0.05,300: X drifts by +0.05 while Y goes +300")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not like X/Y=0.05,300: X drifts by +0.05 while Y goes +300"
+        )
     name = first.name_of(moving, drifts)
     return (
         name,
@@ -226,7 +282,9 @@ def drift(text: str) -> tuple[str, float, str, Known]:
 def diagonals(text: str) -> tuple[str, float, str, Known]:
     pair, (rising, falling, a, b) = _parts(text, "XY=565.9,565.4,400,400", 4)
     if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)"
+        )
     name = first.name_of(pair[1], pair[0])
     try:
         value = first.from_diagonals(name, rising, falling, (a, b))
@@ -235,7 +293,11 @@ def diagonals(text: str) -> tuple[str, float, str, Known]:
     how = f"diagonals {rising:g} and {falling:g} mm of a rectangle {a:g} by {b:g}"
 
     def known(options: argparse.Namespace) -> float | None:
-        return first.u_of_diagonals(rising, falling, (a, b), options.u_length) if options.u_length else None
+        return (
+            first.u_of_diagonals(rising, falling, (a, b), options.u_length)
+            if options.u_length
+            else None
+        )
 
     return name, value, how, known
 
@@ -254,12 +316,16 @@ def _ask(options: argparse.Namespace) -> None:
     kind = first.KINDS.get(options.kind or "")
     if not options.control:
         usual = kind.control if kind else ""
-        options.control = _answer(f"control, one of {', '.join(dialects.names())} [{usual}]: ", _control) or usual
+        options.control = (
+            _answer(f"control, one of {', '.join(dialects.names())} [{usual}]: ", _control) or usual
+        )
     said = options.chain or (kind.chain if kind else "")
     letters = sorted(x for x in said if x in XYZ)
     reach = dict(options.travel)
     for x in [x for x in letters if x not in reach]:
-        options.travel.append(_answer(f"travel of {x} from,to in mm, like 0,400: ", _of(x, travel), needed=True))
+        options.travel.append(
+            _answer(f"travel of {x} from,to in mm, like 0,400: ", _of(x, travel), needed=True)
+        )
     if not (options.squareness or options.drift or options.diagonals):
         for a, b in [(a, b) for i, a in enumerate(letters) for b in letters[i + 1 :]]:
             text = f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty: not measured): "

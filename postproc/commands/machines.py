@@ -31,7 +31,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", nargs="?", choices=("list", "show", "new", "check"), default="list")
     parser.add_argument("name", nargs="?", metavar="NAME")
     parser.add_argument(
-        "--report", metavar="FILE.html", help="with show: a page with every table, the squareness and the volume"
+        "--report",
+        metavar="FILE.html",
+        help="with show: a page with every table, the squareness and the volume",
     )
     as_json.argument(parser, machine_facts.FORMAT)
     machine_new.arguments(parser)
@@ -47,7 +49,9 @@ def run(options: argparse.Namespace) -> int:
         if options.report:
             from postproc.pages import machine as page
 
-            ports.replace_file(Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False)
+            ports.replace_file(
+                Path(options.report), io.BytesIO(page.html(machine).encode("utf-8")), backup=False
+            )
         print(show(machine), file=as_json.beside(options.json))
         as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
         return 0
@@ -58,7 +62,9 @@ def run(options: argparse.Namespace) -> int:
         as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
         return _check(machine, as_json.beside(options.json))
     if options.report:
-        raise UsageError("--report draws one machine", "gcomp machines show NAME --report FILE.html")
+        raise UsageError(
+            "--report draws one machine", "gcomp machines show NAME --report FILE.html"
+        )
     found = places.every()
     width = max((len(name) for name in found), default=0)
     rows = []
@@ -68,7 +74,9 @@ def run(options: argparse.Namespace) -> int:
             title = read_machine(path).title
         except GcompError as error:
             title, fault = f"can not be used: {error.message}", error.message
-        rows.append({"name": name, "title": None if fault else title, "path": str(path), "fault": fault})
+        rows.append(
+            {"name": name, "title": None if fault else title, "path": str(path), "fault": fault}
+        )
         print(f"{name:<{width}}  {title}  [{path}]", file=as_json.beside(options.json))
     as_json.put(options.json, machine_facts.document(rows))
     return 0
@@ -115,7 +123,9 @@ def show(machine: Machine) -> str:
         f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map {machine.digest}",
     ]
     if machine.diameter:
-        lines.append(f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius")
+        lines.append(
+            f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius"
+        )
     if machine.source:
         lines.append(f"source: {machine.source}")
     for letter, axis in machine.axes.items():
@@ -125,21 +135,29 @@ def show(machine: Machine) -> str:
         )
         if letter in machine.chain.rotary:
             lines.append(
-                "  centre line through " + " ".join(f"{x}{v:g}" for x, v in zip(XYZ, axis.centre, strict=True)) + " mm"
+                "  centre line through "
+                + " ".join(f"{x}{v:g}" for x, v in zip(XYZ, axis.centre, strict=True))
+                + " mm"
             )
         lines += [
             f"  {(XYZ + ROTARY)[i]}0{letter}  {axis.location[i] / UM:+.1f} um"
             for i in map(int, np.flatnonzero(axis.location))
         ]
-        lines += [f"  by {g.other} too: {len(g.nodes)} by {len(g.others)} nodes" for g in axis.grids]
+        lines += [
+            f"  by {g.other} too: {len(g.nodes)} by {len(g.others)} nodes" for g in axis.grids
+        ]
         if axis.expansion is not None:
-            lines.append(f"  heat: {axis.expansion.rate * 1e6:+.2f} um/m from {axis.expansion.fixed:g} mm")
+            lines.append(
+                f"  heat: {axis.expansion.rate * 1e6:+.2f} um/m from {axis.expansion.fixed:g} mm"
+            )
         lines += _largest_u(axis)
         if axis.table is None:
             lines.append("  no error table")
             continue
         table = axis.table
-        lines.append(f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes")
+        lines.append(
+            f"  table {table.nodes[0]:g} to {table.nodes[-1]:g} {unit}, {len(table.nodes)} nodes"
+        )
         for row in range(6):
             forward, reverse = table.forward[row], table.reverse[row]
             if not (np.any(forward) or np.any(reverse)):
@@ -147,7 +165,11 @@ def show(machine: Machine) -> str:
             scale, size = (UM, "um") if row < 3 else (URAD, "urad")
             both = np.stack([forward, reverse]) / scale
             worst = np.unravel_index(np.argmax(np.abs(both)), both.shape)
-            ways = f", reversal up to {np.abs(both[0] - both[1]).max():.1f}" if np.any(forward != reverse) else ""
+            ways = (
+                f", reversal up to {np.abs(both[0] - both[1]).max():.1f}"
+                if np.any(forward != reverse)
+                else ""
+            )
             lines.append(
                 f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {size}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} {unit}{ways}"
             )
@@ -163,7 +185,8 @@ def show(machine: Machine) -> str:
         lines.append(f"squareness {name} is known to +- {u / URAD:.1f} urad (95 %)")
     for term in machine.effects:
         lines.append(
-            f"\neffect {term.name} on {term.axis}: " + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
+            f"\neffect {term.name} on {term.axis}: "
+            + ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
         )
         if term.spread:
             sizes = [f"{k} +- {v:g}" for one in term.spread for k, v in one.parameters.items()]
@@ -180,8 +203,12 @@ def show(machine: Machine) -> str:
         f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}, hysteresis {limits.hysteresis / UM:g} um"
     )
     if not machine.is_zero:
-        lines.append(f"largest deviation on its nodes: {machine_facts.largest(machine) / UM:.1f} um")
-        lines.append(f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most")
+        lines.append(
+            f"largest deviation on its nodes: {machine_facts.largest(machine) / UM:.1f} um"
+        )
+        lines.append(
+            f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most"
+        )
     lines.append(machine_facts.known(machine))
     lines += [f"in doubt: {text}" for text in doubts(machine)]
     lines += [f"not in this map: {text}" for text in lacks(machine)]

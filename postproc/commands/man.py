@@ -41,14 +41,19 @@ def page() -> str:
               "program. Nothing leaves before the whole program is accepted. Without a command it corrects: standard input, or FILE, to standard output."),
     ]  # fmt: skip
     for name, (help_, parser) in completion.parsers().items():
-        lines += [f'.SH "{"GCOMP" if name == DEFAULT else f"GCOMP {name.upper()}"}"', _text(help_ + ".")]
+        lines += [
+            f'.SH "{"GCOMP" if name == DEFAULT else f"GCOMP {name.upper()}"}"',
+            _text(help_ + "."),
+        ]
         lines += [part for action in parser._actions for part in _option(action)]
         example = getattr(importlib.import_module(f"postproc.commands.{name}"), "EXAMPLE", "")
         if example:
             lines += [".PP", "Example:", ".PP", ".RS", ".nf", _text(example), ".fi", ".RE"]
     for title, rows in (("EXIT STATUS", STATUS), ("ENVIRONMENT", ENVIRONMENT)):
         lines.append(f'.SH "{title}"')
-        lines += [part for key, text in rows for part in (".TP", f"\\fB{_text(key)}\\fR", _text(text))]
+        lines += [
+            part for key, text in rows for part in (".TP", f"\\fB{_text(key)}\\fR", _text(text))
+        ]
     lines += [".SH FILES", ".TP", "\\fImachines/NAME/machine.toml\\fR", _text("a machine, in the working folder, in the user's configuration, or installed with gcomp")]  # fmt: skip
     return "\n".join(lines) + "\n"
 

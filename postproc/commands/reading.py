@@ -30,7 +30,9 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
     whether they may be read for more than one machine."""
     machine = "a machine by name (gcomp machines) or by the path of its folder"
     if several:
-        parser.add_argument("--machine", metavar="NAME", action="append", default=[], help=f"{machine}; repeatable")
+        parser.add_argument(
+            "--machine", metavar="NAME", action="append", default=[], help=f"{machine}; repeatable"
+        )
     else:
         parser.add_argument("--machine", metavar="NAME", help=machine)
     how = parser.add_argument_group("how it is corrected")
@@ -65,10 +67,15 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
         help="what to do where an axis turns back (default: the machine's, or step)",
     )
     how.add_argument(
-        "--ramp", metavar="LENGTH", type=values.length, help="travel over which --reversal ramp takes up the difference"
+        "--ramp",
+        metavar="LENGTH",
+        type=values.length,
+        help="travel over which --reversal ramp takes up the difference",
     )
     how.add_argument(
-        "--outside", choices=("error", "clamp"), help="points outside the error tables: refuse, or hold the end value"
+        "--outside",
+        choices=("error", "clamp"),
+        help="points outside the error tables: refuse, or hold the end value",
     )
     how.add_argument(
         "--temperature", metavar="Z=24.1,work=21", type=values.temperatures, default={},
@@ -113,10 +120,14 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
         "GRBL $#, or a CSV table; repeatable",
     )  # fmt: skip
     program.add_argument(
-        "--offsets-unit", choices=("mm", "inch"), help="the unit of --offsets, where the file does not say"
+        "--offsets-unit",
+        choices=("mm", "inch"),
+        help="the unit of --offsets, where the file does not say",
     )
     program.add_argument(
-        "--offsets-x", choices=("radius", "diameter"), help="what X of --offsets is, where the file does not say"
+        "--offsets-x",
+        choices=("radius", "diameter"),
+        help="what X of --offsets is, where the file does not say",
     )
     program.add_argument(
         "--integers", choices=("units", "least-increments"),
@@ -128,10 +139,18 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
         "without either, gcomp FILE does so where nothing else corrects the program, and says so",
     )  # fmt: skip
     program.add_argument(
-        "--library", metavar="DIR", action="append", default=[], help="a folder with subprograms for --expand"
+        "--library",
+        metavar="DIR",
+        action="append",
+        default=[],
+        help="a folder with subprograms for --expand",
     )
-    program.add_argument("--max-steps", type=int, default=10_000_000, help="lines that --expand executes at most")
-    program.add_argument("--max-depth", type=int, default=50, help="calls that --expand nests at most")
+    program.add_argument(
+        "--max-steps", type=int, default=10_000_000, help="lines that --expand executes at most"
+    )
+    program.add_argument(
+        "--max-depth", type=int, default=50, help="calls that --expand nests at most"
+    )
     program.add_argument(
         "--start",
         metavar="X0,Z0",
@@ -160,9 +179,12 @@ def machine_of(options: argparse.Namespace) -> Machine:
     if not options.machine:
         names = ", ".join(places.every()) or "none found"
         raise UsageError(
-            "--machine is missing: for which machine?", f"machines: {names}; or the path of a machine folder"
+            "--machine is missing: for which machine?",
+            f"machines: {names}; or the path of a machine folder",
         )
-    machine = warmed(with_control_tables(places.load(options.machine)), getattr(options, "temperature", {}))
+    machine = warmed(
+        with_control_tables(places.load(options.machine)), getattr(options, "temperature", {})
+    )
     return _part(machine, options.only) if getattr(options, "only", ()) else machine
 
 
@@ -213,15 +235,27 @@ def with_control_tables(machine: Machine) -> Machine:
         source = Source(str(table.file), table.file.read_bytes())
         sign = -1.0 if table.active else 1.0
         added = []
-        for found in control_tables.load(table.control).read(source, control_tables.ExportOptions(extra=extra)):
+        for found in control_tables.load(table.control).read(
+            source, control_tables.ExportOptions(extra=extra)
+        ):
             if found.moving not in machine.axes or found.along not in machine.axes:
                 continue
             # One point holds everywhere, as two do that say the same.
             nodes = found.nodes if len(found.nodes) > 1 else found.nodes[0] + np.array([0.0, 1.0])
             both = np.zeros((2, 6, len(nodes)))
-            both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack([found.forward, found.reverse])
+            both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack(
+                [found.forward, found.reverse]
+            )
             added.append(AxisTable(found.moving, nodes, both[0], both[1]))
-        terms.append(EffectTerm(f"{table.control} table {'on' if table.active else 'off'}", "", {}, None, tuple(added)))
+        terms.append(
+            EffectTerm(
+                f"{table.control} table {'on' if table.active else 'off'}",
+                "",
+                {},
+                None,
+                tuple(added),
+            )
+        )
     return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
 
 
@@ -247,7 +281,10 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
     machine = machine.carrying(dialect.carried)
     offsets = _from_files(options, machine, notices)
     offsets.update(dict(options.offset))
-    for name, place in [*((f"--offset {n}", p) for n, p in options.offset), ("--start", options.start)]:
+    for name, place in [
+        *((f"--offset {n}", p) for n, p in options.offset),
+        ("--start", options.start),
+    ]:
         for axis in place:
             if axis not in machine.axes and not (axis in "RQ" and name != "--start"):
                 raise UsageError(
@@ -277,7 +314,9 @@ def dialect_of(options: argparse.Namespace, machine: Machine, head: bytes) -> Di
     return _dialect(options, machine, head, [])
 
 
-def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices: list[Notice]) -> Dialect:
+def _dialect(
+    options: argparse.Namespace, machine: Machine, head: bytes, notices: list[Notice]
+) -> Dialect:
     from postproc.nc import dialects
 
     if options.dialect != AUTO:
@@ -289,13 +328,16 @@ def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices
             )
         return dialects.load(name)
     if options.unbuffered if hasattr(options, "unbuffered") else False:
-        raise UsageError("--dialect auto looks at the program before it is read: not with --unbuffered")
+        raise UsageError(
+            "--dialect auto looks at the program before it is read: not with --unbuffered"
+        )
     from postproc.nc.recognise import recognise
 
     found = recognise(head)
     if not found:
         raise UsageError(
-            "the program does not show which control it is for", f"say --dialect {' or '.join(dialects.names())}"
+            "the program does not show which control it is for",
+            f"say --dialect {' or '.join(dialects.names())}",
         )
     name, evidence = found[0]
     others = [n for n, e in found[1:] if len(e) == len(evidence)]
@@ -307,7 +349,9 @@ def _dialect(options: argparse.Namespace, machine: Machine, head: bytes, notices
     return dialects.load(name)
 
 
-def _from_files(options: argparse.Namespace, machine: Machine, notices: list[Notice]) -> dict[str, dict[str, float]]:
+def _from_files(
+    options: argparse.Namespace, machine: Machine, notices: list[Notice]
+) -> dict[str, dict[str, float]]:
     """Offsets of all --offsets files, the last one wins."""
     from postproc import offsets
 
@@ -325,7 +369,9 @@ def _from_files(options: argparse.Namespace, machine: Machine, notices: list[Not
                 )
         result.update(found.work)
         result.update(found.tools)
-        notices += [Notice(f"offsets {path} {i}", f"{path}: {text}") for i, text in enumerate(found.notices)]
+        notices += [
+            Notice(f"offsets {path} {i}", f"{path}: {text}") for i, text in enumerate(found.notices)
+        ]
     return result
 
 
@@ -348,6 +394,10 @@ def with_hint(
     here = error.place.line if error.place else 0
     if other is None:
         error.advice = f"--dialect {name} corrects the whole program ({reason})"
-    elif other.place is not None and other.place.file == getattr(error.place, "file", "") and other.place.line > here:
+    elif (
+        other.place is not None
+        and other.place.file == getattr(error.place, "file", "")
+        and other.place.line > here
+    ):
         error.advice = f"--dialect {name} follows it to line {other.place.line} ({reason})"
     return error

@@ -15,7 +15,9 @@ from postproc.errors import UsageError
 if TYPE_CHECKING:
     from postproc.streaming.reception import Reception
 
-HELP = "receive a program that a control sends (its PUNCH or SEND key), and check every byte's parity"
+HELP = (
+    "receive a program that a control sends (its PUNCH or SEND key), and check every byte's parity"
+)
 EXAMPLE = "gcomp receive --port /dev/ttyUSB0 --protocol dnc-haas -o O1234.nc"
 DAMAGED, LOST, STOPPED = 16, 13, 130  # exit statuses
 WAIT, TELL = 0.1, 1.0  # s
@@ -24,14 +26,26 @@ SILENCE = 5.0  # s without a byte, behind which a program that began will not go
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--port", metavar="PORT", help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port; auto: the only one"
+        "--port",
+        metavar="PORT",
+        help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port; auto: the only one",
     )
-    parser.add_argument("--protocol", default="dnc", metavar="NAME", help="dnc (Fanuc, default), dnc-haas, dnc-siemens")
+    parser.add_argument(
+        "--protocol",
+        default="dnc",
+        metavar="NAME",
+        help="dnc (Fanuc, default), dnc-haas, dnc-siemens",
+    )
     parser.add_argument("--baud", type=int, help="default: the control's common speed")
     parser.add_argument("--frame", metavar="7E2", help="default: the control's common frame")
-    parser.add_argument("--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may come")
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="where the program goes; it is not there before it is whole"
+        "--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may come"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="where the program goes; it is not there before it is whole",
     )
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
     parser.add_argument(
@@ -50,13 +64,22 @@ def run(options: argparse.Namespace) -> int:
     if not options.output:
         raise UsageError("where shall the program go? -o FILE is missing", EXAMPLE)
     if not options.protocol.startswith("dnc"):
-        raise UsageError(f"--protocol {options.protocol} sends no programs", "dnc, dnc-haas, dnc-siemens")
+        raise UsageError(
+            f"--protocol {options.protocol} sends no programs", "dnc, dnc-haas, dnc-siemens"
+        )
     if Path(options.output).exists() and not options.force:
-        raise UsageError(f"{options.output} is there already", "another name, or --force to replace it")
+        raise UsageError(
+            f"{options.output} is there already", "another name, or --force to replace it"
+        )
     bits, parity, stop = _line(options)
     url = ports_found.chosen(options.port)
     raw = bits == 7 and parity != "N" and "://" not in url  # each byte's parity can be looked at
-    port = Port(url, options.baud, frame=(8, "N", stop) if raw else (bits, parity, stop), rtscts=options.rtscts)
+    port = Port(
+        url,
+        options.baud,
+        frame=(8, "N", stop) if raw else (bits, parity, stop),
+        rtscts=options.rtscts,
+    )
     reception = Reception(bits == 7, parity if raw else "N")
     try:
         _take(port, reception, options)
@@ -69,7 +92,10 @@ def run(options: argparse.Namespace) -> int:
     if reception.fault:
         return _ended(reception, reception.fault, DAMAGED)
     _written(Path(options.output), reception.text)
-    print(f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received", file=sys.stderr)
+    print(
+        f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received",
+        file=sys.stderr,
+    )
     return 0
 
 
@@ -82,7 +108,9 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
     err = Outlet(sys.stderr)
     heard, told = time.monotonic(), 0.0
     if not options.quiet:
-        err.say(f"gcomp: {options.port}, {options.baud} baud: waiting for the control; start the output there")
+        err.say(
+            f"gcomp: {options.port}, {options.baud} baud: waiting for the control; start the output there"
+        )
     while not (reception.done or reception.fault):
         data = port.read(WAIT)
         now = time.monotonic()
@@ -96,7 +124,12 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
             if terminal:
                 err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
             else:
-                fields = {"event": "progress", "state": state, "bytes": reception.size, "lines": reception.lines}
+                fields = {
+                    "event": "progress",
+                    "state": state,
+                    "bytes": reception.size,
+                    "lines": reception.lines,
+                }
                 out.say(json.dumps(fields))
     out.close()
     err.close()
@@ -124,4 +157,6 @@ def _written(path: Path, text: bytes) -> None:
         os.replace(part, path)
     except OSError as error:
         part.unlink(missing_ok=True)
-        raise UsageError(f"{path} can not be written: {error.strerror}", "-o FILE elsewhere") from None
+        raise UsageError(
+            f"{path} can not be written: {error.strerror}", "-o FILE elsewhere"
+        ) from None

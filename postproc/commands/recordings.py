@@ -14,7 +14,17 @@ import numpy as np
 from postproc import ports
 from postproc.commands import as_json, session, values
 from postproc.errors import GcompError, UsageError
-from postproc.recordings import AXES, ReadingOptions, Recording, Source, contract, format_of, load, names, read_all
+from postproc.recordings import (
+    AXES,
+    ReadingOptions,
+    Recording,
+    Source,
+    contract,
+    format_of,
+    load,
+    names,
+    read_all,
+)
 from postproc.recordings import _units as units
 
 HELP = "show what recordings of instruments hold, and convert them: gcomp recordings FILE..."
@@ -26,51 +36,88 @@ SHOWN = 5  # rows left out that are listed one by one
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="*", metavar="FILE", help="recordings of any format")
-    parser.add_argument("--list", action="store_true", help="list the formats and their own settings")
     parser.add_argument(
-        "--session", metavar="FILE.toml", help="write a first session (measurement.toml) of these files"
+        "--list", action="store_true", help="list the formats and their own settings"
+    )
+    parser.add_argument(
+        "--session",
+        metavar="FILE.toml",
+        help="write a first session (measurement.toml) of these files",
     )
     as_json.argument(parser, FORMAT)
-    parser.add_argument("--as", dest="as_", metavar="FILE.csv", help="write it as a gcomp recording")
+    parser.add_argument(
+        "--as", dest="as_", metavar="FILE.csv", help="write it as a gcomp recording"
+    )
     reading_arguments(parser)
 
 
 def reading_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that say what a recording's file leaves open: shared by all commands that read recordings."""
     group = parser.add_argument_group("what the files leave open")
-    group.add_argument("--format", metavar="NAME", default="", help="the format, where the file does not show it")
+    group.add_argument(
+        "--format", metavar="NAME", default="", help="the format, where the file does not show it"
+    )
     group.add_argument("--axis", default="", metavar="AXIS", help="the axis that moved")
-    group.add_argument("--component", default="", metavar="EXZ", help="what was measured: EZZ, EXZ, EBZ")
+    group.add_argument(
+        "--component", default="", metavar="EXZ", help="what was measured: EZZ, EXZ, EBZ"
+    )
     group.add_argument("--unit", default="", help=f"of the readings: {', '.join(units.UNITS)}")
     group.add_argument(
-        "--bidirectional", choices=("yes", "no"), help="whether the runs go there and back by turns (default: they do)"
+        "--bidirectional",
+        choices=("yes", "no"),
+        help="whether the runs go there and back by turns (default: they do)",
     )
     group.add_argument("--first", choices=("+", "-"), help="direction of the first run")
-    group.add_argument("--layout", choices=("interleaved", "blocks", "long"), default="", help="of a sheet's columns")
-    group.add_argument("--sheet", default="", metavar="NAME", help="of an .xlsx workbook, where several hold numbers")
+    group.add_argument(
+        "--layout",
+        choices=("interleaved", "blocks", "long"),
+        default="",
+        help="of a sheet's columns",
+    )
+    group.add_argument(
+        "--sheet",
+        default="",
+        metavar="NAME",
+        help="of an .xlsx workbook, where several hold numbers",
+    )
     group.add_argument(
         "--column", metavar="NAME=HEADING", action="append", default=[],
         help="where a table has a column of a recording: Z_mm=Position, reading_um=3",
     )  # fmt: skip
     group.add_argument(
-        "--others", metavar="X0,Y0", type=values.place, default={}, help="where the other axes stood, mm"
+        "--others",
+        metavar="X0,Y0",
+        type=values.place,
+        default={},
+        help="where the other axes stood, mm",
     )
-    group.add_argument("--machine-name", metavar="NAME", default="", help="the machine's name for the recording")
     group.add_argument(
-        "--set", metavar="KEY=VALUE", action="append", default=[], help="a format's own setting (--list)"
+        "--machine-name", metavar="NAME", default="", help="the machine's name for the recording"
+    )
+    group.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="a format's own setting (--list)",
     )
     group.add_argument(
         "--head", metavar="KEY=VALUE", action="append", default=[],
         help="a key of the recording's head, as TOML: u_um=0.2, 'instrument=\"level\"'",
     )  # fmt: skip
-    group.add_argument("--lenient", action="store_true", help="leave out rows that can not be used, and list them")
+    group.add_argument(
+        "--lenient", action="store_true", help="leave out rows that can not be used, and list them"
+    )
 
 
 def reading_options(options: argparse.Namespace) -> ReadingOptions:
     """What `reading_arguments` took. Raises UsageError for a pair without =, a name twice, or a letter that is no axis."""
     for letter in options.others:
         if letter not in AXES:
-            raise UsageError(f"--others names {letter}, which is no axis of a recording", f"axes: {' '.join(AXES)}")
+            raise UsageError(
+                f"--others names {letter}, which is no axis of a recording",
+                f"axes: {' '.join(AXES)}",
+            )
     return ReadingOptions(
         options.axis, options.component, options.unit,
         None if options.bidirectional is None else options.bidirectional == "yes",
@@ -143,9 +190,15 @@ def run(options: argparse.Namespace) -> int:
 
 def facts(recording: Recording, format: str | None) -> dict[str, Any]:
     """What a recording holds, for other programs. format: None where a session says how it is read."""
-    units = {"angle": "urad"}.get(recording.quantity, "um") if recording.kind in ("targets", "ballbar") else None
+    units = (
+        {"angle": "urad"}.get(recording.quantity, "um")
+        if recording.kind in ("targets", "ballbar")
+        else None
+    )
     reading = recording.reading / recording.unit if units else np.zeros(0)
-    moved = {x: recording.position(x) for x in recording.axes} if recording.kind != "features" else {}
+    moved = (
+        {x: recording.position(x) for x in recording.axes} if recording.kind != "features" else {}
+    )
     return {
         "file": recording.file, "read_as": format, "kind": recording.kind, "rows": len(recording), "machine": recording.head.get("machine") or None,
         "component": recording.head.get("component") or None, "unit": units,
@@ -172,7 +225,9 @@ def _session(options: argparse.Namespace, how: ReadingOptions) -> int:
     text = session.first_one(found, path.parent)
     ports.replace_file(path, io.BytesIO(text.encode()), backup=False)
     open_ = sum(bool(fault) for *_, fault in found)
-    print(f"written: {path}, {len(found)} files{f', {open_} of them can not be read yet: see there' if open_ else ''}")
+    print(
+        f"written: {path}, {len(found)} files{f', {open_} of them can not be read yet: see there' if open_ else ''}"
+    )
     print(f"complete it, then: gcomp calibrate {path}")
     return 0
 
@@ -184,19 +239,28 @@ def formats() -> str:
     for name in names():
         module = load(name)
         lines.append(f"{name:<{width}}  {module.TITLE}")
-        lines += [f"{'':<{width}}    --set {k}=...  {v}" for k, v in getattr(module, "EXTRA", {}).items()]
+        lines += [
+            f"{'':<{width}}    --set {k}=...  {v}" for k, v in getattr(module, "EXTRA", {}).items()
+        ]
     return "\n".join(lines)
 
 
 def show(recording: Recording, format: str) -> str:
     """What a recording holds, for a person."""
     rows = [("kind", _kind(recording))]
-    rows += [(key, str(recording.head[key])) for key in ("machine", "instrument", "date") if recording.head.get(key)]
+    rows += [
+        (key, str(recording.head[key]))
+        for key in ("machine", "instrument", "date")
+        if recording.head.get(key)
+    ]
     if recording.kind == "targets":
         rows += _targets(recording)
     elif recording.kind != "features":
         rows.append(("samples", f"{len(recording)}, t = {_range(recording.columns['t_s'])} s"))
-        rows += [(letter, f"{_range(recording.position(letter))} mm commanded") for letter in recording.axes]
+        rows += [
+            (letter, f"{_range(recording.position(letter))} mm commanded")
+            for letter in recording.axes
+        ]
     else:
         what = sorted({str(f) for f in recording.columns["feature"]})
         rows.append(("features", f"{len(what)}: {', '.join(what)}; {len(recording)} readings"))
@@ -210,7 +274,9 @@ def show(recording: Recording, format: str) -> str:
         rows.append(("left out", f"{len(recording.faults)}"))
     lines = [f"{recording.file}: {format}", *(f"  {name:<12}{text}" for name, text in rows)]
     for fault in recording.faults[:SHOWN]:
-        lines.append(f"    line {fault.line}: {fault.column + ': ' if fault.column else ''}{fault.message}")
+        lines.append(
+            f"    line {fault.line}: {fault.column + ': ' if fault.column else ''}{fault.message}"
+        )
     if len(recording.faults) > SHOWN:
         lines.append(f"    and {len(recording.faults) - SHOWN} more")
     return "\n".join([*lines, *(f"  notice: {text}" for text in recording.notices)])
@@ -220,7 +286,11 @@ def _kind(recording: Recording) -> str:
     if recording.kind != "targets":
         return recording.kind
     parts = {k: v for k, v in recording.sensitive.items() if v}
-    vector = next(iter(parts)) if list(parts.values()) == [1.0] else ", ".join(f"{k} {v:.6g}" for k, v in parts.items())
+    vector = (
+        next(iter(parts))
+        if list(parts.values()) == [1.0]
+        else ", ".join(f"{k} {v:.6g}" for k, v in parts.items())
+    )
     name = recording.head.get("component", "")
     what = f"{name}, {recording.quantity}" if name else recording.quantity
     return f"targets: {what} {'about' if recording.quantity == 'angle' else 'along'} {vector}"
@@ -230,7 +300,9 @@ def _targets(recording: Recording) -> list[tuple[str, str]]:
     """Axes, targets, runs with their directions, and readings."""
     rows = []
     named = str(recording.head.get("component", ""))[-1:]
-    moving = [x for x in recording.axes if np.ptp(recording.position(x)) > 0 or x == named] or list(recording.axes[:1])
+    moving = [x for x in recording.axes if np.ptp(recording.position(x)) > 0 or x == named] or list(
+        recording.axes[:1]
+    )
     for letter in recording.axes:
         at, unit = recording.position(letter), "mm" if letter in "XYZ" else "deg"
         rows.append(
@@ -243,8 +315,12 @@ def _targets(recording: Recording) -> list[tuple[str, str]]:
         )
     if "run" in recording.columns:
         run = recording.columns["run"]
-        ways = {sign: _runs(run[recording.approach(named or moving[0]) == sign]) for sign in (1, -1, 0)}
-        text = "; ".join(f"{'+' if s > 0 else '-' if s < 0 else '?'} {r}" for s, r in ways.items() if r)
+        ways = {
+            sign: _runs(run[recording.approach(named or moving[0]) == sign]) for sign in (1, -1, 0)
+        }
+        text = "; ".join(
+            f"{'+' if s > 0 else '-' if s < 0 else '?'} {r}" for s, r in ways.items() if r
+        )
         rows.append(("runs", f"{len(np.unique(run))} ({text})"))
     rows.append(("readings", _reading(recording)))
     return rows
@@ -263,7 +339,11 @@ def _reading(recording: Recording) -> str:
     """How many, from where to where, and whether a machine has that."""
     value = recording.reading / recording.unit
     base = "urad" if recording.quantity == "angle" else "um"
-    odd = units.outside(float(np.ptp(value)), "angle" if base == "urad" else "length") if len(value) > 1 else None
+    odd = (
+        units.outside(float(np.ptp(value)), "angle" if base == "urad" else "length")
+        if len(value) > 1
+        else None
+    )
     said = recording.head.get("unit_in_file", "")
     file = f" (in {said} in the file)" if said and said != base else ""
     told = any(text.startswith("the readings range over") for text in recording.notices)
@@ -280,7 +360,8 @@ def _write(found: list[Recording], path: str, files: list[str]) -> str:
     if len(found) != 1:
         what = ", ".join(str(r.head.get("component", r.kind)) for r in found)
         raise UsageError(
-            f"--as writes one recording, and here are {len(found)}: {what}", "--component, or one file at a time"
+            f"--as writes one recording, and here are {len(found)}: {what}",
+            "--component, or one file at a time",
         )
     if any(Path(path).resolve() == Path(f).resolve() for f in files):
         raise UsageError(f"--as {path} is the file that is read", "another name")
@@ -307,12 +388,15 @@ def _pairs(option: str, given: list[str]) -> dict[str, str]:
 def _toml(key: str, value: str) -> Any:
     """A value of the head; a bare word is itself."""
     if key in ("format", "kind", "quantity", "sensitive", "component"):
-        raise UsageError(f"--head {key} is not for you to say", "--component says what was measured")
+        raise UsageError(
+            f"--head {key} is not for you to say", "--component says what was measured"
+        )
     try:
         return tomllib.loads(f"x = {value}")["x"]
     except tomllib.TOMLDecodeError:
         if any(c in value for c in "{}[]\"'="):
             raise UsageError(
-                f"--head {key}={value} is not TOML", "like u_um=0.2 or 'centre={ X = 400.0, Y = 300.0 }'"
+                f"--head {key}={value} is not TOML",
+                "like u_um=0.2 or 'centre={ X = 400.0, Y = 300.0 }'",
             ) from None
         return value

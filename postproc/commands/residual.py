@@ -24,25 +24,40 @@ NOTE = "What the control takes out by itself: the map was measured without it, a
 ALIKE = 0.01 * UM  # a nanometre of rounding in either direction, of several tables
 
 
-Held = tuple[list[tuple[dict[str, Any], list[ErrorTable]]], list[str]]  # sections and what they hold; means
+Held = tuple[
+    list[tuple[dict[str, Any], list[ErrorTable]]], list[str]
+]  # sections and what they hold; means
 
 
-def held(control: str, machine: Machine, export: Export, told: ExportOptions, tables: list[ErrorTable]) -> Held:
+def held(
+    control: str, machine: Machine, export: Export, told: ExportOptions, tables: list[ErrorTable]
+) -> Held:
     """What the files hold. Raises UsageError where they do not read back, before anything is written."""
     if machine.control_tables:
         raise UsageError(
-            f"{machine.name} states tables of its control already", "export from the machine without [[control_table]]"
+            f"{machine.name} states tables of its control already",
+            "export from the machine without [[control_table]]",
         )
     sections = _sections(control, export, told, machine)
     return sections, _compare(control, sections, export, tables)
 
 
-def write(control: str, machine: Machine, folder: str, target: Path, export: Export, found: Held, force: bool) -> str:
+def write(
+    control: str,
+    machine: Machine,
+    folder: str,
+    target: Path,
+    export: Export,
+    found: Held,
+    force: bool,
+) -> str:
     """Writes the folder; returns what it is, for a person. Raises UsageError for a file that has its name already."""
     sections, means = found
 
     def change(toml: str) -> str:
-        return edit.with_sections(toml, target.name, "control_table", [(section, "") for section, _ in sections], NOTE)
+        return edit.with_sections(
+            toml, target.name, "control_table", [(section, "") for section, _ in sections], NOTE
+        )
 
     files = {section["file"]: export.files[section["file"]] for section, _ in sections}
     taken = [n for n in files if (places.folder_of(folder) / n).exists()]
@@ -59,7 +74,9 @@ def write(control: str, machine: Machine, folder: str, target: Path, export: Exp
 def _sections(control: str, export: Export, told: ExportOptions, machine: Machine) -> list[tuple[dict[str, Any], list[ErrorTable]]]:  # fmt: skip
     """A section for each file that is a table, and what it holds."""
     module = control_tables.load(control)
-    more = {k: v for k, v in told.extra.items() if k not in ("template", "settings", "settings_name")}
+    more = {
+        k: v for k, v in told.extra.items() if k not in ("template", "settings", "settings_name")
+    }
     found = []
     for name, data in export.files.items():
         for axis in ("", *machine.letters):
@@ -69,7 +86,12 @@ def _sections(control: str, export: Export, told: ExportOptions, machine: Machin
             except GcompError:
                 continue
             kept = {k: v for k, v in more.items() if k != "axes" or control == "fanuc"}
-            section: dict[str, Any] = {"control": control, "file": name, "measured": "off", "active": True}
+            section: dict[str, Any] = {
+                "control": control,
+                "file": name,
+                "measured": "off",
+                "active": True,
+            }
             section |= ({"axis": axis} if axis else {}) | ({"set": kept} if kept else {})
             found.append((section, read))
             break

@@ -33,7 +33,15 @@ from postproc.recordings import AXES, ReadingOptions, Recording
 
 FORMAT = "gcomp-measurement/1"
 TOP = {"format", "title", "date", "operator", "options", "all", "file"}
-WORDS = {"format", "axis", "component", "unit", "layout", "sheet", "machine"}  # texts, as the options of that name
+WORDS = {
+    "format",
+    "axis",
+    "component",
+    "unit",
+    "layout",
+    "sheet",
+    "machine",
+}  # texts, as the options of that name
 TABLES = {"column", "set", "head", "others", "temperature"}
 KEYS = {*WORDS, *TABLES, "bidirectional", "first", "lenient", "sign"}
 
@@ -59,7 +67,11 @@ class Entry:
         moved = [x for x in recording.axes if np.ptp(recording.position(x)) > 0]
         if recording.kind == "targets":
             for x, at in self.others.items():
-                if x in recording.axes and x in self.own and (x in moved or abs(recording.position(x)[0] - at) > 1e-6):
+                if (
+                    x in recording.axes
+                    and x in self.own
+                    and (x in moved or abs(recording.position(x)[0] - at) > 1e-6)
+                ):
                     raise UsageError(
                         f"{self.session} says that {x} stood at {at:g} while {recording.file} was recorded, "
                         f"and the file says that it {'moved' if x in moved else f'stood at {recording.position(x)[0]:g}'}",
@@ -73,7 +85,10 @@ class Entry:
         if self.sign < 0:
             name = next((c for c in columns if c.startswith(("reading_", "radial_"))), "")
             if not name:
-                raise UsageError(f"{self.session}: sign = -1 of {recording.file}, which has no readings", "take it out")
+                raise UsageError(
+                    f"{self.session}: sign = -1 of {recording.file}, which has no readings",
+                    "take it out",
+                )
             columns[name] = -columns[name]
             notices.append("the readings' sign is turned, as the session says")
         return replace(recording, columns=columns, notices=tuple(notices))
@@ -93,13 +108,18 @@ def entries(path: str, base: ReadingOptions, format: str) -> list[Entry]:
     toml.check_keys("all", everywhere, KEYS - {"component", "axis", "sheet", "sign"})
     files = toml.data.get("file", [])
     if not isinstance(files, list) or not files or not all(isinstance(f, dict) for f in files):
-        raise toml.fault("", "file", "no files are named", 'sections [[file]], each with name = "x.rtl"')
+        raise toml.fault(
+            "", "file", "no files are named", 'sections [[file]], each with name = "x.rtl"'
+        )
     return [_entry(toml, everywhere, one, i, base, format) for i, one in enumerate(files)]
 
 
 def _opened(path: str) -> TomlFile:
     if not Path(path).is_file():
-        raise UsageError(f"there is no file {path}", "gcomp recordings FILES --session FILE.toml writes a first one")
+        raise UsageError(
+            f"there is no file {path}",
+            "gcomp recordings FILES --session FILE.toml writes a first one",
+        )
     toml = TomlFile(Path(path))
     if toml.data.get("format") != FORMAT:
         raise toml.fault("", "format", f"format = {toml.data.get('format')!r}: no session of a measurement", f'format = "{FORMAT}"')  # fmt: skip
@@ -107,19 +127,32 @@ def _opened(path: str) -> TomlFile:
     return toml
 
 
-def _entry(toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str) -> Entry:
+def _entry(
+    toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str
+) -> Entry:
     toml.check_keys("file", one, KEYS | {"name"}, i)
     name = toml.string("file", one, "name", index=i)
     path = toml.path.parent / name
     if not path.is_file():
-        raise toml.fault("file", "name", f"there is no file {path}", "names are beside the session", i)
+        raise toml.fault(
+            "file", "name", f"there is no file {path}", "names are beside the session", i
+        )
 
     def said(key: str, default: Any) -> Any:
         where, data, index = ("file", one, i) if key in one else ("all", everywhere, 0)
         value = data.get(key, default)
-        kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(key, dict if key in TABLES else str)
-        if key in data and (not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)):
-            words = {bool: "true or false", dict: "a table like { X = 1.0 }", str: "a text", int: "1 or -1"}
+        kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(
+            key, dict if key in TABLES else str
+        )
+        if key in data and (
+            not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)
+        ):
+            words = {
+                bool: "true or false",
+                dict: "a table like { X = 1.0 }",
+                str: "a text",
+                int: "1 or -1",
+            }
             raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
         return value
 
@@ -127,14 +160,19 @@ def _entry(toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOpt
         both = {**everywhere.get(key, {}), **one.get(key, {})} if said(key, {}) is not None else {}
         return {x: toml.number("file", both, x, at=key, index=i) for x in both}
 
-    others, moved = numbers("others"), said("component", base.component)[-1:] or said("axis", base.axis)
+    others, moved = (
+        numbers("others"),
+        said("component", base.component)[-1:] or said("axis", base.axis),
+    )
     for x in others:
         if x not in AXES:
             raise toml.fault("file" if x in one.get("others", {}) else "all", "others", f"others names {x!r}, which is no axis", index=i)  # fmt: skip
     sign, first = said("sign", 1), said("first", "")
     if sign not in (1, -1) or first not in ("", "+", "-"):
         key = "sign" if sign not in (1, -1) else "first"
-        raise toml.fault("file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i)
+        raise toml.fault(
+            "file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i
+        )
     options = replace(
         base, axis=said("axis", base.axis), component=said("component", base.component), unit=said("unit", base.unit),
         bidirectional=said("bidirectional", base.bidirectional), first={"+": 1, "-": -1, "": base.first}[first],
@@ -155,10 +193,15 @@ class _Words(argparse.ArgumentParser):
     session = ""
 
     def error(self, message: str) -> NoReturn:
-        raise UsageError(f"{self.session}: [options]: {message}", "keys are the options of gcomp calibrate without --")
+        raise UsageError(
+            f"{self.session}: [options]: {message}",
+            "keys are the options of gcomp calibrate without --",
+        )
 
 
-def merged(options: argparse.Namespace, arguments: Callable[[argparse.ArgumentParser], None]) -> argparse.Namespace:
+def merged(
+    options: argparse.Namespace, arguments: Callable[[argparse.ArgumentParser], None]
+) -> argparse.Namespace:
     """The options of a command with those of the session that it names; what the command line says goes first.
 
     Raises UsageError where two sessions are named, or an option is none of the command's.
@@ -207,10 +250,16 @@ def first_one(found: list[tuple[str, list[Recording], str]], folder: Path) -> st
     for name, recordings, fault in found:
         lines += ["", "[[file]]", f"name = {json.dumps(_beside(name, folder), ensure_ascii=False)}"]
         if fault:
-            lines += [f"# can not be read yet: {line.strip()}" for line in fault.splitlines() if line.strip()]
+            lines += [
+                f"# can not be read yet: {line.strip()}"
+                for line in fault.splitlines()
+                if line.strip()
+            ]
             lines += ['# component = "EXX"', '# unit = "um"']
         elif len(recordings) > 1:
-            lines.append(f"# holds {', '.join(str(r.head.get('component', r.kind)) for r in recordings)}")
+            lines.append(
+                f"# holds {', '.join(str(r.head.get('component', r.kind)) for r in recordings)}"
+            )
         else:
             lines += _of(recordings[0])
     return "\n".join(lines) + "\n"
@@ -223,7 +272,10 @@ def _of(recording: Recording) -> list[str]:
     lines = [f'component = "{component}"'] if component else []
     moved = " ".join(x for x in recording.axes if np.ptp(recording.position(x)) > 0)
     vector = " ".join(x for x, v in recording.sensitive.items() if v)
-    values, unit = recording.reading / recording.unit, "urad" if recording.quantity == "angle" else "um"
+    values, unit = (
+        recording.reading / recording.unit,
+        "urad" if recording.quantity == "angle" else "um",
+    )
     along = "about" if recording.quantity == "angle" else "along"
     lines.append(
         f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)} readings, "
@@ -231,9 +283,13 @@ def _of(recording: Recording) -> list[str]:
     )
     if recording.head.get("unit_in_file"):
         lines.append(f'unit = "{recording.head["unit_in_file"]}"')
-    still = {x: recording.position(x)[0] for x in recording.axes if np.ptp(recording.position(x)) == 0}
+    still = {
+        x: recording.position(x)[0] for x in recording.axes if np.ptp(recording.position(x)) == 0
+    }
     if not still:
-        lines.append("# others = { ... }                 # mm, where the other axes stood, if not as in [all]")
+        lines.append(
+            "# others = { ... }                 # mm, where the other axes stood, if not as in [all]"
+        )
     return lines + [f"# {text}" for text in recording.notices if "other axes" not in text]
 
 

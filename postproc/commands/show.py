@@ -18,19 +18,33 @@ EXAMPLE = "gcomp show part.nc --machine studer-s36"
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading.arguments(parser)
-    parser.add_argument("-o", "--output", metavar="FILE.html", help="write the page there, and open nothing")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE.html", help="write the page there, and open nothing"
+    )
     parser.add_argument("--quiet", action="store_true", help="do not say where the page is")
-    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; standard input if missing")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     from postproc.pages import program
 
-    options.verify, options.in_place, options.unbuffered, options.filter_progress = True, False, False, False
+    options.verify, options.in_place, options.unbuffered, options.filter_progress = (
+        True,
+        False,
+        False,
+        False,
+    )
     options.report = options.output or "browser"
     machine = reading.machine_of(options)
-    with ports.opened(options.file) as (source, name, size), compensate.progress(size, options) as step:
-        done = attempts.best(options, machine, ports.Kept(source, expansion.LARGEST), name, ports.head(source), step)
+    with (
+        ports.opened(options.file) as (source, name, size),
+        compensate.progress(size, options) as step,
+    ):
+        done = attempts.best(
+            options, machine, ports.Kept(source, expansion.LARGEST), name, ports.head(source), step
+        )
     done.spool.close()
     assert done.verifier is not None
     data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
@@ -44,5 +58,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _place(name: str) -> Path:
     """A file that stays, for the browser reads it when gcomp has ended."""
-    stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in Path(name).name).strip("-") or "program"
+    stem = (
+        "".join(c if c.isalnum() or c in "-_" else "-" for c in Path(name).name).strip("-")
+        or "program"
+    )
     return Path(tempfile.mkdtemp(prefix="gcomp-")) / f"{stem}.html"

@@ -27,15 +27,23 @@ def length(text: str) -> float:
         value = math.nan
     if not math.isfinite(value) or found is None:
         hint = (
-            f"; write {plain.replace(',', '.')}" if LENGTH.fullmatch(plain.replace(",", ".")) and "," in plain else ""
+            f"; write {plain.replace(',', '.')}"
+            if LENGTH.fullmatch(plain.replace(",", ".")) and "," in plain
+            else ""
         )
         raise argparse.ArgumentTypeError(f"{text!r} is not a length like 0.5um or 0.001mm{hint}")
     if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not above zero; a length is like 0.5um or 0.001mm")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not above zero; a length is like 0.5um or 0.001mm"
+        )
     if value > 0.1 and not found[2]:
-        raise argparse.ArgumentTypeError(f"{text!r} without a unit is mm; write {plain}um or {plain}mm")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} without a unit is mm; write {plain}um or {plain}mm"
+        )
     if value > LONGEST:
-        raise argparse.ArgumentTypeError(f"{text!r} is over {LONGEST:g} mm: is that meant in um? write {found[1]}um")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is over {LONGEST:g} mm: is that meant in um? write {found[1]}um"
+        )
     return value
 
 
@@ -45,7 +53,9 @@ def tolerance(text: str) -> float:
     if value > COARSEST:
         number = re.match(r"[-+0-9.e]+", text.strip())
         meant = f"; write {number[0]}um" if number else ""
-        raise argparse.ArgumentTypeError(f"{text!r} is over {COARSEST:g} mm: is that meant in um?{meant}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is over {COARSEST:g} mm: is that meant in um?{meant}"
+        )
     return value
 
 
@@ -70,7 +80,9 @@ def offset(text: str) -> tuple[str, dict[str, float]]:
     if not equals or not rest.strip():
         raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: after the name comes =, then axes")
     if known is None:
-        raise argparse.ArgumentTypeError(f"{text!r} {OFFSET}: there is no {name.strip()!r}, but {KNOWN_NAMES}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} {OFFSET}: there is no {name.strip()!r}, but {KNOWN_NAMES}"
+        )
     letters = {"D": "XYZABCUVWR", "T": "XYZABCUVWRQ"}.get(known[0], "XYZABCUVW")
     return known, _words(text, rest, letters, OFFSET)
 
@@ -81,7 +93,9 @@ def temperatures(text: str) -> dict[str, float]:
     for part in text.split(","):
         found = re.fullmatch(r"\s*([XYZ]|work)\s*=?\s*([-+]?[0-9]+\.?[0-9]*)\s*C?\s*", part)
         if not found or not -30 <= float(found[2]) <= 90:
-            raise argparse.ArgumentTypeError(f"{text!r} is not like Z=24.1,work=21 (degrees Celsius): {part.strip()!r}")
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not like Z=24.1,work=21 (degrees Celsius): {part.strip()!r}"
+            )
         result[found[1]] = float(found[2])
     return result
 
@@ -139,6 +153,8 @@ def _words(whole: str, text: str, letters: str, wanted: str) -> dict[str, float]
         if found[1] in result:
             raise argparse.ArgumentTypeError(f"{whole!r} {wanted}: {found[1]} stands twice")
         if abs(float(found[2])) > LARGEST_WORD_MM:
-            raise argparse.ArgumentTypeError(f"{whole[:60]!r} {wanted}: no machine reaches that far")
+            raise argparse.ArgumentTypeError(
+                f"{whole[:60]!r} {wanted}: no machine reaches that far"
+            )
         result[found[1]] = float(found[2])
     return result

@@ -18,7 +18,10 @@ from postproc.machine.model import Machine
 
 HELP = "make a machine folder of readings all over the volume: a laser tracker's points, lengths, diagonals, spheres"
 EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
-MOST_NODES, EVEN = 15, 11  # places of an axis that are nodes as they are; nodes where there are more of them
+MOST_NODES, EVEN = (
+    15,
+    11,
+)  # places of an axis that are nodes as they are; nodes where there are more of them
 LARGEST = 1 << 28
 SHARE = 0.1  # of the readings of either direction, so that lost motion is told
 
@@ -34,11 +37,24 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MACHINE",
         help="the machine that was measured: its chain, axes, travels, control",
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="the machine folder to write; without it nothing is")
-    parser.add_argument("--force", action="store_true", help="write over a machine folder; the old one stays as .bak")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        help="the machine folder to write; without it nothing is",
+    )
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="write over a machine folder; the old one stays as .bak",
+    )
     as_json.argument(parser, "gcomp-volumetric/1")
     parser.add_argument(
-        "--zero", metavar="NAME,...", action="append", default=[], help="errors that are taken as zero, like EYX,C0Y"
+        "--zero",
+        metavar="NAME,...",
+        action="append",
+        default=[],
+        help="errors that are taken as zero, like EYX,C0Y",
     )
     parser.add_argument("--nodes", metavar="N", type=int, help="nodes of each axis (default: the places that were read, 11 where they are more than 15)")  # fmt: skip
     reading_arguments(parser)
@@ -56,7 +72,9 @@ def run(options: argparse.Namespace) -> int:
     read = read_files(options.recordings, options.format, reading_options(options))
     bare = written.without_errors(machine)
     rows = [part for r in read for part in rows_of(r, bare, dict(options.others))]
-    turned = any(np.ptp(r.q[machine.letters.index(x)]) > 1e-3 for r in rows for x in machine.chain.rotary)
+    turned = any(
+        np.ptp(r.q[machine.letters.index(x)]) > 1e-3 for r in rows for x in machine.chain.rotary
+    )
     if turned:
         _of_slides_only([r.kind for r in rows])
         every = locations(machine, frozenset())
@@ -69,7 +87,9 @@ def run(options: argparse.Namespace) -> int:
     names = [g.name for g in every]
     for name in sorted(zero):
         if name not in names:
-            raise UsageError(f"--zero {name}: there is no such error here", f"errors: {', '.join(names)}")
+            raise UsageError(
+                f"--zero {name}: there is no such error here", f"errors: {', '.join(names)}"
+            )
     fit = solve.fit(rows, Unknowns(tuple(groups), bare, known))
     tool = rows[0].tool
     told = as_json.beside(options.json)
@@ -85,7 +105,10 @@ def run(options: argparse.Namespace) -> int:
         else:
             texts = written.folder(fit, like, head, tool, files)
         backup = write_folder(Path(options.output), texts, options.force)
-        print(f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""), file=told)
+        print(
+            f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""),
+            file=told,
+        )
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
     as_json.put(options.json, written.as_json(fit))

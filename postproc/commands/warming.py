@@ -25,10 +25,14 @@ SAYS_HOW = (
 GAP = 600.0  # s between two rows: a screw's temperature changes by half within ten minutes at work
 
 
-def of(options: argparse.Namespace, machine: Machine, dialect: Dialect, notices: list[Notice]) -> tuple[Machine, Heat]:
+def of(
+    options: argparse.Namespace, machine: Machine, dialect: Dialect, notices: list[Notice]
+) -> tuple[Machine, Heat]:
     """The machine that grows, and what it meets along a program. Raises UsageError, and LogError with file and line."""
     if options.temperature:
-        raise UsageError("--temperature and --temperatures both say how warm it is", "leave one out")
+        raise UsageError(
+            "--temperature and --temperatures both say how warm it is", "leave one out"
+        )
     if machine.chain.rotary:
         raise UsageError(
             f"--temperatures: heat over time is followed on machines with linear axes, and {machine.name} turns {', '.join(machine.chain.rotary)}",
@@ -48,13 +52,19 @@ def of(options: argparse.Namespace, machine: Machine, dialect: Dialect, notices:
             SAYS_HOW,
         )
     log.check(read, [d.column for d in found if d.column])
-    begin = float(read.time[-1 if live else 0]) if options.log_begin is None else read.moment(options.log_begin)
+    begin = (
+        float(read.time[-1 if live else 0])
+        if options.log_begin is None
+        else read.moment(options.log_begin)
+    )
     if not read.time[0] <= begin <= read.time[-1]:
         raise UsageError(
             f"--log-begin {options.log_begin}: the log {name} goes from {read.time[0]:g} s to {read.time[-1]:g} s",
             "a time within it",
         )
-    tolerance = options.tolerance or max(max(a.least_increment for a in machine.axes.values()), 0.0005)
+    tolerance = options.tolerance or max(
+        max(a.least_increment for a in machine.axes.values()), 0.0005
+    )
     if live:
         read = log.Newest(read, _fresh(name, read))
     heat = Heat(
@@ -78,7 +88,10 @@ def _fresh(name: str, first: log.Log) -> Callable[[], log.Log]:
         size = Path(name).stat().st_size
         if size != held[1]:
             data = ports.read_whole(Path(name), LARGEST)
-            held[:] = [log.read(name, data[: data.rfind(b"\n") + 1]), size]  # the last row may be half written
+            held[:] = [
+                log.read(name, data[: data.rfind(b"\n") + 1]),
+                size,
+            ]  # the last row may be half written
         assert isinstance(held[0], log.Log)
         return held[0]
 
@@ -93,7 +106,11 @@ def _rates(options: argparse.Namespace, machine: Machine, dialect: Dialect) -> c
 
 def _notices(machine: Machine, heat: Heat, out: list[str]) -> list[Notice]:
     """What was taken for granted."""
-    by = "; ".join(dict.fromkeys(f"{d.name} by {d.column or 'the turns that the program names'}" for d in heat.drivers))
+    by = "; ".join(
+        dict.fromkeys(
+            f"{d.name} by {d.column or 'the turns that the program names'}" for d in heat.drivers
+        )
+    )
     found = [Notice("heat by", f"heat over time: {by}")]
     if out:
         found.append(Notice("heat left", f"heat over time: {'; '.join(out)}"))

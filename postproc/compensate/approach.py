@@ -56,7 +56,12 @@ def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
 
 
 def bear(
-    place: np.ndarray, band: np.ndarray, sense: np.ndarray, given: np.ndarray, stays: np.ndarray, carry: Sides
+    place: np.ndarray,
+    band: np.ndarray,
+    sense: np.ndarray,
+    given: np.ndarray,
+    stays: np.ndarray,
+    carry: Sides,
 ) -> tuple[np.ndarray, np.ndarray]:
     """(A, S) side and (A, S) state r behind each stroke.
 
@@ -77,10 +82,14 @@ def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.nda
     if not value.shape[1]:
         return value
     last = np.maximum.accumulate(np.where(given, np.arange(value.shape[1]), -1), axis=1)
-    return np.where(last >= 0, np.take_along_axis(value, np.maximum(last, 0), axis=1), carry[:, None])
+    return np.where(
+        last >= 0, np.take_along_axis(value, np.maximum(last, 0), axis=1), carry[:, None]
+    )
 
 
-def ramp(travel: np.ndarray, given: np.ndarray, value: np.ndarray, reach: np.ndarray, carry: np.ndarray) -> np.ndarray:
+def ramp(
+    travel: np.ndarray, given: np.ndarray, value: np.ndarray, reach: np.ndarray, carry: np.ndarray
+) -> np.ndarray:
     """(A, S) ticks of a ramp travelled behind each stroke, held within +-reach (A,).
 
     travel (A, S): ticks, signed, that count; given (A, S): where it is `value` (A, S) whatever was before; carry (A,).

@@ -28,7 +28,9 @@ def written_centre(motions: Motions) -> np.ndarray:
     """(2, n) ticks from the start of each arc to its centre, exactly as written where it was written as I J K."""
     arcs = motions.arcs
     k = np.arange(len(arcs))
-    start = np.stack([motions.start[np.maximum(axis, 0), arcs.motion[k]] for axis in (arcs.first, arcs.second)])
+    start = np.stack(
+        [motions.start[np.maximum(axis, 0), arcs.motion[k]] for axis in (arcs.first, arcs.second)]
+    )
     return np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
 
 
@@ -43,9 +45,15 @@ class Batch:
         self.notices: list[Notice] = []
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
-        self.free = self.known & ~motions.alone & ~self.places.idle  # motions whose end is corrected
-        self.jumped = motions.sent & motions.start_known  # (A, N) G28 has taken the axis elsewhere meanwhile
-        self.bottom = np.zeros(len(motions), np.int64)  # (N,) ticks commanded at the bottom of a hole
+        self.free = (
+            self.known & ~motions.alone & ~self.places.idle
+        )  # motions whose end is corrected
+        self.jumped = (
+            motions.sent & motions.start_known
+        )  # (A, N) G28 has taken the axis elsewhere meanwhile
+        self.bottom = np.zeros(
+            len(motions), np.int64
+        )  # (N,) ticks commanded at the bottom of a hole
 
     @cached_property
     def extremes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -93,13 +101,17 @@ class Batch:
         self.reached = self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
             self.reached = self.end_nominal.copy()
-            self.reached[m.holes.axis, self.hole] = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
+            self.reached[m.holes.axis, self.hole] = (
+                (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
+            )
         # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
         free = self.free[motion]
         self.sure_after = free & (m.code[motion] != HOLE)
-        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(axis=0)
+        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(
+            axis=0
+        )
         code = m.code[motion]
         # Strokes before which lost motion may be taken up.
         self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
@@ -139,7 +151,9 @@ class Batch:
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():
-            result[:, on_arc] = points(m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc])
+            result[:, on_arc] = points(
+                m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc]
+            )
         return result
 
     def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
@@ -153,7 +167,9 @@ class Batch:
         moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
         return np.where(ramped[:, None], moved, begin)
 
-    def needed(self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def needed(
+        self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray
+    ) -> np.ndarray:
         """(A, K) mm: exact commands at t (of the motion) along strokes.
 
         In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block. In mode step an
@@ -177,7 +193,9 @@ class Batch:
             exact[row] = np.where(self.m.cutter[self.motion[stroke]] == FREE, held, exact[row])
         return exact
 
-    def command(self, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    def command(
+        self, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray
+    ) -> np.ndarray:
         """(A, K) mm: commands at t along strokes, the map read where the tool's centre is."""
         if not self.reads_beside:
             return command(self.machine, nominal, weight, self.motion[stroke])
@@ -237,7 +255,12 @@ class Batch:
         self.wanted = np.zeros_like(self.end)
         which = self.turning.nonzero()[0]
         if len(which):
-            exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], motion[which])
+            exact = command(
+                self.machine,
+                self.begin_nominal[:, which],
+                self.weight_begin[:, which],
+                motion[which],
+            )
             self.wanted[:, which] = self.grid(which, exact)
         self.wanted[self.fixed] = self.before[self.fixed]
         self.wanted = np.where(self.told, self.wanted, self.before)
@@ -255,7 +278,9 @@ class Batch:
         code = self.m.code[self.motion]
         # In a rapid the axes that rest may be left beside their places by all of the tolerance together.
         resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
-        self.hold = np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
+        self.hold = (
+            np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
+        )
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         self.bound &= not self.tip
@@ -290,16 +315,28 @@ class Batch:
         jumped = self.jumps[row, still]
         before = np.where(jumped, self.m.start[row, self.motion[still]], before).tolist()
         value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
-        hold, stays, moved = self.hold[still].tolist(), self.left[row, still].tolist(), jumped.tolist()
+        hold, stays, moved = (
+            self.hold[still].tolist(),
+            self.left[row, still].tolist(),
+            jumped.tolist(),
+        )
         wanted, enough = self.wanted[row, still].tolist(), self.enough[row, still].tolist()
-        wanted = [w if t else None for w, t in zip(wanted, self.turning[still].tolist(), strict=True)]
+        wanted = [
+            w if t else None for w, t in zip(wanted, self.turning[still].tolist(), strict=True)
+        ]
         side = (self.bound[row, still] * self.weight_begin[row, still]).tolist()
-        most = self.leash[row, still].tolist() if self.leash is not None else [cutter.FREELY] * len(value)
+        most = (
+            self.leash[row, still].tolist()
+            if self.leash is not None
+            else [cutter.FREELY] * len(value)
+        )
         way, last = self.travel[row, still].tolist(), -2
         for k, i in enumerate(still.tolist()):
             here = value[k - 1] if i == last + 1 and not moved[k] else before[k]
             to = wanted[k]
-            if most[k] < cutter.FREELY and not stays[k]:  # by how much its correction may change along the stroke
+            if (
+                most[k] < cutter.FREELY and not stays[k]
+            ):  # by how much its correction may change along the stroke
                 value[k] = here + way[k] + min(max(value[k] - here - way[k], -most[k]), most[k])
                 last = i
                 continue
@@ -321,8 +358,14 @@ class Batch:
         cutting = self.cutting & self.known_before
         play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
         rests = (self.travel[rows] == 0) & cutting
-        sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(np.int64)
-        ways = [np.sign(self.begin - self.before)[rows], sides, np.sign(self.end - self.begin)[rows]]
+        sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(
+            np.int64
+        )
+        ways = [
+            np.sign(self.begin - self.before)[rows],
+            sides,
+            np.sign(self.end - self.begin)[rows],
+        ]
         course = np.stack(ways, axis=2).reshape(len(rows), -1)
         course = hold_last(course, course != 0, self.carry.way[rows])
         out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & cutting)
@@ -347,6 +390,11 @@ class Batch:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""
         if self.c.mode == "off":
             which = (self.known_before & self.free[self.motion]).nonzero()[0]
-            exact = command(self.machine, self.begin_nominal[:, which], self.weight_begin[:, which], self.motion[which])
+            exact = command(
+                self.machine,
+                self.begin_nominal[:, which],
+                self.weight_begin[:, which],
+                self.motion[which],
+            )
             self.differs = np.zeros_like(self.exact)
             self.differs[:, which] = self.begin[:, which] / TICKS_PER_MM - exact

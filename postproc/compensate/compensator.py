@@ -78,12 +78,21 @@ class Compensator:
     """A machine and the options, ready to correct batches. Holds no state."""
 
     def __init__(self, machine: Machine, options: Options = Options()):
-        if options.outside and options.outside != machine.limits.outside:  # what can be reached, and so every bound
+        if (
+            options.outside and options.outside != machine.limits.outside
+        ):  # what can be reached, and so every bound
             machine = replace(machine, limits=replace(machine.limits, outside=options.outside))
         self.machine, self.options = machine, options
         least = [axis.least_increment for axis in machine.axes.values()]
-        rounding = np.array([a.least_increment / (2 if x in machine.diameter else 1) for x, a in machine.axes.items()])
-        self.tolerance = options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
+        rounding = np.array(
+            [
+                a.least_increment / (2 if x in machine.diameter else 1)
+                for x, a in machine.axes.items()
+            ]
+        )
+        self.tolerance = (
+            options.tolerance if options.tolerance is not None else max(max(least), 0.0005)
+        )
         asked = options.hole_tolerance if options.hole_tolerance is not None else HOLE_TOLERANCE
         self.hole_tolerance = max(asked, self.tolerance)
         self.straightness = self.hole_tolerance if options.hole_tolerance is None else asked
@@ -105,14 +114,18 @@ class Compensator:
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
         self.hold, self.inner = self.chord / 2, inner
         self.by_tool: dict[tuple[Space | None, tuple[int, ...], tuple[int, ...]], Compensator] = {}
-        self.hysteresis = machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
+        self.hysteresis = (
+            machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
+        )
         self._directions()
 
     def _directions(self) -> None:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes that never turn back
         within a stroke but by a take-up."""
         m = self.machine
-        if isinstance(m, tip.TipMachine):  # sides by the slides' own way, block by block (sides.of_slides)
+        if isinstance(
+            m, tip.TipMachine
+        ):  # sides by the slides' own way, block by block (sides.of_slides)
             self.mode = "step" if self.mode in ("step", "ramp") else "mean"
         self.follows = self.mode != "mean"
         slides = np.array([x in XYZ for x in m.letters]) & m.two_way
@@ -125,7 +138,11 @@ class Compensator:
         self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
         self.reach[~slides] = 0
         self.overshoots = slides & (m.least_play < -self.chord)
-        self.followed = np.flatnonzero(slides & (self.reach == 0)) if self.mode == "step" else np.zeros(0, np.int64)
+        self.followed = (
+            np.flatnonzero(slides & (self.reach == 0))
+            if self.mode == "step"
+            else np.zeros(0, np.int64)
+        )
         if isinstance(m, tip.TipMachine):
             self.overshoots, self.followed = np.zeros_like(slides), self.followed[:0]
 
@@ -157,8 +174,14 @@ class Compensator:
 
     def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The same where tools have lengths: every run of motions on the machine with its own tool, in its own space."""
-        both = np.concatenate([motions.length, motions.space[None], *([motions.heat] if len(motions.heat) else [])])
-        edges = [0, *(np.flatnonzero((both[:, 1:] != both[:, :-1]).any(axis=0)) + 1).tolist(), len(motions)]
+        both = np.concatenate(
+            [motions.length, motions.space[None], *([motions.heat] if len(motions.heat) else [])]
+        )
+        edges = [
+            0,
+            *(np.flatnonzero((both[:, 1:] != both[:, :-1]).any(axis=0)) + 1).tolist(),
+            len(motions),
+        ]
         parts, notices = [], []
         for first, stop in pairwise(edges):
             one = motions.part(first, stop)
@@ -166,7 +189,9 @@ class Compensator:
             heat = tuple(one.heat[:, 0].tolist()) if len(one.heat) else ()
             try:
                 carry = self._retold(carry, space, length)
-                if carry.heat != heat:  # where the machine stands is no longer what the nominal position needs
+                if (
+                    carry.heat != heat
+                ):  # where the machine stands is no longer what the nominal position needs
                     carry = replace(carry, heat=heat, sure=False)
                 pieces, carry, more = self._of_tool(length, space, heat)._run(one, carry)
             except MotionFault as fault:
@@ -176,7 +201,11 @@ class Compensator:
                 raise MotionFault(first, fault.message, fault.advice) from None
             arcs = int(np.searchsorted(motions.arcs.motion, first))
             parts.append(
-                replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
+                replace(
+                    pieces,
+                    motion=pieces.motion + first,
+                    arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
+                )
             )
             notices += [replace(n, line=n.line + first) for n in more]
         return joined(parts), carry, notices
@@ -195,15 +224,21 @@ class Compensator:
         issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
         return replace(carry, issued=issued, told=told, way=np.zeros_like(carry.way), sure=False)
 
-    def _of_tool(self, length: np.ndarray, space: Space | None = None, heat: tuple[int, ...] = ()) -> Compensator:
+    def _of_tool(
+        self, length: np.ndarray, space: Space | None = None, heat: tuple[int, ...] = ()
+    ) -> Compensator:
         """The machine with a tool of this `length` (A,), ticks, in a space, as warm as these whole steps (D,) say."""
         key = (space, tuple(length.tolist()), heat)
         if key not in self.by_tool:
             machine = self.machine
             if machine.growth:
-                values = np.array(heat or (0,) * len(machine.growth)) * np.array(self.options.heat_step)
+                values = np.array(heat or (0,) * len(machine.growth)) * np.array(
+                    self.options.heat_step
+                )
                 machine = growth.grown(machine, machine.growth, values)
-            machine = tip.seen_by_tip(machine, length / TICKS_PER_MM, space, self.options.orientation)
+            machine = tip.seen_by_tip(
+                machine, length / TICKS_PER_MM, space, self.options.orientation
+            )
             while len(self.by_tool) >= MOST_KEPT:  # heat does not come back: memory stays flat
                 del self.by_tool[next(iter(self.by_tool))]
             self.by_tool[key] = Compensator(machine, self.options)
@@ -245,7 +280,11 @@ class Compensator:
             pieces, carry, more = self._finished(b, carry)
             arcs = int(np.searchsorted(motions.arcs.motion, first))
             parts.append(
-                replace(pieces, motion=pieces.motion + first, arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1))
+                replace(
+                    pieces,
+                    motion=pieces.motion + first,
+                    arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
+                )
             )
             notices += [replace(n, line=n.line + first) for n in more]
             first, size = first + len(one), FEW if hit.any() else 2 * size

@@ -33,7 +33,20 @@ def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
     return np.rint(b.begin_nominal[:, which] * TICKS_PER_MM).astype(np.int64)
 
 
-def pack(b: Batch, stroke, order, code, start, end, share, nominal, take_up=False, arc=None, centre=None, radius=None):
+def pack(
+    b: Batch,
+    stroke,
+    order,
+    code,
+    start,
+    end,
+    share,
+    nominal,
+    take_up=False,
+    arc=None,
+    centre=None,
+    radius=None,
+):
     n = len(stroke)
     pieces = Pieces(
         motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
@@ -53,14 +66,27 @@ def straight_pieces(b: Batch):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
     may |= (code[straight] == THREAD) & ~m.whole[motion[straight]]
-    may &= b.free[motion[straight]] & b.known_before[straight] & (cutter.margin(b, motion[straight]) < np.inf)
+    may &= (
+        b.free[motion[straight]]
+        & b.known_before[straight]
+        & (cutter.margin(b, motion[straight]) < np.inf)
+    )
     chosen = straight[may]
     if not b.c.reach.any():
         begin, end = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
         chosen = chosen[nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")]
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
-        return pack(b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0, b.nominal_end)
+        return pack(
+            b,
+            straight,
+            np.zeros(len(straight), np.int64),
+            code,
+            b.begin,
+            b.end,
+            b.t1 - b.t0,
+            b.nominal_end,
+        )
     if not len(owner):
         return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
                          (b.t1 - b.t0)[straight], b.nominal_end[:, straight])  # fmt: skip
@@ -74,7 +100,9 @@ def straight_pieces(b: Batch):
     stroke[place_end], stroke[place_cut], time[place_cut] = straight, cut, t
     end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
     end[:, place_cut] = b.grid(cut, exact)
-    nominal[:, place_cut] = np.rint(b.nominal(motion[cut], _of_motion(b, cut, t)) * TICKS_PER_MM).astype(np.int64)
+    nominal[:, place_cut] = np.rint(
+        b.nominal(motion[cut], _of_motion(b, cut, t)) * TICKS_PER_MM
+    ).astype(np.int64)
     for row in b.fixed:  # axes that are only carried along pass the cuts on whole increments
         end[row, place_end] = b.end[row, straight]
     # An axis that stands still keeps still in the middle too; a piece of no length is none.
@@ -88,7 +116,9 @@ def straight_pieces(b: Batch):
     share = time.copy()
     share[1:] -= np.where(first[1:], 0.0, time[:-1])
     share *= (b.t1 - b.t0)[stroke]
-    return pack(b, stroke, np.arange(len(stroke)), m.code[motion[stroke]], start, end, share, nominal)
+    return pack(
+        b, stroke, np.arange(len(stroke)), m.code[motion[stroke]], start, end, share, nominal
+    )
 
 
 def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -137,9 +167,17 @@ def _cuts(b: Batch, chosen: np.ndarray):
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
     begin, end = b.begin[:, chosen] / TICKS_PER_MM - start, b.end[:, chosen] / TICKS_PER_MM - target
-    owner, t = np.concatenate([owner, every, every]), np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
-    correction, exact = np.concatenate([correction, begin, end], axis=1), np.concatenate([exact, start, target], axis=1)
-    written = correction + np.concatenate([written, np.zeros((len(written), 2 * len(every)))], axis=1)
+    owner, t = (
+        np.concatenate([owner, every, every]),
+        np.concatenate([t, np.zeros(len(every)), np.ones(len(every))]),
+    )
+    correction, exact = (
+        np.concatenate([correction, begin, end], axis=1),
+        np.concatenate([exact, start, target], axis=1),
+    )
+    written = correction + np.concatenate(
+        [written, np.zeros((len(written), 2 * len(every)))], axis=1
+    )
     order = nodes.tidy(owner, t)
     owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
     onward = _onward(b, chosen[owner], t, exact)
@@ -174,15 +212,26 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
     return more
 
 
-def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray):
+def _on_increments(
+    b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray
+):
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one is 2 um at 200 mm."""
     rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     way = (b.end_nominal - b.begin_nominal)[:, chosen[owner]]
-    row = np.array(rows)[np.argmax(np.abs(way[rows]), axis=0)] if len(owner) else np.zeros(0, np.int64)
+    row = (
+        np.array(rows)[np.argmax(np.abs(way[rows]), axis=0)]
+        if len(owner)
+        else np.zeros(0, np.int64)
+    )
     k = np.arange(len(owner))
     turns = way[row, k] != 0
-    start, step = b.begin_nominal[row, chosen[owner]], b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM
-    moved = (start + np.rint(way[row, k] * t / step) * step - start) / np.where(turns, way[row, k], 1.0)
+    start, step = (
+        b.begin_nominal[row, chosen[owner]],
+        b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM,
+    )
+    moved = (start + np.rint(way[row, k] * t / step) * step - start) / np.where(
+        turns, way[row, k], 1.0
+    )
     t = np.where(turns, moved, t)
     same = np.concatenate([[False], (owner[1:] == owner[:-1]) & (t[1:] <= t[:-1])])
     keep = ~same & (t > 0) & (t < 1)
@@ -217,7 +266,9 @@ def _plain(b: Batch) -> np.ndarray:
     if b.tip or b.machine.chain.rotary or b.c.mode == "off" or b.c.reach.any():
         return np.zeros(len(arcs), bool)
     round_ = np.abs(arcs.radius_end - arcs.radius) <= b.options.arc_mismatch
-    result: np.ndarray = round_ & (np.abs(arcs.sweep) <= 2 * np.pi + 1e-9) & (b.m.cutter[arcs.motion] == FREE)
+    result: np.ndarray = (
+        round_ & (np.abs(arcs.sweep) <= 2 * np.pi + 1e-9) & (b.m.cutter[arcs.motion] == FREE)
+    )
     return result
 
 
@@ -256,7 +307,9 @@ def arc_pieces(b: Batch):
     rows = fitter.settle(rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)
     code = np.where(rows.chord, FEED, m.code[motion[rows.stroke]])
-    nominal = np.rint(points(arcs, b.arc_start, b.arc_target, rows.arc, rows.t1) * TICKS_PER_MM).astype(np.int64)
+    nominal = np.rint(
+        points(arcs, b.arc_start, b.arc_target, rows.arc, rows.t1) * TICKS_PER_MM
+    ).astype(np.int64)
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
     key, pieces = pack(b,
         rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,

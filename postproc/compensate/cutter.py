@@ -45,7 +45,9 @@ def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     m, motion = b.m, b.motion[stroke]
     result = np.zeros((len(b.machine.axes), len(stroke)))
     which = np.flatnonzero(
-        (m.cutter[motion] != FREE) & np.isfinite(m.radius[motion]) & (m.plane[:, motion] >= 0).all(axis=0)
+        (m.cutter[motion] != FREE)
+        & np.isfinite(m.radius[motion])
+        & (m.plane[:, motion] >= 0).all(axis=0)
     )
     if not len(which):
         return result
@@ -81,7 +83,9 @@ def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.nda
         angle, sense = arcs.angle[arc] + arcs.sweep[arc] * t[on], np.sign(arcs.sweep[arc])
         weight = weight.copy()
         for row, way in ((arcs.first[arc], -np.sin(angle)), (arcs.second[arc], np.cos(angle))):
-            weight[row, on] = np.where(b.machine.two_way[row], np.sign(way) * sense, weight[row, on])
+            weight[row, on] = np.where(
+                b.machine.two_way[row], np.sign(way) * sense, weight[row, on]
+            )
     return weight
 
 
@@ -91,7 +95,10 @@ def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
     on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion] != FREE))
     if len(on):
         arcs, arc, travel = b.m.arcs, arc[on], travel.copy()
-        angle, sense = arcs.angle[arc] + arcs.sweep[arc] * (1 - 1e-4), np.sign(arcs.sweep[arc]).astype(np.int64)
+        angle, sense = (
+            arcs.angle[arc] + arcs.sweep[arc] * (1 - 1e-4),
+            np.sign(arcs.sweep[arc]).astype(np.int64),
+        )
         travel[arcs.first[arc], on] = sense * np.sign(-np.sin(angle)).astype(np.int64)
         travel[arcs.second[arc], on] = sense * np.sign(np.cos(angle)).astype(np.int64)
     return travel
@@ -168,7 +175,9 @@ def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
     """What Fitter must know of arcs: which are inside, the shortest piece of one, and the tool that must fit."""
     motion = b.m.arcs.motion
     inside, radius = b.m.cutter[motion] != FREE, b.m.radius[motion]
-    tool = np.where(np.isnan(radius), np.nan, np.where(radius * b.m.arcs.sweep > 0, np.abs(radius), 0.0))
+    tool = np.where(
+        np.isnan(radius), np.nan, np.where(radius * b.m.arcs.sweep > 0, np.abs(radius), 0.0)
+    )
     return {"inside": inside, "shortest": np.where(inside, margin(b, motion), 0.0), "tool": tool}
 
 
@@ -176,7 +185,9 @@ def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
     """(K,) mm from the ends of motions within which they are not cut; inf where the radius is not stated."""
     radius = np.abs(b.m.radius[motion])
     away = np.where(np.isfinite(radius), MARGIN * radius, np.inf)
-    return np.where(b.m.cutter[motion] == OFFSET, away, np.where(b.m.cutter[motion] == ENTRY, np.inf, 0.0))
+    return np.where(
+        b.m.cutter[motion] == OFFSET, away, np.where(b.m.cutter[motion] == ENTRY, np.inf, 0.0)
+    )
 
 
 def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -185,7 +196,9 @@ def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> n
     away, behind_ = margin(b, motion), behind(b, chosen)
     way = _way(b, chosen)
     free = b.m.cutter[motion[owner]] == FREE
-    result: np.ndarray = free | ((t * way[owner] >= behind_[owner]) & ((1 - t) * way[owner] >= away[owner]))
+    result: np.ndarray = free | (
+        (t * way[owner] >= behind_[owner]) & ((1 - t) * way[owner] >= away[owner])
+    )
     return result
 
 
@@ -200,7 +213,9 @@ def edges(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(K,) index into chosen and (K,) t of the places nearest to their ends at which strokes inside may be cut."""
     away, behind_, way = margin(b, b.motion[chosen]), behind(b, chosen), _way(b, chosen)
     which = np.flatnonzero((away > 0) & (way > away + behind_))
-    return np.concatenate([which, which]), np.concatenate([behind_[which] / way[which], 1 - away[which] / way[which]])
+    return np.concatenate([which, which]), np.concatenate(
+        [behind_[which] / way[which], 1 - away[which] / way[which]]
+    )
 
 
 def tell(b: Batch) -> None:

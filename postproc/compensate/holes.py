@@ -66,7 +66,9 @@ def settle(b: Batch) -> None:
         b.end[across, i] = b.nominal_end[across, i] + whole[across] if holes.place[k] else stands
         steps = np.rint(depth * TICKS_PER_MM / step[row])
         bottom = holes.bottom[k] + int(steps) * step[row] if row in b.rows else holes.bottom[k]
-        if (bottom > holes.level[k]) != (holes.bottom[k] > holes.level[k]) and bottom != holes.level[k]:
+        if (bottom > holes.level[k]) != (
+            holes.bottom[k] > holes.level[k]
+        ) and bottom != holes.level[k]:
             raise MotionFault(
                 int(holes.motion[k]),
                 f"the hole is {abs(holes.bottom[k] - holes.level[k]) / TICKS_PER_MM:g} mm deep, and its corrected bottom lies beyond R",
@@ -74,7 +76,9 @@ def settle(b: Batch) -> None:
             )
         b.bottom[holes.motion[k]] = bottom
         b.end[row, i] = b.nominal_end[row, i]
-        b.end_nominal[row, i] = holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
+        b.end_nominal[row, i] = (
+            holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
+        )
     b.bottom[holes.motion[~free]] = holes.bottom[~free]
     before = np.concatenate([b.carry.issued[:, None], b.end[:, :-1]], axis=1)
     b.before = np.where(b.jumps, b.m.start[:, b.motion], before)
@@ -85,7 +89,9 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
     motion, letter = int(b.m.holes.motion[k]), b.machine.letters[int(b.m.holes.axis[k])]
     where = f"between {letter} = {depth[0]:.3f} and {depth[-1]:.3f} mm"
     how = (
-        "it is corrected for the middle" if b.m.holes.place[k] else "G33.1 goes straight down from where the axes stand"
+        "it is corrected for the middle"
+        if b.m.holes.place[k]
+        else "G33.1 goes straight down from where the axes stand"
     )
     limit = f"tolerance of holes {b.c.hole_tolerance / UM:g} um"
     if bend <= b.c.hole_tolerance:
@@ -96,7 +102,9 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
         b.notices.append(Notice("tap", what, motion, bend))
     else:
         taken = f"--hole-tolerance {np.ceil(bend / UM * 10) / 10:g}um takes it as it is"
-        written = "--expand writes it out as plain blocks, " if b.c.options.holes_written_out else ""
+        written = (
+            "--expand writes it out as plain blocks, " if b.c.options.holes_written_out else ""
+        )
         raise MotionFault(
             motion,
             f"the hole's axis bends by {bend / UM:.2f} um {where} ({limit})",

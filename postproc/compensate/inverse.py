@@ -11,7 +11,9 @@ CLOSE = 1e-6  # mm: a hundredth of the usual least increment
 ROUNDS = 12
 
 
-def command(machine: Machine, target: np.ndarray, approach: np.ndarray, motion: np.ndarray | None = None) -> np.ndarray:
+def command(
+    machine: Machine, target: np.ndarray, approach: np.ndarray, motion: np.ndarray | None = None
+) -> np.ndarray:
     """(A, N) mm: the command p - e(command) for each target p, with the direction of approach held fixed.
 
     target, approach: (A, N). Each point is repeated until it is within CLOSE by its own step, never by its neighbours',

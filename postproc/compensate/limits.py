@@ -141,9 +141,13 @@ def tell_play(b: Batch) -> None:
         return
     half: dict[str, float] = {}
     for letter, table in b.machine.base.every_table:
-        half[letter] = half.get(letter, 0.0) + float(np.linalg.norm(np.abs(table.half[:3]).max(axis=1)))
+        half[letter] = half.get(letter, 0.0) + float(
+            np.linalg.norm(np.abs(table.half[:3]).max(axis=1))
+        )
     for grid in b.machine.base.grids:
-        half[grid.letter] = half.get(grid.letter, 0.0) + float(np.abs(grid.forward - grid.reverse)[:3].max()) / 2
+        half[grid.letter] = (
+            half.get(grid.letter, 0.0) + float(np.abs(grid.forward - grid.reverse)[:3].max()) / 2
+        )
     axes = " ".join(x for x, row in half.items() if row)
     left = float(np.linalg.norm(list(half.values())))
     for i in b.free.nonzero()[0][:1]:

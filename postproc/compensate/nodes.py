@@ -40,7 +40,9 @@ def candidates(
     return np.concatenate(owners), np.concatenate(times), np.concatenate(axes)
 
 
-def may_bend(machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool) -> np.ndarray:
+def may_bend(
+    machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool
+) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the end of a table where it is
     held beyond (`clamped`), or product terms."""
     result = machine.bounds.parts(start, target, slack) > 1
@@ -77,7 +79,12 @@ def tidy(owner: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def worthless(
-    machine: Machine, way: np.ndarray, owner: np.ndarray, t: np.ndarray, axis: np.ndarray, spare: float
+    machine: Machine,
+    way: np.ndarray,
+    owner: np.ndarray,
+    t: np.ndarray,
+    axis: np.ndarray,
+    spare: float,
 ) -> np.ndarray:
     """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to that
     end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`, so it
@@ -88,7 +95,11 @@ def worthless(
 
 
 def merge(
-    owner: np.ndarray, t: np.ndarray, correction: np.ndarray, written: np.ndarray, tolerance: np.ndarray
+    owner: np.ndarray,
+    t: np.ndarray,
+    correction: np.ndarray,
+    written: np.ndarray,
+    tolerance: np.ndarray,
 ) -> np.ndarray:
     """(K,) bool: which candidates to cut at; the ends of each motion are never marked.
 

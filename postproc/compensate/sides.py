@@ -49,7 +49,9 @@ class Course:
             sense[m.holes.axis, b.hole] = np.sign(m.holes.level - m.holes.bottom)
             given = given.copy()
             given[m.holes.axis, b.hole] = True
-        led = b.turns != b.travel  # arcs inside G41 G42, not cut where an axis turns back: as their last part
+        led = (
+            b.turns != b.travel
+        )  # arcs inside G41 G42, not cut where an axis turns back: as their last part
         sense = np.where(b.jumps | led, np.sign(b.turns), sense)
         given = given | led
         unknown = ~b.m.target_known[:, b.motion]
@@ -64,7 +66,9 @@ class Course:
         carry = Sides(whole.side[rows], whole.middle[rows], whole.taken[rows], whole.begun[rows])
         if carry.begun.all():
             return carry
-        place = np.rint(self.b.end_nominal[rows, 0] * TICKS_PER_MM).astype(np.int64) - self.travel[:, 0]
+        place = (
+            np.rint(self.b.end_nominal[rows, 0] * TICKS_PER_MM).astype(np.int64) - self.travel[:, 0]
+        )
         return replace(carry, middle=np.where(carry.begun, carry.middle, place))
 
     def before(self, column: np.ndarray, first: np.ndarray) -> np.ndarray:
@@ -85,7 +89,9 @@ class Course:
         every[self.rows] = side
         return every
 
-    def commands(self, side: np.ndarray, known: tuple[np.ndarray, np.ndarray] | None = None) -> np.ndarray:
+    def commands(
+        self, side: np.ndarray, known: tuple[np.ndarray, np.ndarray] | None = None
+    ) -> np.ndarray:
         """(A, S) mm for sides (T, S); known: other sides and their commands, to be taken where they are the same."""
         b = self.b
         which, result = b.free[b.motion], b.end_nominal.copy()
@@ -121,7 +127,9 @@ class Course:
         play = self.b.machine.lost_motion(exact, self.rows)
         return np.rint((exact[self.rows] - side * play / 2) * TICKS_PER_MM).astype(np.int64)
 
-    def once(self, place: tuple[np.ndarray, np.ndarray], side: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    def once(
+        self, place: tuple[np.ndarray, np.ndarray], side: np.ndarray, middle: np.ndarray
+    ) -> np.ndarray:
         """(T, S) the side of each stroke by itself, from what was before it."""
         half, r = (self.band // 2)[:, None], self.before(middle, self.carry.middle)
         led = self.before(side, self.carry.side)
@@ -137,8 +145,15 @@ class Course:
         if (begin == NOWHERE).all():
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
-        pairs = ((begin, end), (self.sense, self.sense), (none, self.given), (begin == NOWHERE, none))
-        place, sense, given, stays = (np.stack(p, axis=2).reshape(len(self.rows), -1) for p in pairs)
+        pairs = (
+            (begin, end),
+            (self.sense, self.sense),
+            (none, self.given),
+            (begin == NOWHERE, none),
+        )
+        place, sense, given, stays = (
+            np.stack(p, axis=2).reshape(len(self.rows), -1) for p in pairs
+        )
         stays |= np.repeat(self.stays, 2, axis=1)
         side, middle = bear(place, self.band, sense, given, stays, self.carry)
         self.twice = (side[:, ::2] != side[:, 1::2]) & (begin != NOWHERE) & ~self.given
@@ -182,7 +197,9 @@ def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
         place[:, which] = np.rint(b.machine.slides(wanted) * TICKS_PER_MM).astype(np.int64)
     carry = b.carry.sides
     if not carry.begun.all() and b.known_before[0]:
-        begin = np.rint(b.machine.slides(b.begin_nominal[:, :1])[:, 0] * TICKS_PER_MM).astype(np.int64)
+        begin = np.rint(b.machine.slides(b.begin_nominal[:, :1])[:, 0] * TICKS_PER_MM).astype(
+            np.int64
+        )
         carry = replace(carry, middle=np.where(carry.begun, carry.middle, begin))
     lost = np.broadcast_to(given, place.shape)
     side, middle = bear(place, b.c.band, np.zeros_like(place), lost, np.zeros_like(lost), carry)

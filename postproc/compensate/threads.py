@@ -45,7 +45,11 @@ def say(b: Batch) -> None:
                 int(b.motion[stroke[worst]]), float(bend[worst])))  # fmt: skip
     worst = int(np.argmax(drift))
     if drift[worst] > b.c.tolerance:
-        turn = f", {slope[worst] * lead[worst] / UM:.3f} um a turn of {lead[worst]:g} mm" if lead[worst] else ""
+        turn = (
+            f", {slope[worst] * lead[worst] / UM:.3f} um a turn of {lead[worst]:g} mm"
+            if lead[worst]
+            else ""
+        )
         b.notices.append(Notice(
             "lead", "along a thread the axis follows the spindle: its lead stays off by up to "
             f"{slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip

@@ -62,7 +62,9 @@ def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
             bend = np.maximum(2 * here - before - behind, 1e-12)
             at = t[inner] + np.clip((behind - before) / (2 * bend), -1, 1) / (LOOKS - 1)
             top = here + (behind - before) ** 2 / (8 * bend)
-            turns = (top - np.maximum(side[:, 0], side[:, -1]) > b.c.hysteresis) & (at > 0) & (at < 1)
+            turns = (
+                (top - np.maximum(side[:, 0], side[:, -1]) > b.c.hysteresis) & (at > 0) & (at < 1)
+            )
             found.append(_on_increments(b, chosen[turns], at[turns]))
     return found
 
@@ -72,7 +74,11 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     arcs, two_way = b.m.arcs, b.machine.two_way
     if not len(arcs):
         return np.zeros(0, np.int64), np.zeros(0)
-    turning = (two_way[arcs.first] | two_way[arcs.second]) & (b.m.cutter[arcs.motion] == FREE) & b.free[arcs.motion]
+    turning = (
+        (two_way[arcs.first] | two_way[arcs.second])
+        & (b.m.cutter[arcs.motion] == FREE)
+        & b.free[arcs.motion]
+    )
     if not turning.any():
         return np.zeros(0, np.int64), np.zeros(0)
     arc, t = turning_points(arcs, b.arc_start, b.arc_target)
@@ -86,7 +92,9 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     m, rows = b.m, b.c.followed
     if not len(rows):
         return []
-    cutting = np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
+    cutting = (
+        np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
+    )
     way = np.abs(m.target - m.start) / TICKS_PER_MM
     slides = [row for row in b.machine.chained if b.machine.letters[row] in LINEAR]
     length = np.sqrt((way[slides] ** 2).sum(axis=0))
@@ -96,7 +104,9 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
     slow = (way[rows] < most).any(axis=0)
     slow[m.arcs.motion] = True
-    least = max(b.c.hysteresis / 2, b.c.hold)  # what a resting axis is held still by is not seen either
+    least = max(
+        b.c.hysteresis / 2, b.c.hold
+    )  # what a resting axis is held still by is not seen either
     chosen = (cutting & slow & (most > 2 * least)).nonzero()[0]
     if not len(chosen):
         return []
@@ -123,7 +133,9 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
     return motion[inside], t[inside]
 
 
-def _places(b: Batch, chosen: np.ndarray, most: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _places(
+    b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no deviation turns unseen."""
     m = b.m
     straight = chosen[m.code[chosen] == FEED]
@@ -146,7 +158,9 @@ def _places(b: Batch, chosen: np.ndarray, most: np.ndarray, least: float) -> tup
     return owner, t, place
 
 
-def _turns(owner: np.ndarray, t: np.ndarray, wanted: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
+def _turns(
+    owner: np.ndarray, t: np.ndarray, wanted: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray]:
     """(K,) motion and t where `wanted` (K,) mm, along each motion, turns back by more than `least`."""
     ticks = np.rint(wanted * TICKS_PER_MM).astype(np.int64)
     first = np.concatenate([[True], owner[1:] != owner[:-1]])
@@ -159,7 +173,9 @@ def _turns(owner: np.ndarray, t: np.ndarray, wanted: np.ndarray, least: float) -
     both = np.minimum(np.maximum.reduceat(fall, begin), np.maximum.reduceat(rise, begin))
     stop = np.append(begin[1:], len(owner))
     bent = (both > least / 2 * TICKS_PER_MM).nonzero()[0].tolist()
-    places = [k for i in bent for k in _pivots(base, int(begin[i]), int(stop[i]), least * TICKS_PER_MM)]
+    places = [
+        k for i in bent for k in _pivots(base, int(begin[i]), int(stop[i]), least * TICKS_PER_MM)
+    ]
     return owner[places], t[places]
 
 

@@ -84,7 +84,11 @@ class Export:
 
 def names() -> list[str]:
     """The controls that there are, as a user writes them."""
-    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
+    return sorted(
+        m.name.replace("_", "-")
+        for m in pkgutil.iter_modules(__path__)
+        if not m.name.startswith("_")
+    )
 
 
 def label(module: ModuleType) -> str:
@@ -97,12 +101,16 @@ def label(module: ModuleType) -> str:
 def load(name: str) -> ModuleType:
     """The control's module. Raises UsageError with those that there are."""
     if name not in names():
-        raise UsageError(f"there are no tables of a control {name!r}", f"controls: {', '.join(names())}")
+        raise UsageError(
+            f"there are no tables of a control {name!r}", f"controls: {', '.join(names())}"
+        )
     return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
 
 
 def correction_of(
-    tables: Sequence[ErrorTable], position: dict[str, np.ndarray], approach: dict[str, np.ndarray] | None = None
+    tables: Sequence[ErrorTable],
+    position: dict[str, np.ndarray],
+    approach: dict[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """What active tables add to the command: axis letter to (N,) mm, for every axis that a table corrects.
 

@@ -23,7 +23,9 @@ NICE = (1.0, 2.0, 5.0)
 def mm_per_unit(options: ExportOptions) -> float:
     """mm of one length unit of the control. Raises UsageError for a unit that is neither mm nor inch."""
     if options.unit not in ("mm", "inch"):
-        raise UsageError(f"the unit {options.unit!r} is neither mm nor inch", "--unit mm, or --unit inch")
+        raise UsageError(
+            f"the unit {options.unit!r} is neither mm nor inch", "--unit mm, or --unit inch"
+        )
     return MM_PER_INCH if options.unit == "inch" else 1.0
 
 
@@ -31,11 +33,15 @@ def setting(options: ExportOptions, key: str, default: str, among: Sequence[str]
     """A control's own option. Raises UsageError with the lawful values."""
     value = options.extra.get(key, default)
     if among and value not in among:
-        raise UsageError(f"{key} = {value!r} is not known", f"--set {key}= one of {', '.join(among)}")
+        raise UsageError(
+            f"{key} = {value!r} is not known", f"--set {key}= one of {', '.join(among)}"
+        )
     return value
 
 
-def number(options: ExportOptions, key: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
+def number(
+    options: ExportOptions, key: str, default: float, low: float = -math.inf, high: float = math.inf
+) -> float:
     """A control's own number. Raises UsageError where it is none, or outside low to high."""
     text = options.extra.get(key, "")
     try:
@@ -59,12 +65,15 @@ def checked(tables: Sequence[ErrorTable]) -> list[ErrorTable]:
     """The tables, if they can be written at all. Raises TableError for none, one twice, or values that are not finite."""
     if not tables:
         raise TableError(
-            "there is nothing to write: no component is left", "see what the machine has: gcomp machines show"
+            "there is nothing to write: no component is left",
+            "see what the machine has: gcomp machines show",
         )
     seen: set[str] = set()
     for table in tables:
         if table.name in seen:
-            raise TableError(f"{table.name} is given twice", "a control adds them up: give their sum")
+            raise TableError(
+                f"{table.name} is given twice", "a control adds them up: give their sum"
+            )
         seen.add(table.name)
         if not len(table.nodes) or np.any(np.diff(table.nodes) <= 0):
             raise TableError(f"the nodes of {table.name} do not ascend")
@@ -128,7 +137,9 @@ def reference(table: ErrorTable, options: ExportOptions, notices: list[str]) -> 
     return 0.0
 
 
-def zeroed(table: ErrorTable, at: float, approach: float, notices: list[str]) -> tuple[ErrorTable, float]:
+def zeroed(
+    table: ErrorTable, at: float, approach: float, notices: list[str]
+) -> tuple[ErrorTable, float]:
     """The table with zero at a position, for an approach (0: the mean), and the constant in mm that was taken off."""
     by = float(table.at(np.array([at]), approach)[0])
     if abs(by) > 1e-9:
@@ -156,7 +167,9 @@ def even_nodes(
     low, high = float(table.nodes[0]), float(table.nodes[-1])
 
     def count(step: float) -> int:
-        return math.ceil((high - anchor) / step - 1e-6) - math.floor((low - anchor) / step + 1e-6) + 1
+        return (
+            math.ceil((high - anchor) / step - 1e-6) - math.floor((low - anchor) / step + 1e-6) + 1
+        )
 
     step = options.spacing
     if step < 0 or (step and abs(step / multiple - round(step / multiple)) > 1e-6):
@@ -196,9 +209,13 @@ def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
     low, high = 0.0, float(np.ptp(values, axis=1).max()) + UM
     for _ in range(40):
         middle = (low + high) / 2
-        low, high = (low, middle) if len(_chords(table.nodes, values, middle)) <= most else (middle, high)
+        low, high = (
+            (low, middle) if len(_chords(table.nodes, values, middle)) <= most else (middle, high)
+        )
     keep = _chords(table.nodes, values, high)
-    result = replace(table, nodes=table.nodes[keep], forward=table.forward[keep], reverse=table.reverse[keep])
+    result = replace(
+        table, nodes=table.nodes[keep], forward=table.forward[keep], reverse=table.reverse[keep]
+    )
     return result, left(table, result)
 
 
@@ -229,7 +246,9 @@ def left(table: ErrorTable, written: ErrorTable) -> float:
     Exact: both are straight between their nodes and held beyond, so that no place between is worse.
     """
     places = np.union1d(table.nodes, written.nodes)
-    return float(max(np.abs(table.at(places, way) - written.at(places, way)).max() for way in (1.0, -1.0)))
+    return float(
+        max(np.abs(table.at(places, way) - written.at(places, way)).max() for way in (1.0, -1.0))
+    )
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -46,7 +46,9 @@ class Listing:
     line: dict[int, int] = field(default_factory=dict)
     lengths: set[tuple[str, int]] = field(default_factory=set)
 
-    def take(self, source: Source, line: int, text: str, number: int, value: str, axis: str, pitch: bool) -> None:
+    def take(
+        self, source: Source, line: int, text: str, number: int, value: str, axis: str, pitch: bool
+    ) -> None:
         """One number of the file. Raises TableError where it can not be one, or stands twice."""
         amount = common.finite(source, line, value, "the value", text)
         if not pitch:
@@ -57,15 +59,21 @@ class Listing:
                 )  # fmt: skip
             known = self.settings.setdefault(axis, {})
             if number in known:
-                raise common.fault(source, line, f"parameter {number} of {axis} stands twice", "", text)
+                raise common.fault(
+                    source, line, f"parameter {number} of {axis} stands twice", "", text
+                )
             known[number] = amount
             if "." in value:
                 self.lengths.add((axis, number))
             elif amount != int(amount):
-                raise common.fault(source, line, f"parameter {number} = {value} is not a whole number", "", text)
+                raise common.fault(
+                    source, line, f"parameter {number} = {value} is not a whole number", "", text
+                )
             return
         if not 0 <= number <= LAST:
-            raise common.fault(source, line, f"compensation number {number} is not between 0 and {LAST}", "", text)
+            raise common.fault(
+                source, line, f"compensation number {number} is not between 0 and {LAST}", "", text
+            )
         if amount != int(amount) or not -128 <= amount <= 127:
             raise common.fault(
                 source,
@@ -99,7 +107,9 @@ def parse(source: Source, options: ExportOptions) -> Listing:
     return listing
 
 
-def _cells(source: Source, lines: list[tuple[int, str]], header: list[str]) -> list[tuple[int, str, list[str]]]:
+def _cells(
+    source: Source, lines: list[tuple[int, str]], header: list[str]
+) -> list[tuple[int, str, list[str]]]:
     rows = []
     for line, text in lines:
         if not text.strip() or text.startswith("#"):
@@ -109,7 +119,9 @@ def _cells(source: Source, lines: list[tuple[int, str]], header: list[str]) -> l
             header += cells
             continue
         if len(cells) != len(header):
-            raise common.fault(source, line, f"{len(cells)} values under {len(header)} columns", "", text)
+            raise common.fault(
+                source, line, f"{len(cells)} values under {len(header)} columns", "", text
+            )
         rows.append((line, text, cells))
     return rows
 
@@ -118,19 +130,31 @@ def _csv_pitch(listing: Listing, source: Source, lines: list[tuple[int, str]]) -
     header: list[str] = []
     rows = _cells(source, lines, header)
     if header != ["axis", "parameter_no", "value"]:
-        raise common.fault(source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value")
+        raise common.fault(
+            source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value"
+        )
     for line, text, (axis, name, value) in rows:
         if not re.fullmatch(r"[A-Za-z]", axis) or not name.isdigit():
-            raise common.fault(source, line, f"{axis},{name} is not an axis and a number", "like X,51,0", text)
-        listing.take(source, line, text, int(name), value, axis.upper(), pitch=int(name) not in MEANING)
+            raise common.fault(
+                source, line, f"{axis},{name} is not an axis and a number", "like X,51,0", text
+            )
+        listing.take(
+            source, line, text, int(name), value, axis.upper(), pitch=int(name) not in MEANING
+        )
 
 
 def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
     header: list[str] = []
     rows = _cells(source, lines, header)
     axes = [name.upper() for name in header[2:]]
-    if header[:2] != ["parameter_no", "meaning"] or not axes or not all(re.fullmatch("[A-Z]", a) for a in axes):
-        raise common.fault(source, 1, f"the columns are {', '.join(header)}", "parameter_no,meaning,x,y,z")
+    if (
+        header[:2] != ["parameter_no", "meaning"]
+        or not axes
+        or not all(re.fullmatch("[A-Z]", a) for a in axes)
+    ):
+        raise common.fault(
+            source, 1, f"the columns are {', '.join(header)}", "parameter_no,meaning,x,y,z"
+        )
     for line, text, cells in rows:
         if not cells[0].isdigit():
             raise common.fault(source, line, f"{cells[0]!r} is not a parameter number", "", text)
@@ -139,14 +163,23 @@ def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]
                 listing.take(source, line, text, int(cells[0]), value, axis, pitch=False)
 
 
-def _words(listing: Listing, source: Source, lines: list[tuple[int, str]], options: ExportOptions) -> None:
+def _words(
+    listing: Listing, source: Source, lines: list[tuple[int, str]], options: ExportOptions
+) -> None:
     """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2 P200 between %."""
     axes = axis_order(options)
     entering = False
-    program = any("G10" in re.sub(r"\([^)]*\)", "", text).upper().replace(" ", "") for _, text in lines)
+    program = any(
+        "G10" in re.sub(r"\([^)]*\)", "", text).upper().replace(" ", "") for _, text in lines
+    )
     for line, text in lines:
         plain = re.sub(r"\([^)]*\)", "", text).strip().rstrip(";").strip().upper()
-        if not plain or plain == "%" or re.fullmatch(r"[O:]\d+", plain) or plain in ("M30", "M02", "M99", "M2"):
+        if (
+            not plain
+            or plain == "%"
+            or re.fullmatch(r"[O:]\d+", plain)
+            or plain in ("M30", "M02", "M99", "M2")
+        ):
             continue
         if program and re.fullmatch(r"G10\s*L(50|52)", plain):
             entering = True
@@ -155,7 +188,12 @@ def _words(listing: Listing, source: Source, lines: list[tuple[int, str]], optio
             entering = False
             continue
         words = [(letter, value) for letter, value in WORD.findall(plain)]
-        if WORD.sub("", plain).strip() or not words or words[0][0] != "N" or (program and not entering):
+        if (
+            WORD.sub("", plain).strip()
+            or not words
+            or words[0][0] != "N"
+            or (program and not entering)
+        ):
             raise common.fault(
                 source, line, "this is no parameter or compensation number" + (" between G10 and G11" if program else ""),
                 "like N10051 R1 in G10 L50, or N10051 P1", text,
@@ -169,34 +207,55 @@ def _words(listing: Listing, source: Source, lines: list[tuple[int, str]], optio
             listing.take(source, line, text, number - PITCH, value[0], "", pitch=True)
             continue
         first, second = ("P", "R") if program else ("A", "P")
-        if len(rest) < 2 or len(rest) % 2 or [letter for letter, _ in rest] != [first, second] * (len(rest) // 2):
-            raise common.fault(source, line, f"parameter {number} needs {first} axis and {second} value", "", text)
+        if (
+            len(rest) < 2
+            or len(rest) % 2
+            or [letter for letter, _ in rest] != [first, second] * (len(rest) // 2)
+        ):
+            raise common.fault(
+                source, line, f"parameter {number} needs {first} axis and {second} value", "", text
+            )
         for (_, axis), (_, value) in zip(rest[::2], rest[1::2], strict=True):
             index = int(float(str(axis)))
             if not 1 <= index <= len(axes):
                 raise common.fault(
-                    source, line, f"there is no axis number {index}: axes are {', '.join(axes)}", "--set axes=XZ", text
+                    source,
+                    line,
+                    f"there is no axis number {index}: axes are {', '.join(axes)}",
+                    "--set axes=XZ",
+                    text,
                 )
             listing.take(source, line, text, number, str(value), axes[index - 1], pitch=False)
     if entering:
-        raise TableError("G11 is missing: the program is not whole", "", Place(source.name, lines[-1][0]))
+        raise TableError(
+            "G11 is missing: the program is not whole", "", Place(source.name, lines[-1][0])
+        )
 
 
 def axis_order(options: ExportOptions) -> str:
     """Letters of the control's axes 1, 2, 3 ...: --set axes=XZ, else XYZ."""
     axes = options.extra.get("axes", "XYZ").upper()
     if not re.fullmatch("[A-Z]+", axes) or len(set(axes)) != len(axes):
-        raise UsageError(f"axes = {axes!r} is not the axes' letters in the control's order", "--set axes=XYZ")
+        raise UsageError(
+            f"axes = {axes!r} is not the axes' letters in the control's order", "--set axes=XYZ"
+        )
     return axes
 
 
-def csv_files(settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], name: str) -> dict[str, bytes]:
+def csv_files(
+    settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], name: str
+) -> dict[str, bytes]:
     """The two CSV files: compensation numbers by axis, and the parameters, a column an axis."""
-    rows = [f"{axis},{n},{v}" for axis, numbers in pitch.items() for n, v in sorted(numbers.items())]
+    rows = [
+        f"{axis},{n},{v}" for axis, numbers in pitch.items() for n, v in sorted(numbers.items())
+    ]
     table = ["parameter_no,meaning," + ",".join(axis.lower() for axis in settings)]
     for number in ORDER:
         if any(number in known for known in settings.values()):
-            cells = [f"{settings[axis][number]:g}" if number in settings[axis] else "" for axis in settings]
+            cells = [
+                f"{settings[axis][number]:g}" if number in settings[axis] else ""
+                for axis in settings
+            ]
             table.append(f"{number},{MEANING[number]}," + ",".join(cells))
     return {
         f"{name}_pitch.csv": ("\n".join(["axis,parameter_no,value", *rows]) + "\n").encode(),
@@ -221,10 +280,14 @@ def g10(
             continue  # the other bits of that byte would be overwritten
         for axis, known in settings.items():
             if number in known:
-                lines.append(f"N{number} P{axes.index(axis) + 1} R{_value(number, known[number], form, options)}")
+                lines.append(
+                    f"N{number} P{axes.index(axis) + 1} R{_value(number, known[number], form, options)}"
+                )
     if form == "l52":
         lines += ["G11", "G10 L50"]
-    lines += [f"N{PITCH + n} R{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())]
+    lines += [
+        f"N{PITCH + n} R{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())
+    ]
     return ("\n".join([*lines, "G11", "M30", "%"]) + "\n").encode()
 
 
@@ -234,15 +297,23 @@ def _value(number: int, value: float, form: str, options: ExportOptions) -> str:
     return f"{value:g}"
 
 
-def records(settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], options: ExportOptions) -> bytes:
+def records(
+    settings: dict[str, dict[int, float]], pitch: dict[str, dict[int, int]], options: ExportOptions
+) -> bytes:
     """The records of a memory card: N3620 A1 P100 A2 P200, N10051 P1."""
     axes = axis_order(options)
     lines = ["%"]
     for number in ORDER:
-        have = [(axes.index(axis) + 1, known[number]) for axis, known in settings.items() if number in known]
+        have = [
+            (axes.index(axis) + 1, known[number])
+            for axis, known in settings.items()
+            if number in known
+        ]
         if have and number != 3605:
             lines.append(f"N{number:05d} " + " ".join(f"A{i} P{v:g}" for i, v in sorted(have)))
-    lines += [f"N{PITCH + n} P{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())]
+    lines += [
+        f"N{PITCH + n} P{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())
+    ]
     return ("\n".join([*lines, "%"]) + "\n").encode()
 
 

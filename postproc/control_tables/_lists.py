@@ -11,11 +11,17 @@ from postproc.recordings import Source
 
 def written(remarks: Sequence[str], columns: Sequence[str], rows: Sequence[Sequence[str]]) -> bytes:
     """The list as CSV; remarks stand above it, behind #."""
-    lines = [*(f"# {remark}" for remark in remarks), ",".join(columns), *(",".join(row) for row in rows)]
+    lines = [
+        *(f"# {remark}" for remark in remarks),
+        ",".join(columns),
+        *(",".join(row) for row in rows),
+    ]
     return ("\n".join(lines) + "\n").encode()
 
 
-def by_axis(source: Source, columns: Sequence[str], whole: Sequence[int] = ()) -> dict[str, list[list[float]]]:
+def by_axis(
+    source: Source, columns: Sequence[str], whole: Sequence[int] = ()
+) -> dict[str, list[list[float]]]:
     """Axis letter to rows of numbers, in the order of the columns behind `axis`; `whole`: columns without a fraction.
 
     The first of those columns ascends or descends steadily. Raises TableError with file and line.
@@ -29,19 +35,34 @@ def by_axis(source: Source, columns: Sequence[str], whole: Sequence[int] = ()) -
         if not header:
             header = cells
             if header != list(columns):
-                raise common.fault(source, line, f"the columns are {', '.join(header)}", ",".join(columns), text)
+                raise common.fault(
+                    source, line, f"the columns are {', '.join(header)}", ",".join(columns), text
+                )
             continue
         if len(cells) != len(columns):
-            raise common.fault(source, line, f"{len(cells)} values under {len(columns)} columns", "", text)
+            raise common.fault(
+                source, line, f"{len(cells)} values under {len(columns)} columns", "", text
+            )
         if len(cells[0]) != 1 or not cells[0].isalpha():
             raise common.fault(source, line, f"{cells[0]!r} is not an axis letter", "", text)
-        row = [common.finite(source, line, c, n, text) for c, n in zip(cells[1:], columns[1:], strict=True)]
+        row = [
+            common.finite(source, line, c, n, text)
+            for c, n in zip(cells[1:], columns[1:], strict=True)
+        ]
         for i in whole:
             if row[i] != int(row[i]):
-                raise common.fault(source, line, f"{columns[i + 1]} {cells[i + 1]} is not a whole number", "", text)
+                raise common.fault(
+                    source, line, f"{columns[i + 1]} {cells[i + 1]} is not a whole number", "", text
+                )
         rows = result.setdefault(cells[0].upper(), [])
         if rows and row[0] <= rows[-1][0]:
-            raise common.fault(source, line, f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}", "", text)
+            raise common.fault(
+                source,
+                line,
+                f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}",
+                "",
+                text,
+            )
         rows.append(row)
     if not result:
         raise common.fault(source, 1, "there are no rows in this list")

@@ -15,14 +15,24 @@ HEAD = ("axis", "unit", "start", "length", "points")
 
 
 def text(
-    table: ErrorTable, options: ExportOptions, sign: float, columns: tuple[str, str], comments: list[str]
+    table: ErrorTable,
+    options: ExportOptions,
+    sign: float,
+    columns: tuple[str, str],
+    comments: list[str],
 ) -> bytes:
     """The sheet of a table with even nodes; sign times deviation under both columns, or under the first alone where the
     table is the same for both directions."""
     unit, decimals = common.mm_per_unit(options), 5 if options.unit == "mm" else 7
     nodes = table.nodes / unit
     values = [table.forward, table.reverse] if table.two_way else [table.forward]
-    head = dict(zip(HEAD, (table.moving, options.unit, nodes[0], nodes[-1] - nodes[0], len(nodes)), strict=True))
+    head = dict(
+        zip(
+            HEAD,
+            (table.moving, options.unit, nodes[0], nodes[-1] - nodes[0], len(nodes)),
+            strict=True,
+        )
+    )
     lines = [f"# {line}" for line in comments]
     lines += [
         f"{k} = {v}" if isinstance(v, (str, int)) else f"{k} = {common.fixed(float(v), decimals)}"
@@ -30,7 +40,9 @@ def text(
     ]
     lines.append(", ".join(["position", *columns[: len(values)]]))
     cells = [nodes, *(sign * v / unit for v in values)]
-    lines += [", ".join(common.fixed(float(v), decimals) for v in row) for row in zip(*cells, strict=True)]
+    lines += [
+        ", ".join(common.fixed(float(v), decimals) for v in row) for row in zip(*cells, strict=True)
+    ]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -50,27 +62,42 @@ def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
             key, _, value = (part.strip() for part in plain.partition("="))
             if key not in HEAD or key in head:
                 raise common.fault(
-                    source, number, f"{key!r} is not known, or stands twice", f"one each of {', '.join(HEAD)}", line
+                    source,
+                    number,
+                    f"{key!r} is not known, or stands twice",
+                    f"one each of {', '.join(HEAD)}",
+                    line,
                 )
             head[key] = value
         elif not heading:
             heading = cells
             if heading not in (["position", columns[0]], ["position", *columns]):
                 raise common.fault(
-                    source, number, "not the heading of this sheet", f"position, {', '.join(columns)}", line
+                    source,
+                    number,
+                    "not the heading of this sheet",
+                    f"position, {', '.join(columns)}",
+                    line,
                 )
         else:
             if len(cells) != len(heading):
-                raise common.fault(source, number, f"{len(cells)} values under {len(heading)} columns", "", line)
+                raise common.fault(
+                    source, number, f"{len(cells)} values under {len(heading)} columns", "", line
+                )
             rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
     absent = [key for key in HEAD if key not in head]
     if absent:
         raise common.fault(source, last, f"{absent[0]} is missing")
     if head["axis"] not in ("X", "Y", "Z") or head["unit"] not in ("mm", "inch"):
-        raise common.fault(source, 1, f"axis {head['axis']} in {head['unit']}: X, Y or Z in mm or inch are read")
+        raise common.fault(
+            source, 1, f"axis {head['axis']} in {head['unit']}: X, Y or Z in mm or inch are read"
+        )
     if len(rows) < 2 or head["points"] != str(len(rows)):
         raise common.fault(
-            source, last, f"{len(rows)} rows, and points = {head['points']}", "two at least, and as many as told"
+            source,
+            last,
+            f"{len(rows)} rows, and points = {head['points']}",
+            "two at least, and as many as told",
         )
     unit = common.mm_per_unit(ExportOptions(unit=head["unit"]))
     data = np.array(rows).T * unit

@@ -47,12 +47,15 @@ def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings
                 lost = 0.0
             elif lost:
                 result.lost[table.moving] = lost
-            result.left[table.name] = float(max(np.abs(table.forward).max(), np.abs(table.reverse - lost).max()))
+            result.left[table.name] = float(
+                max(np.abs(table.forward).max(), np.abs(table.reverse - lost).max())
+            )
             continue
         slope = float(np.polyfit(table.nodes, mean, 1)[0]) if len(table.nodes) > 1 else 0.0
         if abs(slope) > STEEPEST:
             raise TableError(
-                f"{table.name} leans by {slope:.3f} mm per mm", "a slip in the data or a wrong unit is likely"
+                f"{table.name} leans by {slope:.3f} mm per mm",
+                "a slip in the data or a wrong unit is likely",
             )
         plane = "".join(sorted(table.name[1:].lower()))
         result.skew[plane] += slope
@@ -88,7 +91,10 @@ def tables(skew: dict[str, float], lost: dict[str, float]) -> list[ErrorTable]:
 
 def lines_of(source: Source) -> list[tuple[int, str, list[str]]]:
     """Line number, line, and words of every line that holds more than a comment. Raises TableError for an empty file."""
-    rows = [(number, text, text.split(";", 1)[0].upper().split()) for number, text in common.numbered(source)]
+    rows = [
+        (number, text, text.split(";", 1)[0].upper().split())
+        for number, text in common.numbered(source)
+    ]
     return [row for row in rows if row[2]]
 
 
@@ -99,7 +105,11 @@ def words(source: Source, line: int, text: str, parts: list[str], lawful: str) -
         letter = part[0]
         if letter not in lawful or letter in found:
             raise common.fault(
-                source, line, f"{part!r} is not read here, or stands twice", f"words: {' '.join(lawful)}", text
+                source,
+                line,
+                f"{part!r} is not read here, or stands twice",
+                f"words: {' '.join(lawful)}",
+                text,
             )
         found[letter] = common.finite(source, line, part[1:], letter, text)
     return found
@@ -108,5 +118,7 @@ def words(source: Source, line: int, text: str, parts: list[str], lawful: str) -
 def factor(source: Source, line: int, value: float, text: str) -> float:
     """A factor that can be one. Raises TableError."""
     if abs(value) > STEEPEST:
-        raise common.fault(source, line, f"a skew factor of {value:g} is no machine's", f"up to {STEEPEST:g}", text)
+        raise common.fault(
+            source, line, f"a skew factor of {value:g} is no machine's", f"up to {STEEPEST:g}", text
+        )
     return value

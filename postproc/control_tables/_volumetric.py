@@ -22,7 +22,9 @@ COMPONENT = re.compile(r"E([XYZABC])([XYZABC])")
 LOCATION = re.compile(r"([XYZABC])0([XYZABC])")
 LARGEST = 1e6  # mm: a position or value beyond is a slip
 DECIMALS = 12  # as Etalon's own files: a picometre, a microarcsecond's thousandth
-SIGN = "+deviation (actual - commanded), by the ISO 230-1 names (unverified); squareness right-handed"
+SIGN = (
+    "+deviation (actual - commanded), by the ISO 230-1 names (unverified); squareness right-handed"
+)
 EXTRA = {
     "chain": "reading: the axes from the workpiece to the tool, XYZ",
     "workpiece_axes": "reading: how many of them, from the first, carry the workpiece, 0",
@@ -32,12 +34,8 @@ SIGN_NOTICE = (
     "230-1 names; the manual's pages on the format do not say it. Measure one place with the compensation on: where the "
     "deviation has doubled, set `negate XYZ` in the control's list"
 )
-ENDS = (
-    "what the control does beyond the first and last node is not documented: the tables must be as long as the travel"
-)
-FLANGE = (
-    "positions count from machine zero with tool length 0; the control adds the tool's length where N0X N0Y N0Z are set"
-)
+ENDS = "what the control does beyond the first and last node is not documented: the tables must be as long as the travel"
+FLANGE = "positions count from machine zero with tool length 0; the control adds the tool's length where N0X N0Y N0Z are set"
 
 
 def plain(value: float) -> str:
@@ -57,7 +55,9 @@ def value_of(source: Source, line: int, word: str, text: str) -> float:
     """A number no larger than a machine. Raises TableError."""
     value = common.finite(source, line, word, "the value", text)
     if abs(value) > LARGEST:
-        raise common.fault(source, line, f"{word} is too large for a machine", "lengths are mm, angles rad", text)
+        raise common.fault(
+            source, line, f"{word} is too large for a machine", "lengths are mm, angles rad", text
+        )
     return value
 
 
@@ -71,19 +71,27 @@ def map_of(tables: list[ErrorTable]) -> tuple[VolumetricMap, dict[str, float]]:
         row = XYZ.index(table.along)
         parts.setdefault(table.moving, []).append((row, table.nodes, table.forward, table.reverse))
     left = {t.name: float(np.abs(t.forward - t.reverse).max() / 2) for t in tables}
-    return VolumetricMap({x: merged(x, p) for x, p in parts.items()}), {n: size for n, size in left.items() if size}
+    return VolumetricMap({x: merged(x, p) for x, p in parts.items()}), {
+        n: size for n, size in left.items() if size
+    }
 
 
 def tables_of(found: VolumetricMap, name: str) -> list[ErrorTable]:
     """A map without rotations as one-axis tables. Raises TableError for any other: they would lose it."""
     more = [COMPONENTS[i] + x for x, t in found.axes.items() for i in t.rows if i >= 3]
-    more += [f"{g.letter} over {g.other}" for g in found.grids] + [n for n, a in found.square.items() if a]
+    more += [f"{g.letter} over {g.other}" for g in found.grids] + [
+        n for n, a in found.square.items() if a
+    ]
     if more:
         raise TableError(
             f"{name} holds a whole machine ({', '.join(more[:6])}): one-axis tables would lose it",
             "read it as a machine",
         )
-    return [ErrorTable(x, XYZ[i], t.nodes, t.forward[i], t.reverse[i]) for x, t in found.axes.items() for i in t.rows]
+    return [
+        ErrorTable(x, XYZ[i], t.nodes, t.forward[i], t.reverse[i])
+        for x, t in found.axes.items()
+        for i in t.rows
+    ]
 
 
 def loss(left: dict[str, float]) -> list[str]:
@@ -91,7 +99,9 @@ def loss(left: dict[str, float]) -> list[str]:
     if not left:
         return []
     sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(left.items()))
-    return [f"the format holds one value for both directions, straight between nodes; that leaves up to: {sizes}"]
+    return [
+        f"the format holds one value for both directions, straight between nodes; that leaves up to: {sizes}"
+    ]
 
 
 def add(total: dict[str, float], more: dict[str, float]) -> None:
@@ -115,22 +125,36 @@ class Collected:
         """Raises TableError for a parameter that has been given before."""
         if name in self.seen:
             raise common.fault(
-                self.source, line, f"{name} has been given in line {self.seen[name]}", "a parameter stands once"
+                self.source,
+                line,
+                f"{name} has been given in line {self.seen[name]}",
+                "a parameter stands once",
             )
         self.seen[name] = line
 
     def location(self, name: str, value: float) -> None:
         """A constant: squareness of a linear axis, or what is only told."""
         place = LOCATION.fullmatch(name)
-        if place and place[1] in ROTARY and place[2] in XYZ and ROTARY.index(place[1]) != XYZ.index(place[2]):
+        if (
+            place
+            and place[1] in ROTARY
+            and place[2] in XYZ
+            and ROTARY.index(place[1]) != XYZ.index(place[2])
+        ):
             self.square[name] = value
         elif value:
-            self.notices.append(f"{name} = {plain(value)} is not read: it is no squareness of two linear axes")
+            self.notices.append(
+                f"{name} = {plain(value)} is not read: it is no squareness of two linear axes"
+            )
 
     def component(self, name: str, nodes: np.ndarray, values: np.ndarray) -> None:
-        self.parts.setdefault(name[2], []).append((COMPONENTS.index(name[:2]), nodes, values, values))
+        self.parts.setdefault(name[2], []).append(
+            (COMPONENTS.index(name[:2]), nodes, values, values)
+        )
 
-    def grid(self, name: str, other: str, nodes: np.ndarray, others: np.ndarray, values: np.ndarray) -> None:
+    def grid(
+        self, name: str, other: str, nodes: np.ndarray, others: np.ndarray, values: np.ndarray
+    ) -> None:
         full = np.zeros((6, *values.shape))
         full[COMPONENTS.index(name[:2])] = values
         self.grids.append(GridTable(name[2], other, nodes, others, full, full))
@@ -138,18 +162,28 @@ class Collected:
     def map(self, options: ExportOptions) -> VolumetricMap:
         """The map. Raises TableError for a chain that is none, or that lacks an axis of the file."""
         chain, count = options.extra.get("chain", "XYZ"), options.extra.get("workpiece_axes", "0")
-        good = chain and set(chain) <= set(XYZ) and len(set(chain)) == len(chain) and count in ("0", "1", "2", "3")
+        good = (
+            chain
+            and set(chain) <= set(XYZ)
+            and len(set(chain)) == len(chain)
+            and count in ("0", "1", "2", "3")
+        )
         if not good or int(count) > len(chain):
             raise TableError(
-                f"chain {chain!r} with {count!r} workpiece axes is none", "like --set chain=XYZ --set workpiece_axes=1"
+                f"chain {chain!r} with {count!r} workpiece axes is none",
+                "like --set chain=XYZ --set workpiece_axes=1",
             )
         absent = sorted((set(self.parts) | {g.letter for g in self.grids}) - set(chain))
         if absent:
-            raise TableError(f"{self.source.name} has components of {' '.join(absent)}, not in the chain {chain}")
+            raise TableError(
+                f"{self.source.name} has components of {' '.join(absent)}, not in the chain {chain}"
+            )
         notices = list(self.notices)
         if "chain" not in options.extra:
             notices.append(
                 f"the file does not tell the order of the axes: taken as {chain}, {count} of them on the workpiece's side"
             )
         axes = {x: merged(x, parts) for x, parts in self.parts.items()}
-        return VolumetricMap(axes, tuple(self.grids), self.square, tuple(chain), int(count), tuple(notices))
+        return VolumetricMap(
+            axes, tuple(self.grids), self.square, tuple(chain), int(count), tuple(notices)
+        )

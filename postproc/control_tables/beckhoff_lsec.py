@@ -44,7 +44,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         chosen = table if options.two_way or not table.two_way else common.mean(table)
         if options.spacing:
-            nodes = common.even_nodes(chosen, options, float(np.round(chosen.nodes[0], 4)), most, TENTH)
+            nodes = common.even_nodes(
+                chosen, options, float(np.round(chosen.nodes[0], 4)), most, TENTH
+            )
             chosen = common.sampled(chosen, nodes)
         elif len(chosen.nodes) > most:
             raise TableError(
@@ -56,7 +58,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         files[name] = data
         left[table.name] = common.left(table, _parsed(Source(name, data), options, table.moving))
         if table.two_way and not options.two_way:
-            notices.append(f"{table.name}: one table for both directions; the control's backlash must stay as it is")
+            notices.append(
+                f"{table.name}: one table for both directions; the control's backlash must stay as it is"
+            )
     notices += [
         "activate with lr_param.ssfk 1 in the axis' parameters; with both directions in the list its own backlash must be 0",
         "what the control does beyond the first and last point is not documented: the table must be as long as the travel",
@@ -65,9 +69,13 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> bytes:
-    places, pos, neg = (np.round(v / TENTH).astype(np.int64) for v in (table.nodes, table.forward, table.reverse))
+    places, pos, neg = (
+        np.round(v / TENTH).astype(np.int64) for v in (table.nodes, table.forward, table.reverse)
+    )
     if np.any(np.diff(places) <= 0):
-        raise TableError(f"two nodes of {table.name} are closer than {TENTH / UM:g} um", "leave one out")
+        raise TableError(
+            f"two nodes of {table.name} are closer than {TENTH / UM:g} um", "leave one out"
+        )
     x = table.moving
     key = f"number_{x}"
     usual = 1 + "XYZABC".index(x)
@@ -108,11 +116,15 @@ def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTa
         last = number
         found = LINE.fullmatch(text)
         if not found:
-            raise common.fault(source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw)
+            raise common.fault(
+                source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw
+            )
         _, key, index, column, value = found.groups()
         if index is None:
             if key in head:
-                raise common.fault(source, number, f"{key} has been given in line {head[key][0]}", "", raw)
+                raise common.fault(
+                    source, number, f"{key} has been given in line {head[key][0]}", "", raw
+                )
             head[key] = (number, value.strip())
         elif key != "ssfk.table":
             raise common.fault(source, number, f"kw.{key} is not read: only kw.ssfk is", "", raw)
@@ -130,28 +142,45 @@ def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTa
 
     if told("ssfk.unit") != 1:
         raise common.fault(
-            source, head["ssfk.unit"][0], "unit 0: lengths are encoder increments", "only unit 1, 0.1 um, is read"
+            source,
+            head["ssfk.unit"][0],
+            "unit 0: lengths are encoder increments",
+            "only unit 1, 0.1 um, is read",
         )
     if told("ssfk.modulo", 0):
-        raise common.fault(source, head["ssfk.modulo"][0], "a modulo axis: tables of rotary axes are not read")
+        raise common.fault(
+            source, head["ssfk.modulo"][0], "a modulo axis: tables of rotary axes are not read"
+        )
     count, gap = int(told("ssfk.kw_nr_max")), told("ssfk.interval", 0)
     if count < 2:
-        raise common.fault(source, head["ssfk.kw_nr_max"][0], f"kw_nr_max is {count}: a table needs two points")
-    needed = (["pos"] if gap else ["setpoint", "pos"]) + (["neg"] if told("ssfk.bilateral", 0) else [])
+        raise common.fault(
+            source, head["ssfk.kw_nr_max"][0], f"kw_nr_max is {count}: a table needs two points"
+        )
+    needed = (["pos"] if gap else ["setpoint", "pos"]) + (
+        ["neg"] if told("ssfk.bilateral", 0) else []
+    )
     for column in needed:
         absent = [i for i in range(count) if i not in cells[column]]
         if absent:
-            raise common.fault(source, last, f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}")
+            raise common.fault(
+                source, last, f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}"
+            )
     extra = [f"table[{i}].{c}" for c in cells for i in cells[c] if i >= count]
     if extra:
         raise common.fault(source, last, f"{extra[0]} is beyond kw_nr_max {count}")
     column = {c: np.array([cells[c][i] for i in range(count)]) * TENTH for c in needed}
-    nodes = (told("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH if gap else column["setpoint"]
+    nodes = (
+        (told("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH
+        if gap
+        else column["setpoint"]
+    )
     if np.any(np.diff(nodes) <= 0):
         raise common.fault(source, last, "the setpoints do not ascend")
     name = head.get("log_achs_name", (1, ""))[1]
     axis = letter or common.letter_of(name, options)
     if axis not in tuple("XYZ"):
-        raise common.fault(source, 1, f"log_achs_name is {name!r}: no linear axis X, Y or Z", "--set axis_X=NAME")
+        raise common.fault(
+            source, 1, f"log_achs_name is {name!r}: no linear axis X, Y or Z", "--set axis_X=NAME"
+        )
     table = ErrorTable(axis, axis, nodes, column["pos"], column.get("neg", column["pos"]))
     return replace(table, nodes=np.round(nodes, 7))

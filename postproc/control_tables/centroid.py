@@ -48,7 +48,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         single = version == "1" or not options.two_way
         chosen = common.mean(table) if single and table.two_way else table
-        home = common.reference(table, options, notices) if version == "1" else float(chosen.nodes[0])
+        home = (
+            common.reference(table, options, notices) if version == "1" else float(chosen.nodes[0])
+        )
         even = common.sampled(chosen, common.even_nodes(chosen, options, home, most))
         if version == "1":
             even, _ = common.zeroed(even, home, 0.0, notices)
@@ -58,7 +60,11 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         else:
             name = f"centroid-{table.moving}.txt"
             files[name] = _sheet.text(
-                even, options, sign, COLUMNS, [f"{options.program}: correction of {table.moving}", NOTICE]
+                even,
+                options,
+                sign,
+                COLUMNS,
+                [f"{options.program}: correction of {table.moving}", NOTICE],
             )
             back = _sheet.parsed(Source(name, files[name]), sign, COLUMNS)
         left[table.name] = common.left(table, back)
@@ -78,7 +84,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         return [_sheet.parsed(source, _sign(options), COLUMNS)]
     axis = options.extra.get("axis", "").upper()
     if axis not in ("X", "Y", "Z"):
-        raise UsageError(f"which axis is {source.name}? A table of version 1 does not say", "--set axis=X")
+        raise UsageError(
+            f"which axis is {source.name}? A table of version 1 does not say", "--set axis=X"
+        )
     return [_parsed_counts(source, axis, options.reference.get(axis, 0.0), _sign(options), options)]
 
 
@@ -90,7 +98,8 @@ def _per_mm(options: ExportOptions) -> float:
     value = common.number(options, "counts_per_mm", 0.0, 0.0, 1e7)
     if not value:
         raise UsageError(
-            "a table of version 1 is in encoder counts", "--set counts_per_mm=1574.803, as the axis has them"
+            "a table of version 1 is in encoder counts",
+            "--set counts_per_mm=1574.803, as the axis has them",
         )
     return value
 
@@ -114,7 +123,9 @@ def _counts(table: ErrorTable, home: float, sign: float, options: ExportOptions)
     return ("\r\n".join(rows) + "\r\n").encode()
 
 
-def _parsed_counts(source: Source, axis: str, home: float, sign: float, options: ExportOptions) -> ErrorTable:
+def _parsed_counts(
+    source: Source, axis: str, home: float, sign: float, options: ExportOptions
+) -> ErrorTable:
     per_mm = _per_mm(options)
     lines = [(number, line) for number, line in common.numbered(source) if line.strip()]
     number, head = lines[0]
@@ -127,12 +138,17 @@ def _parsed_counts(source: Source, axis: str, home: float, sign: float, options:
             "number of points and place of the last, like 24 -1448819",
             head,
         )
-    count, last = int(words[0]), common.finite(source, number, words[1], "the place of the last point", head)
+    count, last = (
+        int(words[0]),
+        common.finite(source, number, words[1], "the place of the last point", head),
+    )
     if not last:
         raise common.fault(source, number, "the last point stands at home", "", head)
     values = [common.finite(source, line, text, "the correction", text) for line, text in lines[1:]]
     if len(values) != count:
-        raise common.fault(source, lines[-1][0], f"{len(values)} corrections, and the header tells {count}")
+        raise common.fault(
+            source, lines[-1][0], f"{len(values)} corrections, and the header tells {count}"
+        )
     nodes = home + np.round(np.linspace(0.0, last / per_mm, count), 3)  # a count is about that
     off = sign * np.array(values) / per_mm
     if last < 0:

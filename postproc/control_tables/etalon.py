@@ -56,7 +56,10 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
         middle = (grid.forward.max(axis=2) + grid.forward.min(axis=2)) / 2
         off = grid.forward - middle[:, :, None]
         volumetric.add(
-            left, directions(machine, replace(found, axes={}, grids=(replace(grid, forward=off, reverse=-off),)))
+            left,
+            directions(
+                machine, replace(found, axes={}, grids=(replace(grid, forward=off, reverse=-off),))
+            ),
         )
         notices.append(
             f"the format has one argument: errors of {grid.letter} over {grid.other} are written as their middle"
@@ -66,7 +69,8 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
         if own is not None:
             nodes = np.union1d(own.nodes, grid.nodes)
             sums = [
-                np.interp(nodes, own.nodes, own.mean[i]) + np.interp(nodes, grid.nodes, middle[i]) for i in range(6)
+                np.interp(nodes, own.nodes, own.mean[i]) + np.interp(nodes, grid.nodes, middle[i])
+                for i in range(6)
             ]
             parts = [(i, nodes, v, v) for i, v in enumerate(sums)]
         axes[grid.letter] = merged(grid.letter, parts)
@@ -81,7 +85,9 @@ def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float]
     for name, angle in found.square.items():
         lines += [f"[{name}]", f"VALUE = {plain(angle)}"]
     for x, table in sorted(found.axes.items()):
-        lines += [line for row in table.rows for line in _section(table, row, f"{COMPONENTS[row]}{x}")]
+        lines += [
+            line for row in table.rows for line in _section(table, row, f"{COMPONENTS[row]}{x}")
+        ]
     if len(lines) == 2:
         raise TableError("there is no deviation to write", "all tables of the machine are zero")
     order = f"{''.join(found.chain)}, {found.workpiece_axes} of them on the workpiece's side"
@@ -93,7 +99,9 @@ def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float]
 
 
 def _section(table: AxisTable, row: int, name: str) -> list[str]:
-    points = [f"    {plain(q)} {plain(e)}" for q, e in zip(table.nodes, table.mean[row], strict=True)]
+    points = [
+        f"    {plain(q)} {plain(e)}" for q, e in zip(table.nodes, table.mean[row], strict=True)
+    ]
     return [f"[{name}]", "Gridpoints = {", *points, "}"]
 
 
@@ -121,20 +129,32 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
             points.append(_point(source, number, text, points))
         elif section:
             if name:
-                raise common.fault(source, number, f"[{name}] has neither VALUE nor Gridpoints", "", text)
+                raise common.fault(
+                    source, number, f"[{name}] has neither VALUE nor Gridpoints", "", text
+                )
             name, header = section[1], number
             if not (COMPONENT.fullmatch(name) or LOCATION.fullmatch(name)):
                 raise common.fault(
-                    source, number, f"{name[:40]!r} is not a parameter", "EXX .. ECC, A0Z B0Z C0Y ..", text
+                    source,
+                    number,
+                    f"{name[:40]!r} is not a parameter",
+                    "EXX .. ECC, A0Z B0Z C0Y ..",
+                    text,
                 )
             found.once(number, name)
         elif not name:
             raise common.fault(
-                source, number, "a line outside of a section", "a parameter begins with its name: [EXY]", text
+                source,
+                number,
+                "a line outside of a section",
+                "a parameter begins with its name: [EXY]",
+                text,
             )
         elif value:
             if COMPONENT.fullmatch(name):
-                raise common.fault(source, number, f"{name} is one VALUE: a component needs Gridpoints", "", text)
+                raise common.fault(
+                    source, number, f"{name} is one VALUE: a component needs Gridpoints", "", text
+                )
             found.location(name, volumetric.value_of(source, number, value[1], text))
             name = ""
         elif re.fullmatch(r"Gridpoints\s*=\s*\{", text, re.IGNORECASE):
@@ -142,7 +162,9 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
         else:
             raise common.fault(source, number, "neither VALUE = .. nor Gridpoints = {", "", text)
     if points is not None:
-        raise common.fault(source, last, f"the file ends inside the Gridpoints of {name} (line {header})")
+        raise common.fault(
+            source, last, f"the file ends inside the Gridpoints of {name} (line {header})"
+        )
     if name:
         raise common.fault(source, header, f"[{name}] has neither VALUE nor Gridpoints")
     if not found.seen:
@@ -150,24 +172,32 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
     return found.map(options)
 
 
-def _point(source: Source, number: int, text: str, before: list[tuple[float, float]]) -> tuple[float, float]:
+def _point(
+    source: Source, number: int, text: str, before: list[tuple[float, float]]
+) -> tuple[float, float]:
     cells = text.split()
     if len(cells) != 2:
         message = f"{len(cells)} words where an argument and its value must stand"
         raise common.fault(source, number, message, "or a closing } is missing above", text)
     argument, value = (volumetric.value_of(source, number, cell, text) for cell in cells)
     if before and argument <= before[-1][0]:
-        raise common.fault(source, number, f"{argument:g} does not ascend after {before[-1][0]:g}", "", text)
+        raise common.fault(
+            source, number, f"{argument:g} does not ascend after {before[-1][0]:g}", "", text
+        )
     return argument, value
 
 
 def _keep(found: Collected, line: int, name: str, points: list[tuple[float, float]]) -> None:
     if LOCATION.fullmatch(name):
         if len({value for _, value in points}) != 1:
-            raise common.fault(found.source, line, f"{name} is no constant: only a constant is known for it")
+            raise common.fault(
+                found.source, line, f"{name} is no constant: only a constant is known for it"
+            )
         found.location(name, points[0][1])
     elif len(points) < 2:
-        raise common.fault(found.source, line, f"{name} has {len(points)} points: a component needs two")
+        raise common.fault(
+            found.source, line, f"{name} has {len(points)} points: a component needs two"
+        )
     elif name[1] in ROTARY + "XYZ" and name[2] in ROTARY:
         found.notices.append(f"{name}: components of rotary axes are not read")
     else:

@@ -43,10 +43,14 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         chosen = table if options.two_way or not table.two_way else common.mean(table)
         if options.spacing:
-            chosen = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most))
+            chosen = common.sampled(
+                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
+            )
         chosen, lost = common.thinned(chosen, most)
         if lost:
-            notices.append(f"{table.name}: thinned out to {len(chosen.nodes)} points, which loses {lost / UM:.3f} um")
+            notices.append(
+                f"{table.name}: thinned out to {len(chosen.nodes)} points, which loses {lost / UM:.3f} um"
+            )
         up, down = (np.round(sign * v / unit, decimals) for v in (chosen.forward, chosen.reverse))
         if not np.any(down) and np.any(up):
             down[-1] = 10.0**-decimals
@@ -60,7 +64,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     name = f"{options.program}_fagor.csv"
     data = lists.written([remark], columns(options), rows)
     back = {t.name: t for t in read(Source(name, data), options)}
-    return Export({name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept})
+    return Export(
+        {name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept}
+    )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -72,5 +78,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if len(rows) > 1000:
             raise TableError(f"{source.name}: {axis} has {len(rows)} points, and there are 1000")
         nodes, up, down = np.array(rows).T * unit
-        tables.append(ErrorTable(axis, axis, nodes, sign * up, sign * (down if np.any(down) else up)))
+        tables.append(
+            ErrorTable(axis, axis, nodes, sign * up, sign * (down if np.any(down) else up))
+        )
     return tables

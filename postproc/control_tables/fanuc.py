@@ -66,11 +66,16 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         _advice(settings, options, notices)
     cross = [t for t in tables if t.moving != t.along]
     if cross:
-        name, data = f"{options.program}_straightness.csv", _straightness(cross, options, notices, shifts)
+        name, data = (
+            f"{options.program}_straightness.csv",
+            _straightness(cross, options, notices, shifts),
+        )
         files[name] = data
         back += _read_straightness(Source(name, data), options)
     got = {t.name: t for t in back}
-    remainder = {t.name: common.left(common.shifted(t, shifts[t.name]), got[t.name]) for t in tables}
+    remainder = {
+        t.name: common.left(common.shifted(t, shifts[t.name]), got[t.name]) for t in tables
+    }
     return Export(files, tuple(notices), remainder)
 
 
@@ -111,10 +116,21 @@ def _axis(
             f"{axis} needs the numbers {low} to {high}, and there are 0 to {LARGEST_NUMBER}",
             f"--first {axis}=N for another reference number",
         )
-    rest = {} if options.extra.get("span", "range") == "map" else dict.fromkeys(range(low, high + 1), 0)
+    rest = (
+        {}
+        if options.extra.get("span", "range") == "map"
+        else dict.fromkeys(range(low, high + 1), 0)
+    )
     numbers = rest | {number + i: int(k) for i, k in enumerate(points.up)}
     interval = round(points.step / listings.increment(options))
-    known: dict[int, float] = {3620: first, 3621: low, 3622: high, 3623: points.magnification, 3624: interval, 3625: 0}
+    known: dict[int, float] = {
+        3620: first,
+        3621: low,
+        3622: high,
+        3623: points.magnification,
+        3624: interval,
+        3625: 0,
+    }
     known[1851] = 0 if both else round(common.play(table) / options.step)
     if both and (not np.array_equal(points.up, points.down) or points.opposite):
         start = common.whole(options, f"negative_{axis}", high + 1, 0, LARGEST_NUMBER)
@@ -124,13 +140,19 @@ def _axis(
                 f"--set negative_{axis}=N",
             )
         shift = start - low
-        numbers |= {n + shift: 0 for n in rest} | {number + i + shift: int(k) for i, k in enumerate(points.down)}
+        numbers |= {n + shift: 0 for n in rest} | {
+            number + i + shift: int(k) for i, k in enumerate(points.down)
+        }
         known |= {3605: 1, 3626: start, 3627: points.opposite}
         if points.magnification > 1:
-            notices.append(f"unverified: 3627 of {axis} is written in detection units, not times 3623")
+            notices.append(
+                f"unverified: 3627 of {axis} is written in detection units, not times 3623"
+            )
     if "rapid_backlash" in options.extra:
         same = options.extra["rapid_backlash"] == "same"
-        known[1852] = known[1851] if same else common.whole(options, "rapid_backlash", 0, -9999, 9999)
+        known[1852] = (
+            known[1851] if same else common.whole(options, "rapid_backlash", 0, -9999, 9999)
+        )
     return known, numbers, points.by
 
 
@@ -138,7 +160,11 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
     """The axis on even points. Where no spacing is asked for, it is halved before a magnification is used: that halves the
     increments, and keeps the running sum within half a detection unit."""
     home = common.reference(table, options, notices)
-    way = (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0) if both else 0.0
+    way = (
+        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
+        if both
+        else 0.0
+    )
     whole = common.sampled(table, np.union1d(table.nodes, [home]))
     chosen = whole if both else common.mean(whole)
     most = common.whole(options, "points", 128, 2, LARGEST_NUMBER)
@@ -146,11 +172,14 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
     spacing = options.spacing
     while True:
         even = common.sampled(
-            chosen, common.even_nodes(chosen, replace(options, spacing=spacing), home, most + 1, small)
+            chosen,
+            common.even_nodes(chosen, replace(options, spacing=spacing), home, most + 1, small),
         )
         told: list[str] = []
         even, by = common.zeroed(even, home, way, told)
-        step = float(even.nodes[1] - even.nodes[0]) if len(even.nodes) > 1 else options.spacing or 20.0
+        step = (
+            float(even.nodes[1] - even.nodes[0]) if len(even.nodes) > 1 else options.spacing or 20.0
+        )
         magnification, up, down = _increments(even, options, home, way)
         fine = step / 2
         if (
@@ -168,7 +197,16 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
             f"{options.step * magnification / UM:g} um; --set largest=127 if the control takes that, or a smaller --spacing"
         )
     below = round((home - float(even.nodes[0])) / step)
-    return _Points(even, by, step, below, magnification, up, down, _opposite(even, options, home, way) if both else 0)
+    return _Points(
+        even,
+        by,
+        step,
+        below,
+        magnification,
+        up,
+        down,
+        _opposite(even, options, home, way) if both else 0,
+    )
 
 
 def _increments(
@@ -177,7 +215,8 @@ def _increments(
     """The magnification, and the increments for travel in + and in -: the differences of rounded running sums, each
     counted from what is added at the reference (0, or 3627)."""
     starts = [
-        0.0 if direction * way >= 0 else _opposite(even, options, home, way) * options.step for direction in (1.0, -1.0)
+        0.0 if direction * way >= 0 else _opposite(even, options, home, way) * options.step
+        for direction in (1.0, -1.0)
     ]
     bound = common.whole(options, "largest", 7, 1, 127)
     for magnification in range(1, 101):
@@ -202,7 +241,8 @@ def _range(axis: str, options: ExportOptions, low: int, high: int) -> tuple[int,
     words = options.extra[f"range_{axis}"].split(":")
     if len(words) != 2 or not all(w.isdigit() for w in words):
         raise UsageError(
-            f"range_{axis} = {options.extra[f'range_{axis}']!r} is not two numbers", f"--set range_{axis}={low}:{high}"
+            f"range_{axis} = {options.extra[f'range_{axis}']!r} is not two numbers",
+            f"--set range_{axis}={low}:{high}",
         )
     first, last = int(words[0]), int(words[1])
     if high >= low and not (first <= low and high <= last):
@@ -228,23 +268,34 @@ def _files(
     )
     if form == "csv":
         files = listings.csv_files(settings, pitch, name)
-        told = replace(options, extra={**options.extra, "settings": files[f"{name}_settings.csv"].decode()})
+        told = replace(
+            options, extra={**options.extra, "settings": files[f"{name}_settings.csv"].decode()}
+        )
         return files, read(Source(f"{name}_pitch.csv", files[f"{name}_pitch.csv"]), told)
     missing = [axis for axis in settings if axis not in listings.axis_order(options)]
     if missing:
-        raise UsageError(f"which axis number has {missing[0]}?", "--set axes=XZ: the letters in the control's order")
+        raise UsageError(
+            f"which axis number has {missing[0]}?",
+            "--set axes=XZ: the letters in the control's order",
+        )
     if form == "records":
         file, data = f"{name}_fanuc.txt", listings.records(settings, pitch, options)
     else:
         notices.append(
             f"unverified: G10 L50 and L52 lines are from general knowledge; axes are numbered {listings.axis_order(options)}"
         )
-        comments = ["gcomp pitch error compensation", "unverified: sign, and the lines of G10", *sorted(said)]
+        comments = [
+            "gcomp pitch error compensation",
+            "unverified: sign, and the lines of G10",
+            *sorted(said),
+        ]
         file, data = f"{name}_fanuc.nc", listings.g10(settings, pitch, comments, options, form)
     return {file: data}, read(Source(file, data), options)
 
 
-def _advice(settings: dict[str, dict[int, float]], options: ExportOptions, notices: list[str]) -> None:
+def _advice(
+    settings: dict[str, dict[int, float]], options: ExportOptions, notices: list[str]
+) -> None:
     if any(3605 in known for known in settings.values()):
         notices.append(
             "set 3605#0 = 1 by hand (its other bits are not known here); it is an option of the control; then 1851 is 0"
@@ -257,7 +308,9 @@ def _advice(settings: dict[str, dict[int, float]], options: ExportOptions, notic
             "1851 is the backlash; 1852 (rapid) counts where 1800#4 is 1: --set rapid_backlash=same writes it too"
         )
     spacing = min(known[3624] for known in settings.values()) * listings.increment(options)
-    notices.append(f"an interval of {spacing:g} mm is enough up to about {spacing * 7500:g} mm/min (general knowledge)")
+    notices.append(
+        f"an interval of {spacing:g} mm is enough up to about {spacing * 7500:g} mm/min (general knowledge)"
+    )
     notices.append(
         "clear what stood in these numbers, write, switch the control off and on, and return to the reference"
     )
@@ -277,33 +330,55 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             "they are in another file: --settings FILE (parameter_no,meaning,x,y,z)",
         )
     used: set[int] = set()
-    tables = [t for axis in listing.settings if (t := _table(listing, axis, options, used)) is not None]
+    tables = [
+        t for axis in listing.settings if (t := _table(listing, axis, options, used)) is not None
+    ]
     for number, line in listing.line.items():
         if number not in used:
-            ranges = ", ".join(f"{a} {s.get(3621, 0):g} to {s.get(3622, 0):g}" for a, s in listing.settings.items())
+            ranges = ", ".join(
+                f"{a} {s.get(3621, 0):g} to {s.get(3622, 0):g}" for a, s in listing.settings.items()
+            )
             raise common.fault(
-                source, line, f"compensation number {number} is of no axis", f"ranges by 3621 and 3622: {ranges}"
+                source,
+                line,
+                f"compensation number {number} is of no axis",
+                f"ranges by 3621 and 3622: {ranges}",
             )
     return tables
 
 
-def _table(listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]) -> ErrorTable | None:
+def _table(
+    listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]
+) -> ErrorTable | None:
     known = listing.settings[axis]
     source = listing.source
     for number in (3620, 3621, 3622, 3623, 3624):
         if number not in known:
             raise TableError(
-                f"{source.name}: parameter {number} of {axis} is missing", "3620 to 3624 say where the numbers stand"
+                f"{source.name}: parameter {number} of {axis} is missing",
+                "3620 to 3624 say where the numbers stand",
             )
     first, low, high, magnification = (int(known[n]) for n in (3620, 3621, 3622, 3623))
-    unit = common.mm_per_unit(options) if (axis, 3624) in listing.lengths else listings.increment(options)
+    unit = (
+        common.mm_per_unit(options)
+        if (axis, 3624) in listing.lengths
+        else listings.increment(options)
+    )
     step = known[3624] * unit
     if step <= 0 or high < low:
-        raise TableError(f"{source.name}: 3624 = {known[3624]:g}, 3621 = {low}, 3622 = {high} of {axis} make no table")
+        raise TableError(
+            f"{source.name}: 3624 = {known[3624]:g}, 3621 = {low}, 3622 = {high} of {axis} make no table"
+        )
     if known.get(3625, 0):
-        raise TableError(f"{source.name}: 3625 of {axis} is {known[3625]:g}: a rotary axis, not read")
+        raise TableError(
+            f"{source.name}: 3625 of {axis} is {known[3625]:g}: a rotary axis, not read"
+        )
     both = 3626 in known and bool(int(known.get(3605, 1)) & 1)
-    way = (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0) if both else 0.0
+    way = (
+        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
+        if both
+        else 0.0
+    )
     home = options.reference.get(axis, 0.0)
     columns = []
     starts = [low, int(known[3626])] if both else [low]
@@ -312,7 +387,9 @@ def _table(listing: listings.Listing, axis: str, options: ExportOptions, used: s
         for n in numbers:
             if listing.owner.get(n, axis) != axis or n in used:
                 raise common.fault(
-                    source, listing.line[n], f"compensation number {n} lies in the range of {axis} and of another axis"
+                    source,
+                    listing.line[n],
+                    f"compensation number {n} lies in the range of {axis} and of another axis",
                 )
         if numbers and numbers != list(range(numbers[0], numbers[-1] + 1)):
             gap = next(n for n in range(numbers[0], numbers[-1]) if n not in listing.pitch)
@@ -325,13 +402,21 @@ def _table(listing: listings.Listing, axis: str, options: ExportOptions, used: s
         offset = known.get(3627, 0.0) * options.step if both and direction != way else 0.0
         columns.append(
             _sums(
-                numbers, [listing.pitch[n] for n in numbers], start + first - low, magnification * options.step, offset
+                numbers,
+                [listing.pitch[n] for n in numbers],
+                start + first - low,
+                magnification * options.step,
+                offset,
             )
         )
     play = known.get(1851, 0.0) * options.step
     if not any(len(points) for points, _ in columns) and not play and 3627 not in known:
         return None
-    points = np.unique(np.concatenate([p for p, _ in columns])) if any(len(p) for p, _ in columns) else np.zeros(1)
+    points = (
+        np.unique(np.concatenate([p for p, _ in columns]))
+        if any(len(p) for p, _ in columns)
+        else np.zeros(1)
+    )
     added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
     up, down = added[0] + play / 2, added[-1] - play / 2
     return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
@@ -360,7 +445,10 @@ def _straightness(
         home = common.reference(table, options, notices)
         whole = common.sampled(common.mean(table), np.union1d(table.nodes, [home]))
         even = common.sampled(
-            whole, common.even_nodes(whole, options, home, common.whole(options, "points", 128, 2, 1023) + 1)
+            whole,
+            common.even_nodes(
+                whole, options, home, common.whole(options, "points", 128, 2, 1023) + 1
+            ),
         )
         even, shifts[table.name] = common.zeroed(even, home, 0.0, notices)
         counts = np.rint(-even.forward / options.step).astype(int)
@@ -376,16 +464,22 @@ def _read_straightness(source: Source, options: ExportOptions) -> list[ErrorTabl
     for line, text in common.numbered(source)[1:]:
         cells = [c.strip() for c in text.split(",")]
         if len(cells) != 4 or not all(len(c) == 1 and c.isalpha() for c in cells[:2]):
-            raise common.fault(source, line, "not moving, compensated, position and increment", "Z,X,20,-1", text)
+            raise common.fault(
+                source, line, "not moving, compensated, position and increment", "Z,X,20,-1", text
+            )
         place, count = (common.finite(source, line, c, "the value", text) for c in cells[2:])
         known = rows.setdefault((cells[0].upper(), cells[1].upper()), [])
         if known and place <= known[-1][0]:
-            raise common.fault(source, line, f"position {place:g} does not ascend after {known[-1][0]:g}", "", text)
+            raise common.fault(
+                source, line, f"position {place:g} does not ascend after {known[-1][0]:g}", "", text
+            )
         known.append((place, count))
     tables = []
     for (moving, along), pairs in rows.items():
         nodes, counts = np.array(pairs).T
         total = np.cumsum(counts)
         total -= np.interp(options.reference.get(moving, 0.0), nodes, total)
-        tables.append(ErrorTable(moving, along, nodes, -total * options.step, -total * options.step))
+        tables.append(
+            ErrorTable(moving, along, nodes, -total * options.step, -total * options.step)
+        )
     return tables

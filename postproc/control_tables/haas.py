@@ -20,7 +20,10 @@ TITLE = "Haas lead screw compensation, a list to key in"
 VERIFIED = False
 UNVERIFIED = "the sign, and how the values are entered"
 SIGN = "-deviation by default (unverified; --set haas_sign=+ flips it)"
-EXTRA = {"haas_sign": "- or +, -", "encoder_step_mm": "mm of an encoder step, for the limit of 127 steps"}
+EXTRA = {
+    "haas_sign": "- or +, -",
+    "encoder_step_mm": "mm of an encoder step, for the limit of 127 steps",
+}
 SPACING = 0.5 * MM_PER_INCH
 POINTS, STEPS, DECIMALS = 256, 127, 4
 COLUMNS = ("axis", "point", "position_in", "value_in")
@@ -31,9 +34,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     sign = 1.0 if common.setting(options, "haas_sign", "-", ("-", "+")) == "+" else -1.0
     encoder = common.number(options, "encoder_step_mm", 0.0, 0.0, 1.0)
     kept, notices = common.own_axis(tables, "the Haas lead screw compensation")
-    remark = (
-        "unverified: the sign, and how the values are entered; Haas' manual says a user should not need to change them"
-    )
+    remark = "unverified: the sign, and how the values are entered; Haas' manual says a user should not need to change them"
     notices.insert(0, remark)
     rows: list[list[str]] = []
     for table in kept:
@@ -66,11 +67,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 f"{table.name}: the mean of both directions is written; lost motion of {common.play(table) / UM:+.1f} um is a parameter of its own"
             )
     if not encoder:
-        notices.append(f"values are limited to {STEPS} encoder steps: not checked (--set encoder_step_mm=0.001)")
+        notices.append(
+            f"values are limited to {STEPS} encoder steps: not checked (--set encoder_step_mm=0.001)"
+        )
     name = f"{options.program}_haas.csv"
     data = lists.written([remark], COLUMNS, rows)
     back = {t.name: t for t in read(Source(name, data), options)}
-    return Export({name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept})
+    return Export(
+        {name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept}
+    )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -80,7 +85,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     for axis, rows in lists.by_axis(source, COLUMNS, whole=(0,)).items():
         point, position, value = np.array(rows).T
         if not np.allclose(position, -0.5 * point) or point[0] != 0:
-            raise TableError(f"{source.name}: positions of {axis} are not 0, -0.5, -1.0 ... inch from machine zero")
+            raise TableError(
+                f"{source.name}: positions of {axis} are not 0, -0.5, -1.0 ... inch from machine zero"
+            )
         nodes = (options.reference.get(axis, 0.0) + position * MM_PER_INCH)[::-1]
         column = (sign * value * MM_PER_INCH)[::-1]
         tables.append(ErrorTable(axis, axis, np.round(nodes, 9), column, column))

@@ -48,7 +48,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     tables = common.checked(tables)
     form = common.setting(options, "form", "free", ("free", "legacy"))
     template = options.extra.get("template", "")
-    notices: list[str] = ["unverified: the sign of .COM values follows MP720; look with a gauge before cutting"]
+    notices: list[str] = [
+        "unverified: the sign of .COM values follows MP720; look with a gauge before cutting"
+    ]
     if template:
         notices.append("the frame and the columns are those of your template")
     else:
@@ -80,7 +82,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         row = "0   " + "".join(f"AXIS_{letter}.COM".ljust(width) for letter in moving) + "*"
         files["config.CMA"] = f"BEGIN CONFIG.CMA\n{head}\n{row}\n[END]\n".encode()
     notices.append(
-        "assign in the .CMA table: " + ", ".join(f"column {x}: AXIS_{x}.COM" for x in moving) + "; * in ACTIVE"
+        "assign in the .CMA table: "
+        + ", ".join(f"column {x}: AXIS_{x}.COM" for x in moving)
+        + "; * in ACTIVE"
     )
     notices.append("AXISPOS counts from the machine datum (MP_refPosition)")
     return Export(files, tuple(notices), remainder)
@@ -94,7 +98,9 @@ def _ways(table: ErrorTable, options: ExportOptions, notices: list[str]) -> Erro
     return common.mean(table)
 
 
-def _nodes(group: list[ErrorTable], options: ExportOptions, form: str, notices: list[str]) -> np.ndarray:
+def _nodes(
+    group: list[ErrorTable], options: ExportOptions, form: str, notices: list[str]
+) -> np.ndarray:
     """Positions for all columns of one file: common nodes, thinned out, or even ones."""
     most = common.whole(options, "points", ENTRIES, 2, ENTRIES)
     span = group[0]
@@ -105,7 +111,9 @@ def _nodes(group: list[ErrorTable], options: ExportOptions, form: str, notices: 
     if form == "legacy":
         if options.unit != "mm":
             raise UsageError("the legacy form is in mm", "--unit mm")
-        power = max(0, math.ceil(math.log2(max(float(np.ptp(nodes)), TICK) / (most - 1) / TICK) - 1e-9))
+        power = max(
+            0, math.ceil(math.log2(max(float(np.ptp(nodes)), TICK) / (most - 1) / TICK) - 1e-9)
+        )
         if options.spacing:
             power = round(math.log2(options.spacing / TICK))
             if abs(TICK * 2**power - options.spacing) > 1e-9:
@@ -123,7 +131,8 @@ def _nodes(group: list[ErrorTable], options: ExportOptions, form: str, notices: 
         count = math.ceil(float(np.ptp(nodes)) / step - 1e-9) + 1
         if count > most:
             raise TableError(
-                f"{span.moving}: {count} entries of {step:g} mm, and the control has {most}", f"--spacing {2 * step:g}"
+                f"{span.moving}: {count} entries of {step:g} mm, and the control has {most}",
+                f"--spacing {2 * step:g}",
             )
         return np.asarray(np.round(nodes[0] + step * np.arange(max(2, count)), 9))
     if options.spacing:
@@ -162,7 +171,9 @@ def _layout(text: str, name: str) -> tuple[int, list[tuple[str, int]]]:
     )
 
 
-def _filled(template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions) -> bytes:
+def _filled(
+    template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions
+) -> bytes:
     """The template with the rows of `tables` in its columns."""
     unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
     back = next((t for t in tables if t.two_way), None)
@@ -205,9 +216,15 @@ def _filled(template: str, name: str, letter: str, tables: list[ErrorTable], opt
                 )
             row = row.ljust(start) + cell
         rows.append(row.rstrip())
-    ends = [i for i, line in enumerate(lines) if i > at and line.strip().upper().startswith(("[END]", "END"))]
+    ends = [
+        i
+        for i, line in enumerate(lines)
+        if i > at and line.strip().upper().startswith(("[END]", "END"))
+    ]
     if not ends:
-        raise TableError("the template has no line [END]", "export the whole table from the control")
+        raise TableError(
+            "the template has no line [END]", "export the whole table from the control"
+        )
     newline = "\r\n" if "\r\n" in template else "\n"
     return (newline.join([*lines[: at + 1], *rows, *lines[ends[0] :]]) + newline).encode()
 
@@ -219,12 +236,16 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     if not letter:
         named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)
         if named is None:
-            raise UsageError(f"of which moving axis is {source.name}? A .COM table does not say", "--axis X")
+            raise UsageError(
+                f"of which moving axis is {source.name}? A .COM table does not say", "--axis X"
+            )
         letter = named[1].upper()
     lines = common.numbered(source)
     at, columns = _layout(source.text, source.name)
     said = re.search(r"\b(MM|INCH)\b", lines[0][1].upper()) if at else None
-    unit = common.mm_per_unit(options) if said is None else (1.0 if said[1] == "MM" else MM_PER_INCH)
+    unit = (
+        common.mm_per_unit(options) if said is None else (1.0 if said[1] == "MM" else MM_PER_INCH)
+    )
     heads = [c for c, _ in columns]
     edges = [s for _, s in columns] + [1 << 20]
     rows: list[dict[str, float]] = []
@@ -236,15 +257,23 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         cells = {h: text[edges[i] : edges[i + 1]].strip() for i, h in enumerate(heads)}
         row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
         if row.get("NR") != len(rows):
-            raise common.fault(source, line, f"row {cells['NR']!r} where NR {len(rows)} is due", "", text)
+            raise common.fault(
+                source, line, f"row {cells['NR']!r} where NR {len(rows)} is due", "", text
+            )
         if "AXISPOS" not in row:
             raise common.fault(source, line, "AXISPOS is empty", "", text)
         if rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
             raise common.fault(
-                source, line, f"AXISPOS {row['AXISPOS']:g} does not ascend after {rows[-1]['AXISPOS']:g}", "", text
+                source,
+                line,
+                f"AXISPOS {row['AXISPOS']:g} does not ascend after {rows[-1]['AXISPOS']:g}",
+                "",
+                text,
             )
         if rows and set(row) != set(rows[0]):
-            raise common.fault(source, line, "a value is missing that the first row has, or one too many", "", text)
+            raise common.fault(
+                source, line, "a value is missing that the first row has, or one too many", "", text
+            )
         rows.append(row)
     if not ended:
         raise common.fault(source, lines[-1][0], "[END] is missing: the file is not whole")

@@ -63,7 +63,9 @@ def write_machine(machine: Machine, options: ExportOptions) -> Export:
     return _export(found, options, left, notices)
 
 
-def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float], notices: list[str]) -> Export:
+def _export(
+    found: VolumetricMap, options: ExportOptions, left: dict[str, float], notices: list[str]
+) -> Export:
     mean = found.one_way()
     lines = [
         f"// {options.program}: mm and rad, deviation = actual - commanded, arms from machine zero",
@@ -107,7 +109,9 @@ def _groups(found: VolumetricMap) -> dict[tuple[str, str], list[int]]:
             known = others.setdefault((grid.letter, row), grid.other)
             if known != grid.other:
                 name = COMPONENTS[row] + grid.letter
-                raise TableError(f"{name} depends on {known} and on {grid.other}", "write one of the two")
+                raise TableError(
+                    f"{name} depends on {known} and on {grid.other}", "write one of the two"
+                )
     groups: dict[tuple[str, str], list[int]] = {}
     for (x, row), other in others.items():
         groups.setdefault((x, other), []).append(row)
@@ -125,19 +129,31 @@ def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[
     if not other:
         assert own is not None
         cells = [own.nodes, *own.forward[rows]]
-        return [" ".join([letter, *names]), *(" ".join(map(plain, row)) for row in zip(*cells, strict=True))]
+        return [
+            " ".join([letter, *names]),
+            *(" ".join(map(plain, row)) for row in zip(*cells, strict=True)),
+        ]
     grids = [g for g in found.grids if g.letter == letter and g.other == other]
-    nodes = np.unique(np.concatenate([g.nodes for g in grids] + ([own.nodes] if own is not None else [])))
+    nodes = np.unique(
+        np.concatenate([g.nodes for g in grids] + ([own.nodes] if own is not None else []))
+    )
     others = np.unique(np.concatenate([g.others for g in grids]))
-    q, p = (v.ravel() for v in np.meshgrid(nodes, others))  # the second axis turns slowest, as in the manual's example
+    q, p = (
+        v.ravel() for v in np.meshgrid(nodes, others)
+    )  # the second axis turns slowest, as in the manual's example
     none = np.zeros(len(q))
     values = np.zeros((6, len(q)))
-    parts = [g.evaluate(q, p, none) for g in grids] + ([own.evaluate(q, none)] if own is not None else [])
+    parts = [g.evaluate(q, p, none) for g in grids] + (
+        [own.evaluate(q, none)] if own is not None else []
+    )
     for part in parts:
         for row in rows:
             values[row] += 0.0 if part[row] is None else part[row]
     cells = [p, q, *values[rows]]
-    return [" ".join([other, letter, *names]), *(" ".join(map(plain, row)) for row in zip(*cells, strict=True))]
+    return [
+        " ".join([other, letter, *names]),
+        *(" ".join(map(plain, row)) for row in zip(*cells, strict=True)),
+    ]
 
 
 # -- reading ------------------------------------------------------------------------------------------------------------
@@ -182,7 +198,9 @@ def _blocks(source: Source) -> list[_Block]:
         if text.startswith("#"):
             if text.strip("#-=* "):
                 advice = "write the header on a line of its own"
-                raise common.fault(source, number, "text behind #, which begins a new table", advice, text)
+                raise common.fault(
+                    source, number, "text behind #, which begins a new table", advice, text
+                )
             fresh = True
         elif fresh:
             _check_header(source, number, cells, text)
@@ -192,7 +210,9 @@ def _blocks(source: Source) -> list[_Block]:
             if len(cells) != len(blocks[-1].names):
                 message = f"{len(cells)} values under {len(blocks[-1].names)} columns"
                 raise common.fault(source, number, message, "blanks part the columns", text)
-            blocks[-1].rows.append([volumetric.value_of(source, number, cell, text) for cell in cells])
+            blocks[-1].rows.append(
+                [volumetric.value_of(source, number, cell, text) for cell in cells]
+            )
             blocks[-1].lines.append(number)
     for block in blocks:
         if not block.rows:
@@ -204,27 +224,39 @@ def _blocks(source: Source) -> list[_Block]:
 
 def _check_header(source: Source, line: int, names: list[str], text: str) -> None:
     for name in names:
-        known = name in tuple(XYZ + ROTARY) or any(p.fullmatch(name) for p in (COMPONENT, LOCATION, OTHERS))
+        known = name in tuple(XYZ + ROTARY) or any(
+            p.fullmatch(name) for p in (COMPONENT, LOCATION, OTHERS)
+        )
         if not known:
             advice = "a table begins with a header: X Y Z A B C, EXX .. ECC, A0Z B0Z C0Y .."
-            raise common.fault(source, line, f"{name[:40]!r} is not an argument or parameter", advice, text)
+            raise common.fault(
+                source, line, f"{name[:40]!r} is not an argument or parameter", advice, text
+            )
         if names.count(name) > 1:
             raise common.fault(source, line, f"{name} heads two columns", "", text)
 
 
-def _parameter(found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int) -> None:
+def _parameter(
+    found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int
+) -> None:
     component = COMPONENT.fullmatch(name)
     if component and component[2] in XYZ:
         _component(found, block, name, data, arguments, column)
     elif component:
         found.notices.append(f"{name}: components of rotary axes are not read")
     elif np.ptp(data[:, column]) > 0:
-        raise common.fault(found.source, block.line, f"{name} changes from row to row: only a constant is known for it")
+        raise common.fault(
+            found.source,
+            block.line,
+            f"{name} changes from row to row: only a constant is known for it",
+        )
     else:
         found.location(name, float(data[0, column]))
 
 
-def _component(found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int) -> None:
+def _component(
+    found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int
+) -> None:
     """One component over its arguments; an argument that never changes is none."""
     letter, letters = name[2], [block.names[i] for i in arguments]
 
@@ -244,10 +276,15 @@ def _component(found: Collected, block: _Block, name: str, data: np.ndarray, arg
             )
     if len(others) > 1 or (others and block.names[others[0]] in ROTARY):
         by = " and ".join(block.names[i] for i in others)
-        raise fault(block.line, f"{name} depends on {by} beside {letter}: one more linear axis is known at most")
+        raise fault(
+            block.line,
+            f"{name} depends on {by} beside {letter}: one more linear axis is known at most",
+        )
     nodes, first = np.unique(data[:, own], return_inverse=True)
     second, last = (
-        np.unique(data[:, others[0]], return_inverse=True) if others else (np.zeros(1), np.zeros(len(data), int))
+        np.unique(data[:, others[0]], return_inverse=True)
+        if others
+        else (np.zeros(1), np.zeros(len(data), int))
     )
     values = np.full((len(nodes), len(second)), np.nan)
     for row, at in enumerate(zip(first.ravel(), last.ravel(), strict=True)):

@@ -33,20 +33,29 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     planes = []
     for plane, factor in found.skew.items():
         ac, bd = math.hypot(SIDE + SIDE * factor, SIDE), math.hypot(SIDE - SIDE * factor, SIDE)
-        planes.append(f"{plane.upper()}={common.fixed(ac, DECIMALS)},{common.fixed(bd, DECIMALS)},{SIDE:g}")
-    lines = [f"; {options.program}: lengths of a square of {SIDE:g} mm", "SET_SKEW " + " ".join(planes)]
+        planes.append(
+            f"{plane.upper()}={common.fixed(ac, DECIMALS)},{common.fixed(bd, DECIMALS)},{SIDE:g}"
+        )
+    lines = [
+        f"; {options.program}: lengths of a square of {SIDE:g} mm",
+        "SET_SKEW " + " ".join(planes),
+    ]
     two_way = [t.name for t in tables if t.two_way]
     notices = [
         "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and SET_SKEW CLEAR=1 at its end, or keep "
         "it with SKEW_PROFILE SAVE=name and SAVE_CONFIG",
         *found.notices,
         *(
-            [f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both directions"]
+            [
+                f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both directions"
+            ]
             if two_way
             else []
         ),
     ]
-    return Export({f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left)
+    return Export(
+        {f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
+    )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -57,7 +66,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if parts[0] == "SKEW_PROFILE":
             continue
         if parts[0] != "SET_SKEW":
-            raise common.fault(source, number, f"{parts[0]} is not SET_SKEW", "keep only these lines", text)
+            raise common.fault(
+                source, number, f"{parts[0]} is not SET_SKEW", "keep only these lines", text
+            )
         seen = True
         for part in parts[1:]:
             plane, _, value = part.partition("=")
@@ -65,9 +76,13 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
                 if value != "0":
                     skew = dict.fromkeys(skews.PLANES, 0.0)
             elif plane.lower() in skews.PLANES:
-                skew[plane.lower()] = skews.factor(source, number, _factor(source, number, value, text), text)
+                skew[plane.lower()] = skews.factor(
+                    source, number, _factor(source, number, value, text), text
+                )
             else:
-                raise common.fault(source, number, f"{plane!r} is no plane", "XY=AC,BD,AD XZ=.. YZ=..", text)
+                raise common.fault(
+                    source, number, f"{plane!r} is no plane", "XY=AC,BD,AD XZ=.. YZ=..", text
+                )
     if not seen:
         raise common.fault(source, 1, "no SET_SKEW stands in this file")
     return skews.tables(skew, {})
@@ -78,13 +93,23 @@ def _factor(source: Source, line: int, value: str, text: str) -> float:
     words = value.split(",")
     if len(words) != 3:
         raise common.fault(
-            source, line, f"{len(words)} lengths, where AC,BD,AD must stand", "no blanks between them", text
+            source,
+            line,
+            f"{len(words)} lengths, where AC,BD,AD must stand",
+            "no blanks between them",
+            text,
         )
     ac, bd, ad = (common.finite(source, line, w, "a length", text) for w in words)
-    square = (ac * ac + bd * bd) / 2 - ad * ad  # the other side's: both diagonals' squares are twice both sides'
+    square = (
+        ac * ac + bd * bd
+    ) / 2 - ad * ad  # the other side's: both diagonals' squares are twice both sides'
     if min(ac, bd, ad) <= 0 or square <= 0:
-        raise common.fault(source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text)
+        raise common.fault(
+            source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text
+        )
     cosine = (ac * ac - bd * bd) / (4 * ad * math.sqrt(square))
     if abs(cosine) >= 1:
-        raise common.fault(source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text)
+        raise common.fault(
+            source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text
+        )
     return cosine / math.sqrt(1 - cosine * cosine)

@@ -24,7 +24,10 @@ TITLE = "LinuxCNC screw compensation file (COMP_FILE, types 0 and 1)"
 VERIFIED = True
 UNVERIFIED = ""
 SIGN = "type 0: actual position = nominal + deviation; type 1: -deviation"
-EXTRA = {"type": "0 (actual positions) or 1 (trims)", "max_loss_um": "um that thinning out to 256 entries may lose, 1"}
+EXTRA = {
+    "type": "0 (actual positions) or 1 (trims)",
+    "max_loss_um": "um that thinning out to 256 entries may lose, 1",
+}
 ENTRIES = 256
 DECIMALS = {"mm": 6, "inch": 8}  # a nanometre and less
 FARTHEST = 5.0  # mm: a larger deviation is a file of the other type, or of another unit
@@ -41,7 +44,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         chosen = table if options.two_way or not table.two_way else common.mean(table)
         if options.spacing:
-            chosen = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 1 << 20))
+            chosen = common.sampled(
+                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 1 << 20)
+            )
         thin, lost = common.thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(
@@ -55,18 +60,27 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         base = thin.nodes if kind == "0" else np.zeros_like(thin.nodes)
         sign = 1.0 if kind == "0" else -1.0
         columns = (thin.nodes, base + sign * thin.forward, base + sign * thin.reverse)
-        rows = [" ".join(common.fixed(float(v) / unit, decimals) for v in row) for row in zip(*columns, strict=True)]
+        rows = [
+            " ".join(common.fixed(float(v) / unit, decimals) for v in row)
+            for row in zip(*columns, strict=True)
+        ]
         name = f"{table.moving}.comp"
         data = ("\n".join(rows) + "\n").encode()
         files[name] = data
-        remainder[table.name] = common.left(table, _parsed(Source(name, data), table.moving, kind, unit))
+        remainder[table.name] = common.left(
+            table, _parsed(Source(name, data), table.moving, kind, unit)
+        )
         notices.append(
             f"{table.moving}: in the INI file, under the [JOINT_n] of {table.moving}: COMP_FILE = {name} and COMP_FILE_TYPE = {kind}; "
             f"positions are joint coordinates in {options.unit}"
         )
     notices.append(
         "LinuxCNC ignores BACKLASH of a joint that has a COMP_FILE: it is in the two columns"
-        + ("" if options.two_way else ", but this table is the same for both directions, so lost motion stays")
+        + (
+            ""
+            if options.two_way
+            else ", but this table is the same for both directions, so lost motion stays"
+        )
     )
     return Export(files, tuple(notices), remainder)
 
@@ -79,9 +93,13 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     kind = common.setting(options, "type", "0", ("0", "1"))
     axis = options.extra.get("axis", "")
     if not axis:
-        named = re.fullmatch(r"(?:.*[/\\])?([XYZABCUVW])(?:[-_ ]?axis)?\.\w+", source.name, re.IGNORECASE)
+        named = re.fullmatch(
+            r"(?:.*[/\\])?([XYZABCUVW])(?:[-_ ]?axis)?\.\w+", source.name, re.IGNORECASE
+        )
         if named is None:
-            raise UsageError(f"which axis is {source.name}? A compensation file does not say", "--axis X")
+            raise UsageError(
+                f"which axis is {source.name}? A compensation file does not say", "--axis X"
+            )
         axis = named[1]
     return [_parsed(source, axis.upper(), kind, common.mm_per_unit(options))]
 
@@ -106,7 +124,9 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
                 "LinuxCNC refuses such an entry: order them, each once", text,
             )  # fmt: skip
         if len(rows) == ENTRIES:
-            raise common.fault(source, line, f"more than {ENTRIES} entries: LinuxCNC refuses the rest", "", text)
+            raise common.fault(
+                source, line, f"more than {ENTRIES} entries: LinuxCNC refuses the rest", "", text
+            )
         off = max(abs(v - (row[0] if kind == "0" else 0.0)) for v in row[1:])
         if off > FARTHEST:
             raise common.fault(
@@ -115,7 +135,12 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
             )  # fmt: skip
         rows.append(row)
     if not rows:
-        raise common.fault(source, 1, "there are no numbers in it", "three numbers a line: nominal, forward, reverse")
+        raise common.fault(
+            source,
+            1,
+            "there are no numbers in it",
+            "three numbers a line: nominal, forward, reverse",
+        )
     nominal, forward, reverse = np.array(rows).T
     if kind == "0":
         return ErrorTable(axis, axis, nominal, forward - nominal, reverse - nominal)

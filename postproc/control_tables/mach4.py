@@ -34,15 +34,27 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     left: dict[str, float] = {}
     for table in kept:
         chosen = table if options.two_way or not table.two_way else common.mean(table)
-        even = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most))
+        even = common.sampled(
+            chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
+        )
         name = f"mach4-{table.moving}.txt"
         files[name] = _sheet.text(
-            even, options, sign, COLUMNS, [f"{options.program}: Mach4 screw map of {table.moving}", NOTICE]
+            even,
+            options,
+            sign,
+            COLUMNS,
+            [f"{options.program}: Mach4 screw map of {table.moving}", NOTICE],
         )
-        left[table.name] = common.left(table, _sheet.parsed(Source(name, files[name]), sign, COLUMNS))
+        left[table.name] = common.left(
+            table, _sheet.parsed(Source(name, files[name]), sign, COLUMNS)
+        )
     if any(t.two_way for t in kept):
         both = "maps for both directions need build 4780 or later; with them the backlash of the axis must be 0"
-        notices.append(both if options.two_way else "one map for both directions: backlash stays a setting of its own")
+        notices.append(
+            both
+            if options.two_way
+            else "one map for both directions: backlash stays a setting of its own"
+        )
     notices.append(
         "positions are the motor's, as Capture Start shows them; what Mach4 does beyond the ends is not documented"
     )

@@ -31,14 +31,19 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     factors = " ".join(f"{LETTERS[p]}{common.fixed(f, DECIMALS)}" for p, f in found.skew.items())
     lines = [f"; {options.program}: skew factors and lost motion", "G21", f"M852 {factors}"]
     if found.lost:
-        lines.append("M425 F1 " + " ".join(f"{x}{common.fixed(size, 6)}" for x, size in sorted(found.lost.items())))
+        lines.append(
+            "M425 F1 "
+            + " ".join(f"{x}{common.fixed(size, 6)}" for x, size in sorted(found.lost.items()))
+        )
     notices = [
         "the firmware must be built with SKEW_CORRECTION and SKEW_CORRECTION_GCODE, for Z with SKEW_CORRECTION_FOR_Z, and with "
         "BACKLASH_COMPENSATION and BACKLASH_GCODE; M500 keeps the values, M503 shows them",
         "Marlin corrects no skew within 1 mm of the lower ends of X and Y, nor where the corrected place lies outside of travel",
         *found.notices,
     ]
-    return Export({f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left)
+    return Export(
+        {f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
+    )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -49,7 +54,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if parts[0] == "M852":
             given = skews.words(source, number, text, parts[1:], "SIJK")
             for plane, letter in LETTERS.items():
-                value = given.get(letter, given.get("S", skew[plane]) if letter == "I" else skew[plane])
+                value = given.get(
+                    letter, given.get("S", skew[plane]) if letter == "I" else skew[plane]
+                )
                 skew[plane] = skews.factor(source, number, value, text)
             seen = True
         elif parts[0] == "M425":
@@ -58,9 +65,17 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             lost.update({x: size for x, size in given.items() if x in lost})
             seen = True
         elif parts[0] == "G20":
-            raise common.fault(source, number, "G20: Marlin would take the factors as inches", "write G21", text)
+            raise common.fault(
+                source, number, "G20: Marlin would take the factors as inches", "write G21", text
+            )
         elif parts[0] not in ("G21", "M500"):
-            raise common.fault(source, number, f"{parts[0]} is neither M852 nor M425", "keep only these lines", text)
+            raise common.fault(
+                source,
+                number,
+                f"{parts[0]} is neither M852 nor M425",
+                "keep only these lines",
+                text,
+            )
     if not seen:
         raise common.fault(source, 1, "neither M852 nor M425 stands in this file")
     return skews.tables(skew, {x: size * fraction for x, size in lost.items()})

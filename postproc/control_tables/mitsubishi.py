@@ -36,7 +36,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         home = common.reference(table, options, notices)
         whole = common.sampled(common.mean(table), np.union1d(table.nodes, [home]))
         even = common.sampled(
-            whole, common.even_nodes(whole, options, home, common.whole(options, "points", 1024, 2, 1024))
+            whole,
+            common.even_nodes(whole, options, home, common.whole(options, "points", 1024, 2, 1024)),
         )
         even, shifts[table.name] = common.zeroed(even, home, 0.0, notices)
         counts = np.rint(-even.forward / unit).astype(int)

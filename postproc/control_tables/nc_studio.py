@@ -42,7 +42,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in sorted(kept, key=lambda t: t.moving):
         chosen = table if options.two_way or not table.two_way else common.mean(table)
         if options.spacing:
-            chosen = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 10_000))
+            chosen = common.sampled(
+                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 10_000)
+            )
         home = places[table.moving] = common.reference(table, options, notices)
         lines.append(f"[{table.moving}]")
         rows = zip(chosen.nodes - home, chosen.forward, chosen.reverse, strict=True)
@@ -59,7 +61,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     data = ("\r\n".join(lines) + "\r\n").encode()
     back = {t.name: t for t in read(Source(NAME, data), ExportOptions(reference=places))}
     left = {t.name: common.left(t, back[t.name]) for t in kept}
-    notices.append("a nominal coordinate outside of the stroke makes the compensation invalid, says the manual")
+    notices.append(
+        "a nominal coordinate outside of the stroke makes the compensation invalid, says the manual"
+    )
     return Export({NAME: data}, (NOTICE, *notices), left)
 
 
@@ -69,7 +73,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     axis, unit, last = "", "", 1
     for number, line in common.numbered(source):
         text = line.strip()
-        told = re.fullmatch(r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE)  # the manual's example has the ; before it
+        told = re.fullmatch(
+            r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE
+        )  # the manual's example has the ; before it
         if not text or (text.startswith(";") and not told):
             continue
         last = number
@@ -77,12 +83,18 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if told:
             unit = told[1].lower()
             if unit != "mm":
-                raise common.fault(source, number, f"unit {told[1]}: only mm is supported", "", line)
+                raise common.fault(
+                    source, number, f"unit {told[1]}: only mm is supported", "", line
+                )
         elif section:
             axis = section[1].upper()
             if not unit or axis in rows:
                 raise common.fault(
-                    source, number, f"[{axis}] stands before the unit, or twice", "unit = mm comes first", line
+                    source,
+                    number,
+                    f"[{axis}] stands before the unit, or twice",
+                    "unit = mm comes first",
+                    line,
                 )
             rows[axis] = []
         elif not axis:
@@ -91,11 +103,21 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             cells = [cell for cell in (c.strip() for c in text.split(",")) if cell]
             if len(cells) != 3:
                 raise common.fault(
-                    source, number, f"{len(cells)} numbers, where nominal, forward, backward must stand", "", line
+                    source,
+                    number,
+                    f"{len(cells)} numbers, where nominal, forward, backward must stand",
+                    "",
+                    line,
                 )
             row = [common.finite(source, number, cell, "the entry", line) for cell in cells]
             if rows[axis] and row[0] <= rows[axis][-1][0]:
-                raise common.fault(source, number, f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}", "", line)
+                raise common.fault(
+                    source,
+                    number,
+                    f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}",
+                    "",
+                    line,
+                )
             rows[axis].append(row)
     if not rows or any(len(r) < 2 for r in rows.values()):
         raise common.fault(source, last, "an axis needs two rows at least")

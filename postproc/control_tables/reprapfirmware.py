@@ -40,7 +40,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         lines += [f"; {NOTICE}", f"M425 {sizes}"]
         notices.insert(0, NOTICE)
     notices += found.notices
-    return Export({f"{options.program}.g": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left)
+    return Export(
+        {f"{options.program}.g": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
+    )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -53,10 +55,16 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             height = given.get("S", 0.0)
             if height < LEAST_HEIGHT:
                 raise common.fault(
-                    source, number, f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block", "", text
+                    source,
+                    number,
+                    f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block",
+                    "",
+                    text,
                 )
             if given.get("P", 0.0) > 0:
-                raise common.fault(source, number, "P1 takes the XY angle out of Y: only P0 is read", "", text)
+                raise common.fault(
+                    source, number, "P1 takes the XY angle out of Y: only P0 is read", "", text
+                )
             for x in tangent:
                 if x in given:
                     tangent[x] = skews.factor(source, number, given[x] / height, text)
@@ -64,11 +72,19 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             given = skews.words(source, number, text, parts[1:], "SXYZ")
             for x, size in given.items():
                 if size < 0:
-                    raise common.fault(source, number, f"{x} is {size:g}: lost motion is never negative", "", text)
+                    raise common.fault(
+                        source, number, f"{x} is {size:g}: lost motion is never negative", "", text
+                    )
                 if x in lost:
                     lost[x] = size
         else:
-            raise common.fault(source, number, f"{parts[0]} is neither M556 nor M425", "keep only these lines", text)
+            raise common.fault(
+                source,
+                number,
+                f"{parts[0]} is neither M556 nor M425",
+                "keep only these lines",
+                text,
+            )
         seen = True
     if not seen:
         raise common.fault(source, 1, "neither M556 nor M425 stands in this file")

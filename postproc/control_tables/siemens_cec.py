@@ -35,7 +35,16 @@ EXTRA = {
     "axis_Z": "the control's name of axis Z, AX and its number in XYZ",
 }
 WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
-KEYS = ("_INPUT_AXIS", "_OUTPUT_AXIS", "_STEP", "_MIN", "_MAX", "_DIRECTION", "_MULT_BY_TABLE", "_IS_MODULO")
+KEYS = (
+    "_INPUT_AXIS",
+    "_OUTPUT_AXIS",
+    "_STEP",
+    "_MIN",
+    "_MAX",
+    "_DIRECTION",
+    "_MULT_BY_TABLE",
+    "_IS_MODULO",
+)
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
@@ -55,9 +64,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in tables:
         at = common.reference(table, options, notices)
         chosen = table if options.two_way else common.mean(table)
-        written = common.sampled(chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most))
+        written = common.sampled(
+            chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
+        )
         written, shifts[table.name] = common.zeroed(written, at, 0.0, notices)
-        ways = (("1", written.forward), ("-1", written.reverse)) if written.two_way else (("0", written.forward),)
+        ways = (
+            (("1", written.forward), ("-1", written.reverse))
+            if written.two_way
+            else (("0", written.forward),)
+        )
         for direction, values in ways:
             lines += _table(used, written, direction, sign * values / unit, unit, decimals, options)
             used += 1
@@ -70,7 +85,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     file = "NC_CEC.INI"
     data = ("\n".join(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"]) + "\n").encode()
     back = {t.name: t for t in read(Source(file, data), options)}
-    remainder = {t.name: common.left(common.shifted(t, shifts[t.name]), back[t.name]) for t in tables}
+    remainder = {
+        t.name: common.left(common.shifted(t, shifts[t.name]), back[t.name]) for t in tables
+    }
     notices += _advice(tables, options, most)
     return Export({file: data}, tuple(notices), remainder)
 
@@ -96,7 +113,9 @@ def _table(
         f"$AN_CEC_MULT_BY_TABLE[{index}]=0",
         f"$AN_CEC_IS_MODULO[{index}]=0",
     ]
-    return head + [f"$AN_CEC[{index},{i}]={common.fixed(float(v), decimals)}" for i, v in enumerate(values)]
+    return head + [
+        f"$AN_CEC[{index},{i}]={common.fixed(float(v), decimals)}" for i, v in enumerate(values)
+    ]
 
 
 def _name(letter: str, options: ExportOptions) -> str:
@@ -107,7 +126,9 @@ def _advice(tables: list[ErrorTable], options: ExportOptions, most: int) -> list
     table = max(tables, key=common.largest)
     curve = np.abs(table.forward)
     low, high = float(table.nodes[int(np.argmin(curve))]), float(table.nodes[int(np.argmax(curve))])
-    rise = (float(table.at(np.array([high]), 1.0)[0]) - float(table.at(np.array([low]), 1.0)[0])) / UM
+    rise = (
+        float(table.at(np.array([high]), 1.0)[0]) - float(table.at(np.array([low]), 1.0)[0])
+    ) / UM
     weight = "0.1"
     return [
         f"dial-gauge test: set SD41310 = {weight} (weight), gauge along {table.along}, move {table.moving} in + from {low:g} to {high:g}; "
@@ -130,7 +151,12 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     ended, line = False, 1
     for line, text in common.numbered(source):
         plain = text.split(";")[0].strip()
-        if not plain or plain.startswith("%") or plain.upper().startswith("CHANDATA") or plain.upper() == "M0":
+        if (
+            not plain
+            or plain.startswith("%")
+            or plain.upper().startswith("CHANDATA")
+            or plain.upper() == "M0"
+        ):
             continue
         if ended:
             raise common.fault(source, line, "text after M17, which ends the file", "", text)
@@ -141,23 +167,38 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         key = (found[1] or "").upper() if found else "?"
         if found is None or (key and key not in KEYS):
             raise common.fault(
-                source, line, "this is no line of a cross error compensation", "$AN_CEC[0,0]=0.003", text
+                source,
+                line,
+                "this is no line of a cross error compensation",
+                "$AN_CEC[0,0]=0.003",
+                text,
             )
         indices = [p.strip() for p in re.split("[,.]", found[2])]
         if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
             raise common.fault(
-                source, line, f"[{found[2]}] is not the index of a {'table' if key else 'point'}", "", text
+                source,
+                line,
+                f"[{found[2]}] is not the index of a {'table' if key else 'point'}",
+                "",
+                text,
             )
         t = int(indices[0])
         places[t] = line
         if key.endswith("_AXIS"):
             axes[t, key] = found[3].strip("()\"' ").upper()
         elif key:
-            heads.setdefault(t, {})[key] = (common.finite(source, line, found[3], "the value", text), line)
+            heads.setdefault(t, {})[key] = (
+                common.finite(source, line, found[3], "the value", text),
+                line,
+            )
         elif int(indices[1]) in values.setdefault(t, {}):
-            raise common.fault(source, line, f"point {indices[1]} of table {t} stands twice", "", text)
+            raise common.fault(
+                source, line, f"point {indices[1]} of table {t} stands twice", "", text
+            )
         else:
-            values[t][int(indices[1])] = common.finite(source, line, found[3], "the value", text) * unit * sign
+            values[t][int(indices[1])] = (
+                common.finite(source, line, found[3], "the value", text) * unit * sign
+            )
     if not ended:
         raise common.fault(source, line, "M17 is missing: the file is not whole")
     if not values:
@@ -172,12 +213,18 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
         head, name = heads.get(t, {}), f"table {t}"
         nodes = even_head(source, name, head, len(points), places[t], unit)
         if sorted(points) != list(range(len(points))):
-            raise common.fault(source, places[t], f"table {t} has a gap: the control keeps what stood there before")
+            raise common.fault(
+                source, places[t], f"table {t} has a gap: the control keeps what stood there before"
+            )
         if head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
-            raise common.fault(source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read")
+            raise common.fault(
+                source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read"
+            )
         way = f"{head.get('_DIRECTION', (0.0, 0))[0]:g}"
         if way not in ("0", "1", "-1"):
-            raise common.fault(source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1")
+            raise common.fault(
+                source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1"
+            )
         pair = []
         for key in ("_INPUT_AXIS", "_OUTPUT_AXIS"):
             if (t, key) not in axes:
@@ -195,9 +242,17 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
     result = []
     for (moving, along), ways in columns.items():
         none = (np.zeros(1), np.zeros(1))
-        up, down = (ways["0"], ways["0"]) if "0" in ways else (ways.get("1", none), ways.get("-1", none))
-        nodes = np.union1d(up[0], down[0]) if "1" in ways and "-1" in ways else (up if len(up[0]) > 1 else down)[0]
-        result.append(ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down)))
+        up, down = (
+            (ways["0"], ways["0"]) if "0" in ways else (ways.get("1", none), ways.get("-1", none))
+        )
+        nodes = (
+            np.union1d(up[0], down[0])
+            if "1" in ways and "-1" in ways
+            else (up if len(up[0]) > 1 else down)[0]
+        )
+        result.append(
+            ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down))
+        )
     return result
 
 

@@ -27,7 +27,9 @@ EXTRA = {
     "channel": "1",
 }
 DECIMALS = {"mm": 5, "inch": 7}
-WORD = re.compile(r"\$AA_ENC_COMP(_STEP|_MIN|_MAX|_IS_MODULO)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
+WORD = re.compile(
+    r"\$AA_ENC_COMP(_STEP|_MIN|_MAX|_IS_MODULO)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE
+)
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
@@ -41,7 +43,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         at = common.reference(table, options, notices)
         middle = common.mean(table)
-        written = common.sampled(middle, common.even_nodes(middle, options, float(table.nodes[0]), most))
+        written = common.sampled(
+            middle, common.even_nodes(middle, options, float(table.nodes[0]), most)
+        )
         written, by = common.zeroed(written, at, 0.0, notices)
         done.append((table, by))
         name = common.axis_name(table.moving, options, f"{table.moving}1")
@@ -71,7 +75,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         target, got = common.shifted(table, by), back[table.moving]
         plain = common.left(target, got)
         if table.two_way:
-            got = ErrorTable(got.moving, got.along, got.nodes, got.forward - play / 2, got.reverse + play / 2)
+            got = ErrorTable(
+                got.moving, got.along, got.nodes, got.forward - play / 2, got.reverse + play / 2
+            )
             notices.append(
                 f"{table.name}: the table is the mean of both directions; set MD32450 (backlash) = {common.fixed(play / unit, decimals)} "
                 f"{options.unit}: without it up to {plain / UM:.2f} um stay, with it {common.left(target, got) / UM:.2f} um; "
@@ -86,9 +92,13 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 def _held(written: ErrorTable, notices: list[str]) -> None:
     ends = [(float(written.nodes[i]), float(written.forward[i])) for i in (0, -1)]
-    said = ", ".join(f"{v / UM:+.2f} um beyond {written.moving} = {p:g}" for p, v in ends if abs(v) > 1e-9)
+    said = ", ".join(
+        f"{v / UM:+.2f} um beyond {written.moving} = {p:g}" for p, v in ends if abs(v) > 1e-9
+    )
     if said:
-        notices.append(f"{written.name}: the first and last values are held over the rest of the travel: {said}")
+        notices.append(
+            f"{written.name}: the first and last values are held over the rest of the travel: {said}"
+        )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -109,7 +119,11 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         found = WORD.fullmatch(plain)
         if found is None:
             raise common.fault(
-                source, line, "this is no line of an encoder compensation", "$AA_ENC_COMP[0,0,X1]=0.003", text
+                source,
+                line,
+                "this is no line of an encoder compensation",
+                "$AA_ENC_COMP[0,0,X1]=0.003",
+                text,
             )
         key, inside = (found[1] or "").upper(), [p.strip() for p in found[2].split(",")]
         value = common.finite(source, line, found[3], "the value", text)
@@ -120,16 +134,23 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             heads.setdefault(name, {})[key] = (value, line)
             continue
         if not inside[1].isdigit():
-            raise common.fault(source, line, f"the point {inside[1]!r} is not a whole number", "", text)
+            raise common.fault(
+                source, line, f"the point {inside[1]!r} is not a whole number", "", text
+            )
         points = values.setdefault(name, {})
         if int(inside[1]) in points:
             raise common.fault(source, line, f"point {inside[1]} of {name} stands twice", "", text)
         points[int(inside[1])] = (value * unit, line)
     if not ended:
-        raise common.fault(source, len(common.numbered(source)), "M17 is missing: the file is not whole")
+        raise common.fault(
+            source, len(common.numbered(source)), "M17 is missing: the file is not whole"
+        )
     if not values:
         raise common.fault(source, 1, "there is no $AA_ENC_COMP[...] in this file")
-    return [_axis(source, name, points, heads.get(name, {}), unit, options) for name, points in values.items()]
+    return [
+        _axis(source, name, points, heads.get(name, {}), unit, options)
+        for name, points in values.items()
+    ]
 
 
 def _axis(
@@ -158,7 +179,12 @@ def _axis(
 
 
 def even_head(
-    source: Source, name: str, head: dict[str, tuple[float, int]], count: int, line: int, unit: float
+    source: Source,
+    name: str,
+    head: dict[str, tuple[float, int]],
+    count: int,
+    line: int,
+    unit: float,
 ) -> np.ndarray:
     """(count,) mm: the positions that STEP, MIN and MAX give. Raises TableError where they do not fit the points."""
     for key in ("_STEP", "_MIN", "_MAX"):
@@ -166,7 +192,9 @@ def even_head(
             raise common.fault(source, line, f"{key[1:]} of {name} is missing")
     (step, at), (low, _), (high, _) = head["_STEP"], head["_MIN"], head["_MAX"]
     if head.get("_IS_MODULO", (0.0, 0))[0]:
-        raise common.fault(source, head["_IS_MODULO"][1], f"{name} is a modulo table, of a rotary axis: not read")
+        raise common.fault(
+            source, head["_IS_MODULO"][1], f"{name} is a modulo table, of a rotary axis: not read"
+        )
     if count > 1 and (step <= 0 or abs((high - low) / step + 1 - count) > 1e-3):
         raise common.fault(
             source, at, f"{name}: MIN {low:g} to MAX {high:g} in steps of {step:g} does not give {count} points",

@@ -52,7 +52,9 @@ class Options:
     told: Callable[[str], None] = field(default=lambda word: None)
 
 
-def diagnose(recordings: list[Recording], machine: Machine, options: Options | None = None) -> Diagnosis:
+def diagnose(
+    recordings: list[Recording], machine: Machine, options: Options | None = None
+) -> Diagnosis:
     """Raises RecordingError or UsageError for what can not be compared."""
     options = options or Options()
     options.told("reading")
@@ -88,7 +90,9 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():
         before[held], after[held] = _foretold(search, state, held)
-    at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)  # they stand behind the map's terms
+    at = evidence.shared.shape[1] - sum(
+        columns.shape[1] for _, columns in jumps
+    )  # they stand behind the map's terms
     for jump, columns in jumps:
         own = slice(at, at + columns.shape[1])
         at, value = own.stop, state.fit.mean[own]
@@ -98,7 +102,9 @@ def diagnose(recordings: list[Recording], machine: Machine, options: Options | N
     places = locate.measured(places, rows, before)
     spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
-    limits = {key: size for key, size in findings.limits(search, state).items() if key not in unseen}
+    limits = {
+        key: size for key, size in findings.limits(search, state).items() if key not in unseen
+    }
     sigma = np.hypot(said["noise"], findings.form(search, state))
     diagnosis = Diagnosis(
         machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
@@ -130,7 +136,9 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = rest.explained(rest.learn(tuple(chosen), None, on, STEPS))
-    plain = Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest  # zeros that know of no name
+    plain = (
+        Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest
+    )  # zeros that know of no name
     alone = plain.explained(plain.learn((), None, steps=0)) | {"map": said["map"]}
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
@@ -143,7 +151,8 @@ def _shown(blocks, train: np.ndarray) -> list:
 def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
     """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error and jumps."""
     return sum(
-        (said[name] for name in ("zero", "set-up", "map", "feature") if name in said), np.zeros(len(said["noise"]))
+        (said[name] for name in ("zero", "set-up", "map", "feature") if name in said),
+        np.zeros(len(said["noise"])),
     )
 
 
@@ -154,9 +163,15 @@ def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, fl
     for unit in units:
         sigma[unit.rows] = unit.r
     lone, off = noise.isolated(rows, rows.residual, sigma)
-    faults = [(int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k])) for k in np.flatnonzero(lone >= DROPPED)]
+    faults = [
+        (int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k]))
+        for k in np.flatnonzero(lone >= DROPPED)
+    ]
     keep = lone < DROPPED
-    rows, doubtful = rows.pick(keep), np.maximum(1.0, lone[keep] / 2) * (lone[keep] > ALONE) + (lone[keep] <= ALONE)
+    rows, doubtful = (
+        rows.pick(keep),
+        np.maximum(1.0, lone[keep] / 2) * (lone[keep] > ALONE) + (lone[keep] <= ALONE),
+    )
     units = noise.units(rows)
     for unit in units:
         unit.r = unit.r * doubtful[unit.rows]
@@ -171,7 +186,10 @@ def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
         sigma[unit.rows] = unit.r
     own = np.flatnonzero(train)
     part = rows.pick(own)
-    return [(jump, shared_jump.columns(jump, rows)) for jump in shared_jump.find(part, part.residual, sigma[own])]
+    return [
+        (jump, shared_jump.columns(jump, rows))
+        for jump in shared_jump.find(part, part.residual, sigma[own])
+    ]
 
 
 def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray, jumps) -> Evidence:
@@ -181,13 +199,20 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
         if unit.sees != "part":
             y[unit.rows] -= np.median(y[unit.rows])
     own = [
-        groups + nuisances.processes(rows, u) for groups, u in zip(nuisances.of_all(rows, units), units, strict=True)
+        groups + nuisances.processes(rows, u)
+        for groups, u in zip(nuisances.of_all(rows, units), units, strict=True)
     ]
-    shared = [*nuisances.of_map(rows, machine), *(Group("jump", columns, FREE) for _, columns in jumps)]
+    shared = [
+        *nuisances.of_map(rows, machine),
+        *(Group("jump", columns, FREE) for _, columns in jumps),
+    ]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)
         on = frozenset(
-            (k, kind) for k, p in enumerate(evidence.parts) for kind in ("place", "turn") if p.processes[kind].any()
+            (k, kind)
+            for k, p in enumerate(evidence.parts)
+            for kind in ("place", "turn")
+            if p.processes[kind].any()
         )
         said = evidence.explained(evidence.learn((), None, on, STEPS))
         left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
@@ -203,14 +228,17 @@ def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list
     for k, part in enumerate(evidence.parts):
         slow = [g for g, kind in enumerate(part.kinds) if kind == "wander"][:1]
         use = np.isin(part.of, slow) | (
-            part.usually & ~np.isin(part.of, [g for g, kind in enumerate(part.kinds) if kind == "wander"])
+            part.usually
+            & ~np.isin(part.of, [g for g, kind in enumerate(part.kinds) if kind == "wander"])
         )
         wide = np.zeros((len(rows), int(use.sum())))
         wide[part.whole.rows] = part.raw[:, use]
         columns.append(wide)
         sd.append(fit.parts[k].sd[part.of[use]])
     noise_of = evidence.explained(fit)["noise"]
-    return locate.regions(rows.pick(own), noise_of[own], np.concatenate(columns, axis=1)[own], np.concatenate(sd))
+    return locate.regions(
+        rows.pick(own), noise_of[own], np.concatenate(columns, axis=1)[own], np.concatenate(sd)
+    )
 
 
 def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
@@ -226,7 +254,9 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
 
 def _formed(rows: Rows, found) -> np.ndarray:
     """(N,) mm: what was named, without curves of many terms over the place."""
-    named = [f.contribution for f in found if abs(dict(f.block.shape).get("degree", 0.0)) <= FEW_TERMS]
+    named = [
+        f.contribution for f in found if abs(dict(f.block.shape).get("degree", 0.0)) <= FEW_TERMS
+    ]
     return sum(named, np.zeros(len(rows)))
 
 
@@ -234,7 +264,9 @@ def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:
     """One line for each file of straightness readings in which what was named leans: its line counts as the machine's."""
     named = sum((f.contribution for f in found), np.zeros(len(rows)))
     lines = []
-    for own in (p.whole.rows for p in evidence.parts if p.whole.sees == "tool" and not p.whole.dense):
+    for own in (
+        p.whole.rows for p in evidence.parts if p.whole.sees == "tool" and not p.whole.dense
+    ):
         for axis, place in rows.state.position.items():
             if np.ptp(place[own]) < SHORTEST:
                 continue

@@ -24,7 +24,11 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
         for axis in library.axes_of(rows, module):
             if name == "cyclic" and (even := _even(rows, axis)):
                 result.append(
-                    (name, axis, f"targets at even steps of {even:g} mm: a period that divides them can not be seen")
+                    (
+                        name,
+                        axis,
+                        f"targets at even steps of {even:g} mm: a period that divides them can not be seen",
+                    )
                 )
                 continue
             if name == "abbe" and _on_one_line(rows, axis):
@@ -37,7 +41,11 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
                 continue
             if (name, axis) in seen:
                 continue
-            if name in library.FOUND and library.visible(rows, module).any() and library.needed(rows, module, axis):
+            if (
+                name in library.FOUND
+                and library.visible(rows, module).any()
+                and library.needed(rows, module, axis)
+            ):
                 continue  # it would have been looked for in the spectrum
             if not library.visible(rows, module).any():
                 why = f"it shows only to {', '.join(module.SEES)}: no such recording"
@@ -51,7 +59,11 @@ def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
 
 def _even(rows: Rows, axis: str) -> float:
     """mm: the step of targets along an axis, where they stand at even steps and nothing but targets was recorded; else 0."""
-    moving = [s for s in np.unique(rows.signal) if np.ptp(rows.state.position[axis][rows.signal == s]) > 1e-3]
+    moving = [
+        s
+        for s in np.unique(rows.signal)
+        if np.ptp(rows.state.position[axis][rows.signal == s]) > 1e-3
+    ]
     steps = []
     for signal in moving:
         which = rows.signal == signal
@@ -66,14 +78,19 @@ def _even(rows: Rows, axis: str) -> float:
 
 def _on_one_line(rows: Rows, axis: str) -> bool:
     """Whether the tool's way along an axis was read, and nowhere on two lines that lie apart."""
-    along = np.isin(rows.sees, ("laser", "tool")) & (np.abs(rows.direction[:, XYZ.index(axis)]) > ENTERS)
+    along = np.isin(rows.sees, ("laser", "tool")) & (
+        np.abs(rows.direction[:, XYZ.index(axis)]) > ENTERS
+    )
     read = along.any() and np.ptp(rows.state.position[axis][along]) > 1e-3
     return bool(read) and not rows.state.lines.get(axis)
 
 
 def _one_sense(rows: Rows, pair: str, every: list[Block]) -> bool:
     """Whether what two axes that lag differently add to these readings is what squareness adds, up to a factor."""
-    shown = {name: [b.columns[:, 0] for b in every if b.name == name and b.axis == pair] for name in SENSES}
+    shown = {
+        name: [b.columns[:, 0] for b in every if b.name == name and b.axis == pair]
+        for name in SENSES
+    }
     return any(_alike(rows, a, b) for a in shown[SENSES[0]] for b in shown[SENSES[1]])
 
 

@@ -23,7 +23,12 @@ REST = 0.004  # of the highest speed
 LEAST = 28.0  # fall of chi squared beyond ln(samples) a column, as for effects
 GAIN = 0.02  # of the rms: by so much each half must be told better
 MOST = 8
-NAMES = ("inertia", "viscous_friction", "coulomb_friction", "friction_asymmetry")  # what is an effect of its own
+NAMES = (
+    "inertia",
+    "viscous_friction",
+    "coulomb_friction",
+    "friction_asymmetry",
+)  # what is an effect of its own
 FAR = 1e6  # mm
 
 
@@ -65,7 +70,11 @@ def drives(recordings: Sequence[Recording]) -> list[Drive]:
     letters = sorted({x for r in recordings if r.kind == "trace" for x in r.axes if x in "XYZ"})
     for axis in letters:
         for signal, unit in ((f"force_{axis}_N", "N"), (f"{axis}_current_A", "A")):
-            own = [r for r in recordings if r.kind == "trace" and signal in r.columns and axis in r.axes]
+            own = [
+                r
+                for r in recordings
+                if r.kind == "trace" and signal in r.columns and axis in r.axes
+            ]
             motion = [m for r in own for m in _motions(r, axis, signal)]
             found = _fit(axis, signal, unit, tuple(r.file for r in own), motion) if motion else None
             if found is not None:
@@ -93,7 +102,9 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
         v = _low(exact, wide)
         v = v if wide else exact
         a = np.gradient(v, time[part])
-        kernel = _low(np.where(np.abs(exact) > 0, np.sign(_low(exact, max(wide // 3, 0))), 0.0), wide)
+        kernel = _low(
+            np.where(np.abs(exact) > 0, np.sign(_low(exact, max(wide // 3, 0))), 0.0), wide
+        )
         every = slice(2 * wide, len(part) - 2 * wide or None, max(wide, 1))
         result.append(
             Motion(
@@ -106,7 +117,10 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
                 _low(response[part], wide)[every],
                 time[part][every],
                 _low(
-                    asked[part] if asked is not None else np.gradient(recording.position(axis)[part], time[part]), wide
+                    asked[part]
+                    if asked is not None
+                    else np.gradient(recording.position(axis)[part], time[part]),
+                    wide,
                 )[every],
             )
         )
@@ -130,12 +144,18 @@ def _low(values: np.ndarray, wide: int) -> np.ndarray:
     return np.convolve(np.pad(values, reach, mode="edge"), kernel / kernel.sum(), mode="valid")
 
 
-def _fit(axis: str, signal: str, unit: str, files: tuple[str, ...], parts: list[Motion]) -> Drive | None:
+def _fit(
+    axis: str, signal: str, unit: str, files: tuple[str, ...], parts: list[Motion]
+) -> Drive | None:
     whole = Motion.joined(parts)
     fastest = float(np.abs(whole.velocity).max())
     # At rest friction is whatever it needs to be: neither where the axis hardly moves nor where it is not told to.
     moving = (np.abs(whole.velocity) > REST * fastest) & (np.abs(whole.asked) > REST * fastest)
-    if moving.sum() < FEWEST or fastest == 0 or not (np.any(whole.velocity > 0) and np.any(whole.velocity < 0)):
+    if (
+        moving.sum() < FEWEST
+        or fastest == 0
+        or not (np.any(whole.velocity > 0) and np.any(whole.velocity < 0))
+    ):
         return None
     whole = whole.pick(moving)
     y = whole.response
@@ -175,7 +195,11 @@ def _stacked(columns: list[np.ndarray], n: int) -> np.ndarray:
 def _alike(left: np.ndarray) -> float:
     """By how many samples one counts: neighbours that are alike tell less."""
     total = float(left @ left)
-    rho = [float(left[k:] @ left[:-k]) / total for k in range(1, min(len(left) // 4, 200))] if total > 0 else []
+    rho = (
+        [float(left[k:] @ left[:-k]) / total for k in range(1, min(len(left) // 4, 200))]
+        if total > 0
+        else []
+    )
     stop = next((k for k, r in enumerate(rho) if r < 0.05), len(rho))
     return 1.0 + 2.0 * sum(rho[:stop])
 
@@ -200,7 +224,10 @@ class _Fit:
     def across(self, chosen: list[int]) -> list[float]:
         """rms of each half as the other half tells it."""
         design = self._columns(chosen)
-        return [_rms((self.y - design @ _solve(design[fit], self.y[fit]))[~fit]) for fit in (self.second, ~self.second)]
+        return [
+            _rms((self.y - design @ _solve(design[fit], self.y[fit]))[~fit])
+            for fit in (self.second, ~self.second)
+        ]
 
     def gain(self, rest: list[int], k: int) -> float:
         """By how much chi squared falls when a term joins the rest; 0 where it does not tell both halves better, or has a
@@ -215,7 +242,10 @@ class _Fit:
             return 0.0
         if term.positive and value[design.shape[1]] < 0:
             return 0.0
-        if any(a > (1 - GAIN) * b for a, b in zip(self.across([*rest, k]), self.across(rest), strict=True)):
+        if any(
+            a > (1 - GAIN) * b
+            for a, b in zip(self.across([*rest, k]), self.across(rest), strict=True)
+        ):
             return 0.0
         return fall
 
@@ -240,7 +270,10 @@ class _Fit:
         """With what else tells the response better, the best first; then once more without what that made needless."""
         while len(chosen) < MOST:
             names = {self.possible[k][0].name for k in chosen}
-            gains = [0.0 if term.name in names else self.beside(chosen, k) for k, (term, _) in enumerate(self.possible)]
+            gains = [
+                0.0 if term.name in names else self.beside(chosen, k)
+                for k, (term, _) in enumerate(self.possible)
+            ]
             if max(gains) <= 0:
                 break
             chosen = [*chosen, int(np.argmax(gains))]
@@ -259,7 +292,10 @@ class _Fit:
             at += columns.shape[1]
             named = term.named(value[part])
             error = term.errors(value[part], covariance[part, part])
-            ci = {n: (v - 1.96 * error.get(n, 0.0), v + 1.96 * error.get(n, 0.0)) for n, v in named.items()}
+            ci = {
+                n: (v - 1.96 * error.get(n, 0.0), v + 1.96 * error.get(n, 0.0))
+                for n, v in named.items()
+            }
             before, after = (_rms(self.across(chosen[:stop])) for stop in (i, i + 1))
             fall = self.gain([c for c in chosen if c != k], k)
             result.append(Fitted(term, named, ci, _rms(columns @ value[part]), fall, before, after))

@@ -36,7 +36,9 @@ class Motion:
     def joined(parts: list[Motion]) -> Motion:
         """Several passages as one, in order."""
         passage = np.concatenate([np.full(len(p.place), i) for i, p in enumerate(parts)])
-        return Motion(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in ROWS}, passage=passage)
+        return Motion(
+            **{n: np.concatenate([getattr(p, n) for p in parts]) for n in ROWS}, passage=passage
+        )
 
     def pick(self, which: np.ndarray) -> Motion:
         """Some of the samples."""
@@ -76,7 +78,10 @@ class Term:
         if self.name == "force_ripple":
             slope = value / max(float(np.hypot(*value)), 1e-12)
             return {self.parameters[0]: float(np.sqrt(max(slope @ covariance @ slope, 0.0)))}
-        return {n: float(np.sqrt(max(v, 0.0))) for n, v in zip(self.parameters, np.diag(covariance), strict=True)}
+        return {
+            n: float(np.sqrt(max(v, 0.0)))
+            for n, v in zip(self.parameters, np.diag(covariance), strict=True)
+        }
 
 
 def terms(motion: Motion, unit: str) -> Iterator[Term]:

@@ -20,7 +20,10 @@ from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import SURE, Part, Reduced, cholesky, inverted, solved, surprise
 
 SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to 50 um)
-MAP_SURE, MAP_MOST = 60.0, 3.0  # a map's uncertainty is stated, or usual: a few terms do not overrule it
+MAP_SURE, MAP_MOST = (
+    60.0,
+    3.0,
+)  # a map's uncertainty is stated, or usual: a few terms do not overrule it
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
@@ -52,15 +55,26 @@ class Evidence:
     """The readings y (N,) mm and everything that may explain them."""
 
     def __init__(
-        self, y: np.ndarray, units: list[Unit], own: list[list[Group]], shared: list[Group], train: np.ndarray
+        self,
+        y: np.ndarray,
+        units: list[Unit],
+        own: list[list[Group]],
+        shared: list[Group],
+        train: np.ndarray,
     ):
         self.y, self.train, self.groups = y, train, shared
-        self.shared = np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
+        self.shared = (
+            np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
+        )
         self.shared_of = np.repeat(np.arange(len(shared)), [g.columns.shape[1] for g in shared])
         self.shared_usual = np.array([g.sd for g in shared])
         self.shared_learned = np.array([g.learned for g in shared], bool)
         self.shared_free = self.shared_usual[self.shared_of] > FREE / 10
-        self.parts = [Part(u, train, g, self.shared, y) for u, g in zip(units, own, strict=True) if train[u.rows].any()]
+        self.parts = [
+            Part(u, train, g, self.shared, y)
+            for u, g in zip(units, own, strict=True)
+            if train[u.rows].any()
+        ]
         self.blocks: list[Block] = []
         self.fixed: set[int] = set()  # blocks whose size is stated
         self.first: list[int] = []
@@ -82,12 +96,16 @@ class Evidence:
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
         peak = [np.maximum(np.abs(b.columns).max(axis=0), 1e-12) for b in blocks]
-        self.slab = np.concatenate([self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)])
+        self.slab = np.concatenate(
+            [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
+        )
         self.fixed |= set(numbers) if sd else set()
         for part in self.parts:
             rows = part.unit.rows
             shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
-            part.add([k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown])
+            part.add(
+                [k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown]
+            )
         self._index()
         return numbers
 
@@ -106,7 +124,9 @@ class Evidence:
             at[part.columns] = np.arange(len(part.columns))
             here = np.flatnonzero(at[first] >= 0)
             one, other = at[first[here]], at[second[here]]
-            old = self._pairs[number][3] if known else np.zeros(0)  # blocks are only ever added behind
+            old = (
+                self._pairs[number][3] if known else np.zeros(0)
+            )  # blocks are only ever added behind
             fresh = part.own_products(one[len(old) :], other[len(old) :])
             pair = (here, one, other, np.concatenate([old, fresh]))
             self._pairs[number : number + 1] = [pair]
@@ -116,7 +136,10 @@ class Evidence:
         if not chosen:
             return np.zeros(0, int)
         return np.concatenate(
-            [np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1]) for k in chosen]
+            [
+                np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1])
+                for k in chosen
+            ]
         )
 
     # -- a set of blocks -----------------------------------------------------------------------------------------------
@@ -168,13 +191,20 @@ class Evidence:
             at += width
         return np.concatenate(found)
 
-    def _sd(self, chosen: tuple[int, ...], shared: np.ndarray, scale: dict[int, float]) -> np.ndarray:
+    def _sd(
+        self, chosen: tuple[int, ...], shared: np.ndarray, scale: dict[int, float]
+    ) -> np.ndarray:
         """(f,) standard deviations of the shared coefficients."""
         of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
         return np.concatenate([shared[self.shared_of], *of_blocks])
 
     def _joined(
-        self, chosen: tuple[int, ...], on: On, shared: np.ndarray, scale: dict[int, float], parts: list[Reduced]
+        self,
+        chosen: tuple[int, ...],
+        on: On,
+        shared: np.ndarray,
+        scale: dict[int, float],
+        parts: list[Reduced],
     ) -> Fit:
         """All units together."""
         sd = self._sd(chosen, shared, scale)
@@ -199,7 +229,9 @@ class Evidence:
         new = fit.shared.copy()
         for g in np.flatnonzero(self.shared_learned):
             which, usual = np.flatnonzero(self.shared_of == g), self.shared_usual[g]
-            dof = max(len(which) - float(np.diag(fit.covariance)[which].sum()) / fit.shared[g] ** 2, 0.0)
+            dof = max(
+                len(which) - float(np.diag(fit.covariance)[which].sum()) / fit.shared[g] ** 2, 0.0
+            )
             power = float((fit.mean[which] ** 2).sum())
             now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
             new[g] = float(np.clip(now, 0.3 * usual, MAP_MOST * usual))
@@ -213,8 +245,16 @@ class Evidence:
             at = own.stop
             slab = self.slab[self.columns_of((k,))]
             power = float(((fit.mean[own] / slab) ** 2).sum())
-            dof = max(len(slab) - float((np.diag(fit.covariance)[own] / slab**2).sum()) / fit.scale[k] ** 2, 0.0)
-            new[k] = 1.0 if k in self.fixed else float(np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES))
+            dof = max(
+                len(slab)
+                - float((np.diag(fit.covariance)[own] / slab**2).sum()) / fit.scale[k] ** 2,
+                0.0,
+            )
+            new[k] = (
+                1.0
+                if k in self.fixed
+                else float(np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES))
+            )
         return new
 
     # -- the whole dictionary beside a set -----------------------------------------------------------------------------
@@ -241,7 +281,9 @@ class Evidence:
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
-                y_f = np.concatenate([part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)])
+                y_f = np.concatenate(
+                    [part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)]
+                )
                 y_d = part.d.T @ white
             fy[at] += y_f / s2 - old.hf.T @ hy
             dy[part.columns] += y_d / s2 - old.hd.T @ hy
@@ -294,9 +336,10 @@ class Evidence:
         one of its members."""
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         if but >= 0:
-            sd[len(self.shared_of) + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))] = (
-                NOTHING
-            )
+            sd[
+                len(self.shared_of)
+                + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))
+            ] = NOTHING
         f, many = len(sd), columns.shape[1]
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
@@ -306,7 +349,9 @@ class Evidence:
             if not raw.any():
                 continue
             x = part.unit.whitened(raw)
-            crossed = np.concatenate([part.z.T @ x, *(part.d[:, part.where[c]].T @ x for c in old.shown)])
+            crossed = np.concatenate(
+                [part.z.T @ x, *(part.d[:, part.where[c]].T @ x for c in old.shown)]
+            )
             hx = solved(old.root, (part.b.T @ x)[old.use] / s2)
             fx[at] += crossed / s2 - old.hf.T @ hx
             xx += x.T @ x / s2 - hx.T @ hx
@@ -333,21 +378,26 @@ class Evidence:
             at += w
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             own, use = part.whole.rows, old.use
-            mean = inverted(old.root).T @ (old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)])
+            mean = inverted(old.root).T @ (
+                old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)]
+            )
             variance = old.sigma2 * part.whole.r**2
             for g in np.unique(part.of[use]):
                 which = part.of[use] == g
                 kind = part.kinds[g]
                 result.setdefault(kind, np.zeros(n))[own] += part.raw[:, use[which]] @ mean[which]
                 if kind in ("wander", "run"):
-                    variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(axis=1)
+                    variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(
+                        axis=1
+                    )
             result["noise"][own] = np.sqrt(variance)
         return result
 
     def wandered(self, fit: Fit) -> bool:
         """Whether what is learned of some unit or of the map has grown far beyond what is usual."""
         own = (
-            np.any(old.sd[p.learned] > GROWN * p.usual[p.learned]) for p, old in zip(self.parts, fit.parts, strict=True)
+            np.any(old.sd[p.learned] > GROWN * p.usual[p.learned])
+            for p, old in zip(self.parts, fit.parts, strict=True)
         )
         return any(own) or bool(np.any(fit.shared > 1.5 * self.shared_usual))
 
@@ -362,7 +412,9 @@ class Evidence:
         """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and what zeros of runs did in each
         unit, not what they do in others. said: of `explained`."""
         result = self.white(fit)
-        moved = sum((said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(self.y)))
+        moved = sum(
+            (said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(self.y))
+        )
         for part in self.parts:
             own = part.whole.rows
             result[own] = np.hypot(result[own], float(np.std(moved[own])))
@@ -371,13 +423,17 @@ class Evidence:
     def drawn(self, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
         """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs' zeros, the map's error."""
         z = self.shared.shape[1]
-        y = (self.shared * np.where(self.shared_free, 0.0, fit.shared[self.shared_of])) @ rng.normal(size=(z, count))
+        y = (
+            self.shared * np.where(self.shared_free, 0.0, fit.shared[self.shared_of])
+        ) @ rng.normal(size=(z, count))
         for part, old in zip(self.parts, fit.parts, strict=True):
             n = len(part.unit)
             e = rng.standard_t(5, size=(n, count)) * np.sqrt(3 / 5 * old.sigma2)
             y[part.unit.rows] += colored(part.unit, e) * part.unit.r[:, None]
             use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
-            y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(size=(len(use), count))
+            y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(
+                size=(len(use), count)
+            )
         return y
 
 

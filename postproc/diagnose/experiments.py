@@ -6,18 +6,30 @@ from postproc.machine.model import Machine
 
 XYZ = "XYZ"
 SHOWS = {  # effect: (experiment, what about it matters)
-    "scale": ("positioning:{a}", "laser along {a}, the beam aligned anew, at two temperatures of the screw"),
+    "scale": (
+        "positioning:{a}",
+        "laser along {a}, the beam aligned anew, at two temperatures of the screw",
+    ),
     "pitch_shape": ("positioning:{a}", "laser along {a} with twice as many targets"),
     "backlash": ("staircase:{a}", "reversals of {a} by 0.01 to 5 mm at one place"),
     "backlash_position": ("positioning:{a}", "laser along {a} in both directions, three runs"),
-    "windup": ("staircase:{a}", "reversals of {a} by 0.01 to 5 mm: windup grows with the way, lost motion does not"),
-    "reversal_spike": ("ballbar:{p},feed=3000,slow=500", "circles at two feeds, sampled every 10 ms or faster"),
+    "windup": (
+        "staircase:{a}",
+        "reversals of {a} by 0.01 to 5 mm: windup grows with the way, lost motion does not",
+    ),
+    "reversal_spike": (
+        "ballbar:{p},feed=3000,slow=500",
+        "circles at two feeds, sampled every 10 ms or faster",
+    ),
     "stick_slip": ("feeds:{a}", "{a} alone at 1 to 50 mm/min, position logged at 100 Hz"),
     "friction_asymmetry": (
         "ballbar:{p},feed=3000,slow=500",
         "circles in both senses at two feeds; log the current of {a}",
     ),
-    "servo_lag": ("feeds:{a}", "{a} alone there and back at two feeds, position logged against the command"),
+    "servo_lag": (
+        "feeds:{a}",
+        "{a} alone there and back at two feeds, position logged against the command",
+    ),
     "servo_mismatch": (
         "ballbar:{p},feed=3000,slow=500",
         "circles in both senses at two feeds: the ellipse at 45 degrees turns over",
@@ -36,23 +48,41 @@ SHOWS = {  # effect: (experiment, what about it matters)
         "positioning:{a}",
         "laser along {a} cold, then after 30 minutes of rapid travel, screw temperature recorded",
     ),
-    "structure_drift": ("soak:{a}", "slides at rest for two hours, reading and temperatures every minute (ISO 230-3)"),
-    "spindle_growth": ("soak:{a}", "spindle on for an hour, off for an hour, reading every minute (ISO 230-3)"),
+    "structure_drift": (
+        "soak:{a}",
+        "slides at rest for two hours, reading and temperatures every minute (ISO 230-3)",
+    ),
+    "spindle_growth": (
+        "soak:{a}",
+        "spindle on for an hour, off for an hour, reading every minute (ISO 230-3)",
+    ),
     "squareness": ("diagonal:{p}", "both diagonals of {p}; a circle in both senses does as well"),
     "bow": ("straightness:{a}", "straightness of {a} with a straightedge that is turned over"),
     "abbe": (
         "arms:{a}",
         "laser along {a} at the same targets on lines as far apart across {a} as the machine allows; the angle of {a} does as well",
     ),
-    "sag": ("positioning:{a}", "straightness of the carrying axis with {a} at both ends of its travel"),
+    "sag": (
+        "positioning:{a}",
+        "straightness of the carrying axis with {a} at both ends of its travel",
+    ),
     "force_compliance": ("", "the same place with two known weights or forces along {a}"),
     "tool_wear": ("", "five parts, a change of tool, five parts more, all measured"),
     "tool_size": ("", "a boss and a pocket of the same size with the same tool"),
-    "step_loss": ("positioning:{a}", "home {a}, touch the same point again, at the start and at the end"),
+    "step_loss": (
+        "positioning:{a}",
+        "home {a}, touch the same point again, at the start and at the end",
+    ),
     "laser_air": ("positioning:{a}", "the same run with the laser's weather station on"),
-    "dead_path": ("positioning:{a}", "the same run with the interferometer as near to the zero as it goes"),
+    "dead_path": (
+        "positioning:{a}",
+        "the same run with the interferometer as near to the zero as it goes",
+    ),
     "cosine": ("positioning:{a}", "the same run with the beam aligned anew"),
-    "delay": ("feeds:{a}", "all axes there and back at two feeds: a late recording is late in all alike"),
+    "delay": (
+        "feeds:{a}",
+        "all axes there and back at two feeds: a late recording is late in all alike",
+    ),
     "coulomb_friction": ("feeds:{a}", "{a} there and back at five feeds with its current recorded"),
     "viscous_friction": ("feeds:{a}", "{a} there and back at five feeds with its current recorded"),
 }
@@ -64,7 +94,10 @@ WITHOUT_CIRCLES = {  # for a control whose circles gcomp can not read back: what
         "diagonal:{p}",
         "both diagonals of {p}, read at rest: what is left of it then is squareness; two feeds of each axis tell the lag",
     ),
-    "reversal_spike": ("feeds:{a}", "{a} alone there and back at five feeds, position logged every 10 ms or faster"),
+    "reversal_spike": (
+        "feeds:{a}",
+        "{a} alone there and back at five feeds, position logged every 10 ms or faster",
+    ),
     "friction_asymmetry": ("feeds:{a}", "{a} alone there and back at five feeds; log its current"),
 }
 APART = (  # names of one set, two of them at least, and the one whose experiment tells them apart
@@ -105,7 +138,9 @@ def separating(key: str, others: list[str], machine: Machine) -> str:
         alike = [c for c in candidates if c[0] in names]
         if name in names and len({n for n, _ in alike}) >= least:
             pair = next((a for _, a in alike if len(a) == 2), axis)
-            own = next((a for n, a in alike if n == shown), pair if shown == "servo_mismatch" else axis)
+            own = next(
+                (a for n, a in alike if n == shown), pair if shown == "servo_mismatch" else axis
+            )
             return showing(shown, own, machine)
     best = min(candidates, key=lambda c: FIRST.index(c[0]) if c[0] in FIRST else len(FIRST))
     return showing(*best, machine)

@@ -22,7 +22,9 @@ TELLS = 0.1  # of what is believed beforehand: a reading that tells less tells n
 NEEDLESS = 0.5  # of its score: what remains of it beside another name for the same
 
 
-def of_jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, held, machine: Machine) -> Finding:
+def of_jump(
+    jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, held, machine: Machine
+) -> Finding:
     """A jump that several readings share, as a finding: certain itself, its cause one of a set."""
     named = jump.parameters()
     error = 1.96 * jump.ratio_error
@@ -30,7 +32,10 @@ def of_jump(jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, hel
     contribution = columns @ value
     fall = float(np.sum((contribution[~held] / sigma[~held]) ** 2))
     score = fall - columns.shape[1] * float(np.log((~held).sum()))
-    first, second = (Path(rows.files[rows.file[rows.signal == p.signal][0]]).name for p in (jump.first, jump.second))
+    first, second = (
+        Path(rows.files[rows.file[rows.signal == p.signal][0]]).name
+        for p in (jump.first, jump.second)
+    )
     causes = shared_jump.causes(jump)
     return Finding(
         Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, causes,
@@ -50,18 +55,28 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     others = {search.blocks[search.new(c, rest)].key: c for c in children}  # the best of each name
     enough = search.at_own_form(state).score - LIKELY - FORMS * own
     alike = sorted(
-        (key for key, c in others.items() if key != block.key and c.score >= enough), key=lambda key: -others[key].score
+        (key for key, c in others.items() if key != block.key and c.score >= enough),
+        key=lambda key: -others[key].score,
     )
     # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
     alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
     contribution = block.columns @ value
     if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
-        alike.insert(0, "delay:")  # of a log that is late by more than a control's cycle nobody can tell
-    alike = alike + [n for n in unrecorded.names(search.rows, block, contribution) if n not in alike]
-    less = {name: max(0.0, enough + LIKELY - others[name].score) if name in others else 0.0 for name in alike}
+        alike.insert(
+            0, "delay:"
+        )  # of a log that is late by more than a control's cycle nobody can tell
+    alike = alike + [
+        n for n in unrecorded.names(search.rows, block, contribution) if n not in alike
+    ]
+    less = {
+        name: max(0.0, enough + LIKELY - others[name].score) if name in others else 0.0
+        for name in alike
+    }
     power, along = search.evidence.beside(state.fit, block.columns, but=k)
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
-    return Finding(block, named, ci, contribution, own, fall, alike, names=probable(block.key, less))
+    return Finding(
+        block, named, ci, contribution, own, fall, alike, names=probable(block.key, less)
+    )
 
 
 def probable(own: str, less: dict[str, float]) -> dict[str, float]:

@@ -32,7 +32,9 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
                 held |= again
                 said.append("the last reading of every feature")
         elif len(runs) >= 3:
-            held |= which & (rows.run == runs[len(runs) // 2])  # in the middle: heat and wear lie between what is known
+            held |= which & (
+                rows.run == runs[len(runs) // 2]
+            )  # in the middle: heat and wear lie between what is known
             said.append("the middle run of every recording that has three at least")
     return held, ", ".join(dict.fromkeys(said))
 

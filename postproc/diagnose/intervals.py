@@ -43,7 +43,10 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
     power, _ = search.evidence.beside(state.fit, columns, but=k)
     first = search.evidence.first[k]
     prior = np.concatenate(
-        [search.evidence.slab[first : first + len(value)], [UNKNOWN * dict(block.shape)[name] for name in free]]
+        [
+            search.evidence.slab[first : first + len(value)],
+            [UNKNOWN * dict(block.shape)[name] for name in free],
+        ]
     )
     covariance = np.linalg.inv(power + np.diag(1 / prior**2))
     named = block.module.parameters(value, dict(block.shape))
@@ -51,7 +54,8 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
     sd = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
     fitted = {name for name, d in by.items() if d[: len(value)].any()}
     return named, {
-        name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted)) for name, s in sd.items()
+        name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted))
+        for name, s in sd.items()
     }
 
 
@@ -65,10 +69,14 @@ def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool
         k = int(np.clip(np.searchsorted(t, value), 1, len(t) - 1))
         return float(t[k] - t[k - 1]) / 2
     if name == "period_mm":
-        return RESOLVED * value**2 / max(float(np.ptp(rows.state.position[block.axis][shown])), 1e-9)
+        return (
+            RESOLVED * value**2 / max(float(np.ptp(rows.state.position[block.axis][shown])), 1e-9)
+        )
     if name == "frequency_hz":
         passages = rows.state.passage[shown]
-        return RESOLVED / max(float(np.ptp(rows.state.time[shown][passages == p])) for p in np.unique(passages))
+        return RESOLVED / max(
+            float(np.ptp(rows.state.time[shown][passages == p])) for p in np.unique(passages)
+        )
     return OF_SIZE * abs(value) if fitted else 0.0
 
 
@@ -77,17 +85,29 @@ def _slope(search: Search, block: Block, value: np.ndarray, name: str) -> np.nda
     shape = dict(block.shape)
     step = STEP * shape[name]
     if block.name in FOUND:  # so that the wave keeps its phase within the readings
-        place = search.rows.state.time if name == "frequency_hz" else search.rows.state.position[block.axis]
-        step = min(step, 0.01 * shape[name] ** (2 if name == "period_mm" else 0) / max(float(np.ptp(place)), 1e-9))
+        place = (
+            search.rows.state.time
+            if name == "frequency_hz"
+            else search.rows.state.position[block.axis]
+        )
+        step = min(
+            step,
+            0.01
+            * shape[name] ** (2 if name == "period_mm" else 0)
+            / max(float(np.ptp(place)), 1e-9),
+        )
     high, low = (
-        read(search.rows, block.module, block.axis, {**shape, name: shape[name] + way * step}) for way in (1, -1)
+        read(search.rows, block.module, block.axis, {**shape, name: shape[name] + way * step})
+        for way in (1, -1)
     )
     if high.shape[1] != len(value):
         return np.zeros(len(search.evidence.y))
     return (high - low) @ value / (2 * step)
 
 
-def _derivatives(block: Block, value: np.ndarray, free: list[str], sd: np.ndarray) -> dict[str, np.ndarray]:
+def _derivatives(
+    block: Block, value: np.ndarray, free: list[str], sd: np.ndarray
+) -> dict[str, np.ndarray]:
     """Of each named parameter by the coefficients and by the free values of the shape."""
     shape = dict(block.shape)
     named = block.module.parameters(value, shape)
@@ -118,18 +138,32 @@ def _others(
             continue
         power, along = search.evidence.beside(state.fit, other.columns, but=k)
         first = search.evidence.first[number]
-        covariance = np.linalg.inv(power + np.diag(1 / search.evidence.slab[first : first + len(along)] ** 2))
+        covariance = np.linalg.inv(
+            power + np.diag(1 / search.evidence.slab[first : first + len(along)] ** 2)
+        )
         value = covariance @ along
         named = other.module.parameters(value, dict(other.shape))
-        if any(named[name] * chosen_now[name] < 0 for name in named if name not in dict(other.shape)):
+        if any(
+            named[name] * chosen_now[name] < 0 for name in named if name not in dict(other.shape)
+        ):
             continue  # of another sign it is another story
         by = _derivatives(other, value, [], np.sqrt(np.diag(covariance)))
         spread = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
         # What the shape states is a choice, no size: its interval is that of the chosen one.
-        fixed = {name: (named[name], max(spread[name], sd[name])) for name in named if name not in dict(other.shape)}
+        fixed = {
+            name: (named[name], max(spread[name], sd[name]))
+            for name in named
+            if name not in dict(other.shape)
+        }
         chosen = block.module.parameters(np.zeros(block.columns.shape[1]), dict(block.shape))
         values = {name: fixed[name][0] if name in fixed else chosen[name] for name in named}
-        result.append((weight, values, {name: fixed[name][1] if name in fixed else sd[name] for name in named}))
+        result.append(
+            (
+                weight,
+                values,
+                {name: fixed[name][1] if name in fixed else sd[name] for name in named},
+            )
+        )
     return result
 
 

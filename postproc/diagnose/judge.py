@@ -9,10 +9,19 @@ from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.search import Found, Search
 from postproc.diagnose.unknown import Unknown, mapped
 
-LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}  # smaller is not worth a word
+LEAST_MM = {
+    "laser": 5e-4,
+    "angle": 5e-7,
+    "tool": 5e-4,
+    "scale": 4e-4,
+}  # smaller is not worth a word
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
-FEWEST, FOLDS, FORETELLS = 6, 5, 0.95  # readings; parts into which targets are cut; of the squares without a curve
+FEWEST, FOLDS, FORETELLS = (
+    6,
+    5,
+    0.95,
+)  # readings; parts into which targets are cut; of the squares without a curve
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
@@ -60,7 +69,11 @@ def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> 
     signals = (d.rows.signal[own][:, None] == np.unique(d.rows.signal[own])).astype(float)
     curve = f.block.columns[own]
     y, w = d.after[own] + f.contribution[own], 1.0 / d.noise[own]
-    slab = 3.0 * max(float(np.abs(f.contribution[own]).max()), 1e-6) / np.maximum(np.abs(curve).max(axis=0), 1e-12)
+    slab = (
+        3.0
+        * max(float(np.abs(f.contribution[own]).max()), 1e-6)
+        / np.maximum(np.abs(curve).max(axis=0), 1e-12)
+    )
     sums = [0.0, 0.0]
     for fold in range(FOLDS):
         out = target % FOLDS == fold
@@ -94,8 +107,15 @@ def _borne_out(d: Diagnosis) -> None:
     ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)
-        if f.block.name in NOT_FORETOLD or not own.any() or float(np.std(f.contribution[own])) < ground:
+        if (
+            f.block.name in NOT_FORETOLD
+            or not own.any()
+            or float(np.std(f.contribution[own])) < ground
+        ):
             continue
-        with_it, without = (float(np.mean((v[own] / d.noise[own]) ** 2)) for v in (d.after, d.after + f.contribution))
+        with_it, without = (
+            float(np.mean((v[own] / d.noise[own]) ** 2))
+            for v in (d.after, d.after + f.contribution)
+        )
         if with_it > NO_BETTER * without:
             f.status = "tentative"

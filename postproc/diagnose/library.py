@@ -46,10 +46,14 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = rows.seen(kinds)
-    if "gauge" in module.SEES:  # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
+    if (
+        "gauge" in module.SEES
+    ):  # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
         seen = seen | (rows.seen(SIGNALS["tool"]) & (rows.state.channels["gauged"] > 0))
     if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
-        files = np.array([k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds])
+        files = np.array(
+            [k in (("trace",) if "trace" in module.SEES else ("targets",)) for k in rows.kinds]
+        )
         seen &= files[rows.file]
     return seen
 
@@ -80,7 +84,10 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "part" and "gauge" in module.SEES and np.any(state.channels.get("gauged", 0.0)):
             continue
-        if need in ("part", "T_air_C", "spindle_rpm") and np.ptp(state.channels.get(need, np.zeros(1))) == 0:
+        if (
+            need in ("part", "T_air_C", "spindle_rpm")
+            and np.ptp(state.channels.get(need, np.zeros(1))) == 0
+        ):
             return False
         if need == "angles" and axis not in state.angles:
             return False
@@ -107,7 +114,11 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     group = np.where(
         rows.sees == "part", -1 - rows.file, rows.signal
     )  # features of a part stand at several places together
-    moving = [x for x, p in rows.state.position.items() if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))]
+    moving = [
+        x
+        for x, p in rows.state.position.items()
+        if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))
+    ]
     if module.PER == "all":
         return [""]
     resting = getattr(module, "RESTING", False)
@@ -169,7 +180,9 @@ def _steps(rows: Rows) -> list[float]:
         pause = wait > PAUSE * np.median(wait)
         jumps = np.argsort(-np.where(pause, 0.0, largest))[:MOST_JUMPS]
         some = np.linspace(0, len(middle) - 1, MOST_STEPS // 4).astype(int)
-        gaps = list(middle[np.unique(np.concatenate([np.flatnonzero(pause)[:MOST_STEPS], jumps, some]))])
+        gaps = list(
+            middle[np.unique(np.concatenate([np.flatnonzero(pause)[:MOST_STEPS], jumps, some]))]
+        )
     for passage in np.unique(rows.state.passage[rows.state.passage >= 0]):
         moment = rows.state.time[rows.state.passage == passage]
         gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
@@ -204,5 +217,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 columns = read(rows, module, axis, shape)
                 columns = columns[:, swings(columns)]
                 if columns.shape[1]:
-                    result.append(Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED))
+                    result.append(
+                        Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED)
+                    )
     return result

@@ -38,7 +38,11 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
         if recording.kind not in ("targets", "ballbar"):
             continue
         share, error = _share(rows.pick(rows.file == number))
-        if error <= SURE * max(1.0, abs(share)) and share + WIDE * error >= HALF and share - WIDE * error <= TWICE:
+        if (
+            error <= SURE * max(1.0, abs(share))
+            and share + WIDE * error >= HALF
+            and share - WIDE * error <= TWICE
+        ):
             continue
         unit = _places(recording, machine, share, error)
         if unit:
@@ -58,7 +62,9 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
                 )  # fmt: skip
         if share > HALF:
             continue  # an effect that looks like a detail of the map, and is larger: for others to name
-        if recording.kind == "ballbar":  # a lag, a give, a scale of one axis make an ellipse; so may the map
+        if (
+            recording.kind == "ballbar"
+        ):  # a lag, a give, a scale of one axis make an ellipse; so may the map
             finer, its_error = _share(rows.pick(rows.file == number), ellipses=True)
             if its_error > SURE * max(1.0, abs(finer)) or finer + WIDE * its_error >= HALF:
                 continue
@@ -120,14 +126,22 @@ def _places(recording: Recording, machine: Machine, share: float, error: float) 
         columns = dict(recording.columns)
         inside = True
         for letter in (x for x in recording.axes if x in machine.letters and x in "XYZ"):
-            name = next(n for n in columns if n.startswith(letter) and n in (f"{letter}_mm", f"{letter}_cmd_mm"))
+            name = next(
+                n
+                for n in columns
+                if n.startswith(letter) and n in (f"{letter}_mm", f"{letter}_cmd_mm")
+            )
             columns[name] = columns[name] * factor
             low, high = machine.axes[letter].travel
             inside &= bool(columns[name].min() >= low - 1 and columns[name].max() <= high + 1)
         if not inside or recording.kind != "targets":
             continue
         again, its_error = _share(of([replace(recording, columns=columns)], machine))
-        if its_error < SURE and abs(again - 1) < 0.25 and not (error < SURE and abs(share - 1) < 0.5):
+        if (
+            its_error < SURE
+            and abs(again - 1) < 0.25
+            and not (error < SURE and abs(share - 1) < 0.5)
+        ):
             return unit
     return ""
 
@@ -164,7 +178,10 @@ def _share(rows: Rows, ellipses: bool = False) -> tuple[float, float]:
     y = rows.y - q @ (q.T @ rows.y)
     share = float(detail @ y) / power
     places = len(
-        np.unique(np.round(np.stack([*rows.state.position.values(), *rows.state.approach.values()]), 2), axis=1).T
+        np.unique(
+            np.round(np.stack([*rows.state.position.values(), *rows.state.approach.values()]), 2),
+            axis=1,
+        ).T
     )
     places = min(places, CIRCLE) if rows.state.passage[0] >= 0 else places
     left = y - share * detail

@@ -63,7 +63,9 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         axis = axis_of(rows, which)
         place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
         cell, along = _cells(place, side)
-        own, value, nulls = _scan(projector, evidence, which, cell, _windows(along, int(cell.max()) + 1))
+        own, value, nulls = _scan(
+            projector, evidence, which, cell, _windows(along, int(cell.max()) + 1)
+        )
         later, worth, chances = _in_time(projector, evidence, which, rows.state.time[which])
         p = (1 + int((np.maximum(nulls, chances) >= max(value, worth)).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
@@ -72,12 +74,16 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         if timed:
             own = later
         else:
-            short, more, most = _in_time(projector, evidence, which[own], rows.state.time[which[own]])
+            short, more, most = _in_time(
+                projector, evidence, which[own], rows.state.time[which[own]]
+            )
             if timed := bool(more - value > np.quantile(most - nulls, 1 - SIGNIFICANT)):
                 own = own[short]
         inside = which[own]
         sides = np.unique(side[own])
-        approach = "both" if len(np.unique(side)) == 1 or len(sides) > 1 else "-" if sides[0] < 0 else "+"
+        approach = (
+            "both" if len(np.unique(side)) == 1 or len(sides) > 1 else "-" if sides[0] < 0 else "+"
+        )
         pick = rows.state.position[axis][inside]
         found.append(
             Place(
@@ -105,7 +111,11 @@ def axis_of(rows: Rows, which: np.ndarray) -> str:
 
 def inside(place: Place, rows: Rows) -> np.ndarray:
     """(N,) bool: the readings of a region."""
-    at, side, time = rows.state.position[place.axis], np.sign(rows.state.approach[place.axis]), rows.state.time
+    at, side, time = (
+        rows.state.position[place.axis],
+        np.sign(rows.state.approach[place.axis]),
+        rows.state.time,
+    )
     own = (rows.signal == place.signal) & (at >= place.low) & (at <= place.high)
     own &= (time >= place.times[0]) & (time <= place.times[1])
     return own if place.approach == "both" else own & ((side >= 0) == (place.approach == "+"))
@@ -116,7 +126,9 @@ def measured(places: list[Place], rows: Rows, before: np.ndarray) -> list[Place]
     found = []
     for place in places:
         off = before[inside(place, rows)]
-        found.append(replace(place, rms=float(np.sqrt(np.mean(off**2))), peak=float(np.abs(off).max())))
+        found.append(
+            replace(place, rms=float(np.sqrt(np.mean(off**2))), peak=float(np.abs(off).max()))
+        )
     return sorted(found, key=lambda f: -f.rms)
 
 
@@ -125,11 +137,19 @@ def _in_time(projector: Projector, evidence: np.ndarray, which: np.ndarray, time
     edges = np.unique(np.quantile(time, np.linspace(0, 1, CELLS + 1)))
     cell = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, max(len(edges) - 2, 0))
     n = int(cell.max()) + 1
-    windows = np.stack([(np.arange(n) >= a) & (np.arange(n) < b) for a in range(n) for b in range(a + 1, n + 1)])
+    windows = np.stack(
+        [(np.arange(n) >= a) & (np.arange(n) < b) for a in range(n) for b in range(a + 1, n + 1)]
+    )
     return _scan(projector, evidence, which, cell, windows)
 
 
-def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: np.ndarray, windows: np.ndarray):
+def _scan(
+    projector: Projector,
+    evidence: np.ndarray,
+    which: np.ndarray,
+    cell: np.ndarray,
+    windows: np.ndarray,
+):
     """Which of the rows are in the window with the highest score, that score, and the highest of each draw: by how much chi squared
     falls if the window had a mean of its own, beside all nuisances."""
     n = windows.shape[1]
@@ -149,7 +169,11 @@ def _scan(projector: Projector, evidence: np.ndarray, which: np.ndarray, cell: n
 
 def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
     line = rows.state.channels.get("program_line")
-    return None if line is None else (int(np.floor(line[which].min())), int(np.ceil(line[which].max())))
+    return (
+        None
+        if line is None
+        else (int(np.floor(line[which].min())), int(np.ceil(line[which].max())))
+    )
 
 
 def _cells(place: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, int]:

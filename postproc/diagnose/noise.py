@@ -20,7 +20,13 @@ from scipy.ndimage import median_filter
 from postproc.diagnose import slips
 from postproc.diagnose.rows import Rows
 
-FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}  # mm, rad: resolution
+FLOOR = {
+    "laser": 1e-4,
+    "angle": 1e-7,
+    "tool": 1e-4,
+    "scale": 5e-5,
+    "part": 3e-4,
+}  # mm, rad: resolution
 USUAL = {
     "laser": 3e-4,
     "angle": 5e-7,
@@ -106,7 +112,11 @@ def units(rows: Rows) -> list[Unit]:
     for number in np.unique(label):
         own = np.flatnonzero(label == number)
         dense = rows.kinds[rows.file[own[0]]] in ("ballbar", "trace")
-        order = own[np.lexsort((np.arange(len(own)), rows.state.time[own], rows.run[own] * (not part[own[0]])))]
+        order = own[
+            np.lexsort(
+                (np.arange(len(own)), rows.state.time[own], rows.run[own] * (not part[own[0]]))
+            )
+        ]
         passage = rows.state.passage[order] if dense else rows.run[order]
         edges = np.concatenate([[0], np.flatnonzero(np.diff(passage)) + 1, [len(order)]])
         t = rows.state.time[order]
@@ -129,10 +139,21 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
     floor = FLOOR[unit.sees]
     if unit.dense:
         y = residual[which]
-        second = np.concatenate([np.diff(y[a:b], 2) for a, b in pairwise(unit.edges)] or [np.zeros(1)])
-        size = max(spread(second) / np.sqrt(6.0), floor) if len(second) > 3 else max(float(np.std(y)), floor)
+        second = np.concatenate(
+            [np.diff(y[a:b], 2) for a, b in pairwise(unit.edges)] or [np.zeros(1)]
+        )
+        size = (
+            max(spread(second) / np.sqrt(6.0), floor)
+            if len(second) > 3
+            else max(float(np.std(y)), floor)
+        )
     else:
-        size = max(_repeated(rows, residual, which) if unit.sees == "part" else _sparse(rows, residual, which), floor)
+        size = max(
+            _repeated(rows, residual, which)
+            if unit.sees == "part"
+            else _sparse(rows, residual, which),
+            floor,
+        )
     size = np.maximum(size, np.maximum(rows.grain[which], _step(rows.y[which])))
     return np.hypot(size, rows.rounding[which]) if unit.dense else size
 
@@ -165,7 +186,11 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
     differences = []
     for a, b in pairwise(np.unique(run)):
         first = {int(p): float(v) for p, v in zip(place[run == a], y[run == a], strict=True)}
-        pairs = [float(v) - first[int(p)] for p, v in zip(place[run == b], y[run == b], strict=True) if int(p) in first]
+        pairs = [
+            float(v) - first[int(p)]
+            for p, v in zip(place[run == b], y[run == b], strict=True)
+            if int(p) in first
+        ]
         if len(pairs) > 2:
             differences.append(np.diff(pairs) / 2.0)
         elif pairs:
@@ -180,7 +205,9 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
 def _repeated(rows: Rows, residual: np.ndarray, own: np.ndarray) -> float:
     """Features that were measured several times on each part: what the readings of one scatter by; else from differences
     of neighbours."""
-    group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)[1].ravel()
+    group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)[
+        1
+    ].ravel()
     count = np.bincount(group)
     free = len(own) - len(count)
     if free < 4:
@@ -244,10 +271,18 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
     base = max(spread(scaled[train]), FLOOR[unit.sees])
     far = np.abs(scaled) / base
     if unit.dense:  # of neighbours that lie off together each is real
-        near = np.maximum(np.abs(np.concatenate([scaled[1:], [0]])), np.abs(np.concatenate([[0], scaled[:-1]]))) / base
+        near = (
+            np.maximum(
+                np.abs(np.concatenate([scaled[1:], [0]])),
+                np.abs(np.concatenate([[0], scaled[:-1]])),
+            )
+            / base
+        )
         far = np.where(near > TAIL / 2, 0.0, far)
         if len(left) > 64:
-            parts = [scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()]
+            parts = [
+                scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()
+            ]
             unit.ar, unit.innovation, total = autoregression(
                 [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
@@ -282,7 +317,9 @@ def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
     for order in ORDERS:
         if order:
             toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
-            a = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1 : order + 1])
+            a = np.linalg.solve(
+                toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1 : order + 1]
+            )
         else:
             a = np.zeros(0)
         share = max(1.0 - float(a @ covariance[1 : order + 1]) / covariance[0], 1e-4)
@@ -299,7 +336,9 @@ def _without_lines(values: np.ndarray) -> np.ndarray:
     width = 31
     if len(power) < 2 * width:
         return values
-    around = np.array([np.median(power[max(0, k - width) : k + width + 1]) for k in range(0, len(power), width)])
+    around = np.array(
+        [np.median(power[max(0, k - width) : k + width + 1]) for k in range(0, len(power), width)]
+    )
     level = np.repeat(around, width)[: len(power)]
     line = power > LINE * np.maximum(level, 1e-30)
     wide = line | np.concatenate([line[1:], [False]]) | np.concatenate([[False], line[:-1]])
@@ -324,19 +363,34 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                     times, size[part] = slips.departures(p, residual[part], sigma[part])
                     result[part] = np.abs(times)
                     end, off = slips.at_ends(
-                        p, residual[part], _elsewhere(rows, residual, which, part, place), sigma[part]
+                        p,
+                        residual[part],
+                        _elsewhere(rows, residual, which, part, place),
+                        sigma[part],
                     )
-                    result[part], size[part] = np.where(end > 0, end, result[part]), np.where(end > 0, off, size[part])
+                    result[part], size[part] = (
+                        np.where(end > 0, end, result[part]),
+                        np.where(end > 0, off, size[part]),
+                    )
                 continue
-        y = residual[which] - np.median(residual[which])  # without its zero: what is shared at a place has none either
+        y = residual[which] - np.median(
+            residual[which]
+        )  # without its zero: what is shared at a place has none either
         shared = np.bincount(place)[place] > 2
         for p in np.unique(place[shared]):  # what all runs share at a place is no outlier
             y[place == p] -= np.median(y[place == p])
         for k in range(len(which)):
-            near = [j for j in range(max(0, k - 3), min(len(which), k + 4)) if j != k and run[j] == run[k]]
+            near = [
+                j
+                for j in range(max(0, k - 3), min(len(which), k + 4))
+                if j != k and run[j] == run[k]
+            ]
             if not near and not shared[k]:  # nothing to compare with: its zero is no departure
                 continue
-            around = [float(np.median(y[near])) if near else 0.0, *_went_on(y, np.flatnonzero(place == place[k]), k)]
+            around = [
+                float(np.median(y[near])) if near else 0.0,
+                *_went_on(y, np.flatnonzero(place == place[k]), k),
+            ]
             off = min((y[k] - level for level in around), key=abs)
             result[which[k]] = abs(off) / sigma[which[k]]
             size[which[k]] = off
@@ -353,7 +407,9 @@ def _went_on(y: np.ndarray, same: np.ndarray, k: int) -> list[float]:
     return levels + ([float(2 * behind[0] - behind[1])] if len(behind) == 2 else [])
 
 
-def _elsewhere(rows: Rows, residual: np.ndarray, which: np.ndarray, part: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _elsewhere(
+    rows: Rows, residual: np.ndarray, which: np.ndarray, part: np.ndarray, place: np.ndarray
+) -> np.ndarray:
     """(M,) median of what other runs read at the places of the rows `part`, nan where there were none; place: of the rows `which`."""
     number = dict(zip(which.tolist(), place.tolist(), strict=True))
     found = np.full(len(part), np.nan)

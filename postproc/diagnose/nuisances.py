@@ -26,8 +26,13 @@ BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
 STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
 ALIGNED = 5e-6  # rad, a second of arc: what squares and levels are good for that lines of straightness are referred to (unverified)
-FEATURE = 5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
-RUN, MOST_RUN = 3e-4, 1e-3  # mm: by how much the zero of an instrument differs from run to run, usually and at most
+FEATURE = (
+    5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
+)
+RUN, MOST_RUN = (
+    3e-4,
+    1e-3,
+)  # mm: by how much the zero of an instrument differs from run to run, usually and at most
 WANDER, MOST_WANDER = (
     3e-4,
     1.5e-3,
@@ -80,11 +85,17 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
     else:
         found.append(Group("zero", np.ones((n, 1)), FREE))
     if kind == "ballbar":
-        found.append(Group("set-up", rows.direction[own][:, rows.direction[own].any(axis=0)], CENTRE))
+        found.append(
+            Group("set-up", rows.direction[own][:, rows.direction[own].any(axis=0)], CENTRE)
+        )
         share = _share(unit.time)  # the bar warms in the hand and on the machine
-        found.append(Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR))
+        found.append(
+            Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR)
+        )
     if kind == "targets" and unit.sees == "tool":
-        for p in rows.state.position.values():  # its line is known as well as it was referred to an axis
+        for p in (
+            rows.state.position.values()
+        ):  # its line is known as well as it was referred to an axis
             if np.ptp(p[own]) > 1e-3:
                 found.append(Group("set-up", (p[own] - p[own].mean())[:, None], ALIGNED))
     numbers = np.unique(rows.run[own])
@@ -98,8 +109,13 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
                 late[which, k] = _share(unit.time[which]) / 2
         if late.any():
             found.append(Group("run", late, RUN * scale, MOST_RUN * scale))
-    if unit.sees != "part" and np.ptp(rows.state.time[own]) > 0:  # without times nobody can tell what wanders
-        found += [Group("wander", columns, WANDER * scale, MOST_WANDER * scale) for columns in wander(unit)]
+    if (
+        unit.sees != "part" and np.ptp(rows.state.time[own]) > 0
+    ):  # without times nobody can tell what wanders
+        found += [
+            Group("wander", columns, WANDER * scale, MOST_WANDER * scale)
+            for columns in wander(unit)
+        ]
     return found
 
 
@@ -161,15 +177,24 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
         found.append(Group("speed", _of_speed(rows, own, main), PROCESS, MOST_PROCESS))
     if np.ptp(rows.state.time[own]) > 0:
         slow = wander(unit)[:2]
-        found += [Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in slow]
+        found += [
+            Group("drift", columns, PROCESS * scale, MOST_PROCESS * scale) for columns in slow
+        ]
         if moving and slow:  # what tilts or stretches for a while
             place = rows.state.position[main][own]
             lever = 2 * (place - place.mean()) / np.ptp(place)
-            found.append(Group("lever", slow[0] * lever[:, None], PROCESS * scale, MOST_PROCESS * scale))
+            found.append(
+                Group("lever", slow[0] * lever[:, None], PROCESS * scale, MOST_PROCESS * scale)
+            )
     numbers = np.unique(rows.run[own])
     if 1 < len(numbers) < len(own) / 2:
         found.append(
-            Group("zeros", (rows.run[own][:, None] == numbers).astype(float), ZEROS * scale, MOST_PROCESS * scale)
+            Group(
+                "zeros",
+                (rows.run[own][:, None] == numbers).astype(float),
+                ZEROS * scale,
+                MOST_PROCESS * scale,
+            )
         )
     return found
 
@@ -179,10 +204,14 @@ def _of_speed(rows: Rows, own: np.ndarray, axis: str) -> np.ndarray:
     v = rows.state.velocity[axis][own]
     place = rows.state.position[axis][own]
     columns = _nodes(np.log(np.maximum(np.abs(v), SLOWEST)), np.sign(v), SPEEDS)
-    return np.concatenate([columns, columns * (2 * (place - place.mean()) / np.ptp(place))[:, None]], axis=1)
+    return np.concatenate(
+        [columns, columns * (2 * (place - place.mean()) / np.ptp(place))[:, None]], axis=1
+    )
 
 
-def _nodes(value: np.ndarray, side: np.ndarray, number: int, only: tuple[float, ...] = ()) -> np.ndarray:
+def _nodes(
+    value: np.ndarray, side: np.ndarray, number: int, only: tuple[float, ...] = ()
+) -> np.ndarray:
     """(n, M): lines between so many values, for each side apart."""
     columns = []
     for s in only or np.unique(side):
@@ -209,8 +238,12 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
             times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
                 shape = enters * legendre(u, degree)
-                if along == XYZ.index(x):  # features see the same map, at the two places of their walls
-                    shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(rows, x, degree)
+                if along == XYZ.index(
+                    x
+                ):  # features see the same map, at the two places of their walls
+                    shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(
+                        rows, x, degree
+                    )
                 smooth.append(times * shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])
@@ -238,7 +271,9 @@ def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:
         return here
     low, high = rows.state.travel[axis]
     other = rows.other[axis]
-    there = legendre(np.clip(2 * (np.nan_to_num(other) - low) / (high - low) - 1, -1.2, 1.2), degree)
+    there = legendre(
+        np.clip(2 * (np.nan_to_num(other) - low) / (high - low) - 1, -1.2, 1.2), degree
+    )
     return here - np.where(np.isnan(other), 0.0, there)
 
 

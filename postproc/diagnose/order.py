@@ -10,7 +10,9 @@ from postproc.errors import Place
 from postproc.recordings import Recording, RecordingError
 
 XYZ = "XYZ"
-BACKWARDS = 0.9  # of the steps within runs: then it is no disorder but a column that runs the other way
+BACKWARDS = (
+    0.9  # of the steps within runs: then it is no disorder but a column that runs the other way
+)
 AGAINST = 0.2  # of the steps of each way may contradict their sign of approach
 
 
@@ -32,7 +34,11 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
                 Place(recording.file, int(recording.lines[0])),
             )  # fmt: skip
         columns = {k: v for k, v in recording.columns.items() if k != "t_s"}
-        return replace(recording, columns=columns), np.zeros(0, int), f"t_s = {time[0]:g} in all rows: not used"
+        return (
+            replace(recording, columns=columns),
+            np.zeros(0, int),
+            f"t_s = {time[0]:g} in all rows: not used",
+        )
     back = within & (step < 0)
     notice = ""
     if back.any():
@@ -89,11 +95,15 @@ def approaches(recording: Recording) -> tuple[Recording, list[str]]:
             continue
         if not side.any():
             columns[f"approach_{letter}"] = _from_steps(way)
-            notices.append(f"approach_{letter} was not recorded: taken from the order of the targets")
+            notices.append(
+                f"approach_{letter} was not recorded: taken from the order of the targets"
+            )
             continue
         wrong = (way != 0) & (side != 0) & (way != side)
         up, down = wrong & (way > 0), wrong & (way < 0)
-        if up.sum() > AGAINST * max((way > 0).sum(), 1) and down.sum() > AGAINST * max((way < 0).sum(), 1):
+        if up.sum() > AGAINST * max((way > 0).sum(), 1) and down.sum() > AGAINST * max(
+            (way < 0).sum(), 1
+        ):
             k = int(np.flatnonzero(wrong)[0])
             raise RecordingError(
                 f"approach_{letter} = {side[k]:+g}, and {letter} comes from {place[k - 1]:g} to {place[k]:g} mm; "

@@ -44,7 +44,9 @@ class Reduced:
 class Part:
     """What one unit contributes: its columns, whitened, and their products."""
 
-    def __init__(self, whole: Unit, keep: np.ndarray, groups: list[Group], shared: np.ndarray, y: np.ndarray):
+    def __init__(
+        self, whole: Unit, keep: np.ndarray, groups: list[Group], shared: np.ndarray, y: np.ndarray
+    ):
         self.whole = whole
         unit = self.unit = whole.pick(keep)
         self.use = use = keep[whole.rows]
@@ -55,7 +57,11 @@ class Part:
         self.usual = np.array([g.sd for g in groups])
         self.learned = np.array([g.learned for g in groups], bool)
         self.most = np.array([g.most for g in groups])
-        b = np.concatenate([g.columns for g in groups], axis=1) if groups else np.zeros((len(unit), 0))
+        b = (
+            np.concatenate([g.columns for g in groups], axis=1)
+            if groups
+            else np.zeros((len(unit), 0))
+        )
         self.raw = b
         self.b = unit.whitened(b[use])
         self.z = unit.whitened(shared[unit.rows])
@@ -65,11 +71,16 @@ class Part:
         self.yy = float(self.y @ self.y)
         self.d = np.zeros((len(unit), 0))
         self.columns = np.zeros(0, int)  # numbers of the dictionary's columns that show here
-        self.bd, self.zd, self.dy = np.zeros((len(b.T), 0)), np.zeros((self.z.shape[1], 0)), np.zeros(0)
+        self.bd, self.zd, self.dy = (
+            np.zeros((len(b.T), 0)),
+            np.zeros((self.z.shape[1], 0)),
+            np.zeros(0),
+        )
         self._crossed: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}  # block to its columns here
         self.processes = {
-            kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind]) for kind in PROCESSES
+            kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind])
+            for kind in PROCESSES
         }
         self.usually = ~np.any(list(self.processes.values()), axis=0)
 
@@ -102,7 +113,9 @@ class Part:
         """(P,) products of pairs of own columns of the dictionary."""
         return np.einsum("np,np->p", self.d[:, first], self.d[:, second])
 
-    def reduced(self, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]) -> Reduced:
+    def reduced(
+        self, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]
+    ) -> Reduced:
         """The unit with its own columns taken out; shown: blocks that show in it; kinds: of its processes."""
         z = len(self.zy)
         at = (
@@ -132,14 +145,18 @@ class Part:
         groups = np.unique(self.of[use])
         groups = groups[self.learned[groups]]
         value -= float(
-            np.sum(surprise(sd[groups], self.usual[groups]) + (2 * sd[groups] / self.most[groups]) ** 2)
+            np.sum(
+                surprise(sd[groups], self.usual[groups]) + (2 * sd[groups] / self.most[groups]) ** 2
+            )
         ) + float(surprise(np.sqrt(sigma2), 1.0))
         value -= float(sigma2) * (2 / MOST_WHITE) ** 2
         return Reduced(
             shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
         )  # fmt: skip
 
-    def renewed(self, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float) -> tuple[float, np.ndarray]:
+    def renewed(
+        self, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
+    ) -> tuple[float, np.ndarray]:
         """Its variance and standard deviations, by MacKay's fixed point. mean, covariance: of its shared coefficients."""
         use, sd = old.use, old.sd.copy()
         inverse = inverted(old.root)
@@ -156,7 +173,11 @@ class Part:
                 now = _size(float((own[which] ** 2).sum()), dof, usual, self.most[g])
                 sd[g] = float(np.clip(now, LEAST * usual, self.most[g]))
         left += float(np.sum(covariance * old.inside))
-        e = self.yy - 2 * (own @ self.by[use] + mean @ old.fy) + own @ (self.bb[np.ix_(use, use)] @ own)
+        e = (
+            self.yy
+            - 2 * (own @ self.by[use] + mean @ old.fy)
+            + own @ (self.bb[np.ix_(use, use)] @ own)
+        )
         e += 2 * own @ (old.bf[use] @ mean) + mean @ old.ff @ mean
         return float(np.clip((e + SURE) / max(len(self.y) - left + SURE, 1.0), least, 1e4)), sd
 

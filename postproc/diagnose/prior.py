@@ -31,7 +31,10 @@ def unusual(block: Block, coefficients: np.ndarray) -> int:
 
 def plausible(block: Block, coefficients: np.ndarray) -> bool:
     """Whether the named parameters are such as machines have, and such as the name says."""
-    limits, sensible = getattr(block.module, "PLAUSIBLE", {}), getattr(block.module, "sensible", None)
+    limits, sensible = (
+        getattr(block.module, "PLAUSIBLE", {}),
+        getattr(block.module, "sensible", None),
+    )
     if not limits and sensible is None:
         return True
     named = block.module.parameters(coefficients, dict(block.shape))

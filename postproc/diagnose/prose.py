@@ -49,7 +49,9 @@ def _finding_lines(d: Diagnosis, f: Finding) -> list[str]:
     lines.append(f"  {worth(d, f)}")
     lines.append(f"  {f.text or f.block.module.TEXT}")
     if f.equivalent:
-        lines.append(f"  These readings are explained as well by: {', '.join(map(words.named, f.equivalent))}.")
+        lines.append(
+            f"  These readings are explained as well by: {', '.join(map(words.named, f.equivalent))}."
+        )
         lines.append(f"  To tell them apart: {next_test(d, f)}")
     return lines
 
@@ -64,7 +66,9 @@ def sizes(d: Diagnosis, f: Finding) -> list[tuple[str, str, str]]:
     """(size, interval, meaning) of the parameters that say something to a person."""
     t = d.rows.state.time
     span = float(np.ptp(t)) if len(t) else 0.0
-    return words.parameters(f.block.module, f.value, f.ci95, [Path(r.file).name for r in d.recordings], span)
+    return words.parameters(
+        f.block.module, f.value, f.ci95, [Path(r.file).name for r in d.recordings], span
+    )
 
 
 def worth(d: Diagnosis, f: Finding) -> str:
@@ -90,7 +94,9 @@ def worth(d: Diagnosis, f: Finding) -> str:
 
 def where(d: Diagnosis, place) -> str:
     """One region in which the mismatch stands out, before any effect was taken into account; sizes are those of --residuals."""
-    way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[place.approach]
+    way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[
+        place.approach
+    ]
     signal = d.rows.signals[place.signal]
     part = bool(np.any(d.rows.sees[d.rows.signal == place.signal] == "part"))
     at = "" if part else f": {words.stretch(place.axis, place.low, place.high)}, {way}"
@@ -128,9 +134,7 @@ def unknown_words(d: Diagnosis) -> str:
         return f"{said}."
     if u.after > NO_HELP * u.before:
         return f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f} {size} rms): it does not repeat."
-    return (
-        f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to {u.after * scale:.2f} {size} rms."
-    )
+    return f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to {u.after * scale:.2f} {size} rms."
 
 
 def held_out_words(d: Diagnosis) -> str:
@@ -139,7 +143,10 @@ def held_out_words(d: Diagnosis) -> str:
     if not fit["held_out"]:
         return "nothing, every run was needed; how well this foretells another run is not known"
     within = f"{100 * fit['coverage95']:.0f} % of its readings lie within their 95 % limits"
-    before, noise = f"{fit['rms_before_um']:.2f} um rms by the machine's file", f"noise {fit['noise_floor_um']:.2f}"
+    before, noise = (
+        f"{fit['rms_before_um']:.2f} um rms by the machine's file",
+        f"noise {fit['noise_floor_um']:.2f}",
+    )
     after = f", {fit['rms_after_um']:.2f} with the effects above" if d.findings else ""
     return f"{fit['held_out']} took no part in this: {before}{after}, {noise}; {within}"
 
@@ -156,7 +163,10 @@ def next_steps(d: Diagnosis) -> list[str]:
         steps.append(
             f"correct the recording for {', '.join(at_fault)}, or record again without it; leave the machine as it is."
         )
-    if any(f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients") for f in accepted):
+    if any(
+        f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients")
+        for f in accepted
+    ):
         steps.append(
             "--write-machine FOLDER writes a machine with the accepted effects; record again and diagnose with it: nothing should be left."
         )
@@ -181,7 +191,9 @@ def faults(d: Diagnosis) -> list[str]:
             left = "" if what.endswith("not recorded") else "; left out"
             result.append(f"DATA: {d.recordings[file].file}:{line}: {what}{off}{left}")
         if len(rows) > SHOWN:
-            result.append(f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json lists them")
+            result.append(
+                f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json lists them"
+            )
     return result
 
 
@@ -190,7 +202,8 @@ def headline(d: Diagnosis) -> str:
     if d.verdict == "left-out-physics":
         found = [words.named(f.block.key) for f in d.findings if f.status == "accepted"]
         found += [
-            f"{t.term.name} of {one.axis} (in its {'force' if one.unit == 'N' else 'current'})" for one, t in felt(d)
+            f"{t.term.name} of {one.axis} (in its {'force' if one.unit == 'N' else 'current'})"
+            for one, t in felt(d)
         ]
         beyond = ", and something that the library can not name" if d.unknown else ""
         return f"The model of {d.machine.name} leaves out: {', '.join(found)}{beyond}."

@@ -73,7 +73,11 @@ def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
 
 def _lines(d: Diagnosis, place) -> tuple[int, int]:
     """Lines of the program where the recording knows them, else of the recording."""
-    return place.program if "line" in d.recordings[place.file].columns and place.program else place.lines
+    return (
+        place.program
+        if "line" in d.recordings[place.file].columns and place.program
+        else place.lines
+    )
 
 
 def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
@@ -171,7 +175,13 @@ def _map_rows(d: Diagnosis) -> Iterator[tuple]:
 
 def unknown_csv(d: Diagnosis) -> str:
     """The map of what is left as a table: something to look at; no compensator applies it."""
-    along = "t_s" if d.unknown and d.unknown.along == "time" else f"{d.unknown.along}_mm" if d.unknown else ""
+    along = (
+        "t_s"
+        if d.unknown and d.unknown.along == "time"
+        else f"{d.unknown.along}_mm"
+        if d.unknown
+        else ""
+    )
     rows = [",".join([f"{along}_from", f"{along}_to", *MAP[2:]])]
     return "\n".join([*rows, *(",".join(str(v) for v in row) for row in _map_rows(d))]) + "\n"
 
@@ -199,9 +209,14 @@ def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], 
         if name not in [f.block.key for f in able]:
             known = ", ".join(f.block.key for f in able) or "none"
             raise UsageError(
-                f"--accept {name}: no such effect is accepted", f"accepted effects of the machine: {known}"
+                f"--accept {name}: no such effect is accepted",
+                f"accepted effects of the machine: {known}",
             )
-    sure = [f for f in able if f.foretells and _sized(f) and all(_same_use(f, name) for name in f.equivalent)]
+    sure = [
+        f
+        for f in able
+        if f.foretells and _sized(f) and all(_same_use(f, name) for name in f.equivalent)
+    ]
     out = [f for f in able if f.block.key not in accept and f not in sure]
     return [f for f in able if f not in out], out
 
@@ -251,7 +266,9 @@ def _half_widths(f: Finding) -> dict[str, float]:
     for name in sizes(f.block.module):
         value, (low, high) = f.value[name], f.ci95[name]
         half = max(high - value, value - low)
-        if math.isfinite(half) and half > 1e-9 * max(abs(value), 1e-12):  # else the parameter was not fitted
+        if math.isfinite(half) and half > 1e-9 * max(
+            abs(value), 1e-12
+        ):  # else the parameter was not fitted
             found[name] = float(f"{half:.3g}")
     return found
 
@@ -288,7 +305,9 @@ def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Calla
         sections.append(
             (
                 section,
-                f"not told apart from {names}: run the test that parts them before a part is cut" if names else "",
+                f"not told apart from {names}: run the test that parts them before a part is cut"
+                if names
+                else "",
             )
         )
     return lambda text: edit.with_sections(text, name, "effect", sections)

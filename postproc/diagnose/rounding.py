@@ -24,7 +24,9 @@ def step(values: np.ndarray) -> np.ndarray:
             size = np.maximum(np.abs(values), known.min())
             by_digits = 10.0 ** (np.floor(np.log10(size) + 1e-12) - digits + 1)
             return np.maximum(by_digits, _decimals(known))
-    return np.full(len(values), _decimals(known)) if _decimals(known) > 1e-6 else np.zeros(len(values))
+    return (
+        np.full(len(values), _decimals(known)) if _decimals(known) > 1e-6 else np.zeros(len(values))
+    )
 
 
 def _decimals(known: np.ndarray) -> float:

@@ -108,21 +108,28 @@ def of(recordings: list[Recording], machine: Machine) -> Rows:
             parts.append(columns)
     if not parts:
         raise RecordingError(
-            "there is nothing to compare in these recordings", "targets, ballbar, trace or features are wanted"
+            "there is nothing to compare in these recordings",
+            "targets, ballbar, trace or features are wanted",
         )
     return _joined(parts, machine, signals, recordings)
 
 
-def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings: list[Recording]) -> Rows:
+def _joined(
+    parts: list[dict], machine: Machine, signals: list[str], recordings: list[Recording]
+) -> Rows:
     letters = [x for x in machine.letters if x in XYZ]
     n = sum(len(p["y"]) for p in parts)
 
     def column(name: str, default: float = 0.0) -> np.ndarray:
-        return np.concatenate([np.broadcast_to(p.get(name, default), len(p["y"])).astype(float) for p in parts])
+        return np.concatenate(
+            [np.broadcast_to(p.get(name, default), len(p["y"])).astype(float) for p in parts]
+        )
 
     position = {x: column(f"{x} position") for x in letters}
     approach = {x: column(f"{x} approach") for x in letters}
-    channels = sorted({name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")})
+    channels = sorted(
+        {name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")}
+    )
     state = State(
         position=position, approach=approach, travel=_travels(machine, letters),
         velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
@@ -130,8 +137,13 @@ def _joined(parts: list[dict], machine: Machine, signals: list[str], recordings:
         time=column("time"), run=column("run"), channels={c: column(f"channel {c}", np.nan) for c in channels},
         angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"), inside=_inside(parts, letters),
     )  # fmt: skip
-    state = replace(state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state))
-    angles = {x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state) for x in letters}
+    state = replace(
+        state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state)
+    )
+    angles = {
+        x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state)
+        for x in letters
+    }
     state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
     direction = np.concatenate([p["direction"] for p in parts])
     state = replace(state, lines=_lines(parts, state, direction))
@@ -255,7 +267,9 @@ def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None
             own = own if own.any() else np.ones(len(place), bool)
             at, group = np.unique(np.round(place[own], 3), return_inverse=True)
             value = np.bincount(group, p["y"][own] * p["direction"][own, k]) / np.bincount(group)
-            rows = (np.sign(state.approach[letter]) == side) | ((state.approach[letter] == 0) & (side > 0))
+            rows = (np.sign(state.approach[letter]) == side) | (
+                (state.approach[letter] == 0) & (side > 0)
+            )
             result[k, rows] = np.interp(state.position[letter][rows], at, value)
     return result if result.any() else None
 
@@ -265,7 +279,11 @@ def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, 
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
     result: dict[str, str] = {}
     for x in state.position:
-        own = np.isin(sees, ("laser", "tool")) & (state.passage < 0) & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
+        own = (
+            np.isin(sees, ("laser", "tool"))
+            & (state.passage < 0)
+            & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
+        )
         if not own.any():
             continue
         share = (state.share(x)[own] + 1) / 2
@@ -274,7 +292,8 @@ def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, 
         for other, q in state.position.items():
             # In one set-up: a beam that is aligned anew has an error of its own, which looks like that of another line.
             apart = [
-                _apart(cell[state.file[own] == f], q[own][state.file[own] == f]) for f in np.unique(state.file[own])
+                _apart(cell[state.file[own] == f], q[own][state.file[own] == f])
+                for f in np.unique(state.file[own])
             ]
             if other != x and any(apart):
                 found += other
@@ -306,7 +325,9 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
         near, far = pick_state(rows.state, part), second_place(rows, part)
         between = deviation_at(bare, near) - deviation_at(bare, far)
         result[part] = (between * rows.direction[part].T).sum(axis=0)
-    for term in machine.effects:  # with their history: what a place alone decides is only what a program can correct
+    for term in (
+        machine.effects
+    ):  # with their history: what a place alone decides is only what a program can correct
         if term.module is not None and library.needed(rows, term.module, term.axis):
             value, shape = term.module.coefficients(**term.parameters)
             result += library.read(rows, term.module, term.axis, shape) @ value

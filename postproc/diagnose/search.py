@@ -108,13 +108,20 @@ class Search:
         if not self.evidence.wandered(like.fit):
             return fit
         return max(
-            fit, self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True), key=lambda fit: fit.value
+            fit,
+            self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True),
+            key=lambda fit: fit.value,
         )
 
     def _value(self, fit: Fit) -> float:
         members = self.members(fit)
         odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in members)
-        return fit.value - float(self.cost[list(members)].sum()) - UNNAMED * len(fit.on) - UNUSUAL * odd
+        return (
+            fit.value
+            - float(self.cost[list(members)].sum())
+            - UNNAMED * len(fit.on)
+            - UNUSUAL * odd
+        )
 
     def at_own_form(self, state: Found) -> Found:
         """The same set with the errors of form of what it explains: terms, and noise no less than that."""
@@ -143,7 +150,9 @@ class Search:
             if np.abs(part).max() < FORMED:
                 continue
             terms = [
-                part * np.clip(self.rows.state.share(x), -1.2, 1.2) for x in block.axis if x in self.rows.state.position
+                part * np.clip(self.rows.state.share(x), -1.2, 1.2)
+                for x in block.axis
+                if x in self.rows.state.position
             ]
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
@@ -154,7 +163,14 @@ class Search:
                     terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
             columns = np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
             whose.append(k)
-            made.append(Block(block.module, block.axis, (("form", float(len(self.blocks) + len(made))),), columns))
+            made.append(
+                Block(
+                    block.module,
+                    block.axis,
+                    (("form", float(len(self.blocks) + len(made))),),
+                    columns,
+                )
+            )
         self.cost = np.append(self.cost, np.full(len(made), np.inf))
         numbers = self.evidence.add(made, FORM_SD) if made else []
         self._of_form |= dict(zip(numbers, whose, strict=True))
@@ -208,7 +224,9 @@ class Search:
         ends += [self._settled(self._grown(state, self._processes)[-1]) for state in named[-2:]]
         if alone[-1].fit.on:
             ends.append(self._settled(self._grown(alone[-1], self.children)[-1]))
-        best = sorted((f for f in self.seen.values() if f.members or f.fit.on), key=lambda f: -f.score)[:LOOKED_AT]
+        best = sorted(
+            (f for f in self.seen.values() if f.members or f.fit.on), key=lambda f: -f.score
+        )[:LOOKED_AT]
         return self._dropped(self._likeliest([*ends, *best]))
 
     def _likeliest(self, states: list[Found]) -> Found:
@@ -218,20 +236,26 @@ class Search:
 
         def worth(state: Found) -> float:
             own = self.at_own_form(state)
-            return self._value(self.evidence.learn(own.fit.chosen, own.fit, own.fit.on, RENEWED, least))
+            return self._value(
+                self.evidence.learn(own.fit.chosen, own.fit, own.fit.on, RENEWED, least)
+            )
 
         found = [(worth(state), state) for state in {state.key: state for state in states}.values()]
         most, best = max(found, key=lambda one: one[0])
         # Names that the errors of form do not part are parted as they fit.
         size, on = len(best.members), best.fit.on
-        alike = [s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on]
+        alike = [
+            s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
+        ]
         return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
 
     def _as_it_fits(self, state: Found) -> float:
         """What a set is worth without errors of form, its sizes learned to the end: scores on the way there depend on the way."""
         return self._value(self.evidence.learn(state.members, state.fit, state.fit.on, CONVERGED))
 
-    def _grown(self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0) -> list[Found]:
+    def _grown(
+        self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0
+    ) -> list[Found]:
         """The best of the sets that grow from one, with each number of members; up to `ahead` of them also where a member
         is worth nothing yet."""
         beam, best = [start], [start]
@@ -259,7 +283,10 @@ class Search:
             for kind, columns in part.processes.items()
             if columns.any() and (u, kind) not in state.fit.on
         ]
-        worth = [self.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value for on in tried]
+        worth = [
+            self.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
+            for on in tried
+        ]
         best = sorted(range(len(tried)), key=lambda k: -worth[k])[:CHILDREN]
         return [self.of(state.members, tried[k], state) for k in best]
 
@@ -278,7 +305,10 @@ class Search:
         while True:
             best = self.at_own_form(best)
             rests = [(k, self.without(best, k)) for k in best.members]
-            worth = [(best.score - rest.score if self._fits(best.fit, k) else -np.inf, rest) for k, rest in rests]
+            worth = [
+                (best.score - rest.score if self._fits(best.fit, k) else -np.inf, rest)
+                for k, rest in rests
+            ]
             for process in best.fit.on:
                 rest = self.of(best.members, best.fit.on - {process}, best)
                 worth.append((best.score - rest.score, rest))
@@ -307,7 +337,9 @@ class Search:
                         result.append(child)
         return result
 
-    def children(self, state: Found, names: int = CHILDREN, like: Found | None = None) -> list[Found]:
+    def children(
+        self, state: Found, names: int = CHILDREN, like: Found | None = None
+    ) -> list[Found]:
         """Sets with one more member, the most promising ones; at the error of form of `like`, else of the set itself."""
         state = state if like else self.at_own_form(state)
         like = like or state
@@ -321,7 +353,9 @@ class Search:
             self._look(state)
         # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
-        for number, now in enumerate((self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit)):
+        for number, now in enumerate(
+            (self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit)
+        ):
             best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
             if len(chosen) < SEVERAL:  # jumps that only together show
                 several = [k for k in shapes.jumps(self, now) if self._allowed(chosen, k)]
@@ -420,7 +454,10 @@ def _swing(values: np.ndarray) -> float:
 
 def _open(part) -> np.ndarray:
     """(n, M) orthonormal columns of a unit's zeros and set-ups."""
-    which = np.isin(part.of, [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up") and g.sd > OPEN])
+    which = np.isin(
+        part.of,
+        [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up") and g.sd > OPEN],
+    )
     if not which.any():
         return np.zeros((len(part.unit), 0))
     q, r = np.linalg.qr(part.raw[part.use][:, which])

@@ -33,7 +33,9 @@ def polished(search: Search, fit: Fit, k: int) -> int:
     """The number of the block, or of one at a likelier shape, or with what comes with such a wave."""
     block = search.blocks[k]
     if "t_s" in dict(block.shape):
-        return _best(search, fit, k, _moment(search, fit, block), 0.0) if len(block.shape) == 1 else k
+        return (
+            _best(search, fit, k, _moment(search, fit, block), 0.0) if len(block.shape) == 1 else k
+        )
     if block.name not in FOUND:
         return _best(search, fit, k, _between(search, fit, block), 0.0)
     k = _best(search, fit, k, _nearby(search, fit, block), 0.0)
@@ -48,7 +50,11 @@ def polished(search: Search, fit: Fit, k: int) -> int:
 def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> int:
     if other is None or other is search.blocks[k]:
         return k
-    return search.let_in(other) if worth(search, fit, other) > worth(search, fit, search.blocks[k]) + by else k
+    return (
+        search.let_in(other)
+        if worth(search, fit, other) > worth(search, fit, search.blocks[k]) + by
+        else k
+    )
 
 
 def worth(search: Search, fit: Fit, block: Block) -> float:
@@ -64,7 +70,9 @@ def worth(search: Search, fit: Fit, block: Block) -> float:
         scaled = a * np.outer(slab, slab) + np.eye(len(slab))
         value = np.linalg.solve(scaled, b * slab)
         if plausible(block, value * slab):
-            best = max(best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]) - surprise(scale, 1.0))
+            best = max(
+                best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]) - surprise(scale, 1.0)
+            )
     return best
 
 
@@ -84,14 +92,20 @@ def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
         span = float(np.ptp(search.rows.state.position[block.axis][shown]))
     else:
         passages = search.rows.state.passage[shown]
-        span = max(float(np.ptp(search.rows.state.time[shown][passages == p])) for p in np.unique(passages))
+        span = max(
+            float(np.ptp(search.rows.state.time[shown][passages == p])) for p in np.unique(passages)
+        )
     within = WITHIN / max(span, 1e-9)
     best, most = block, worth(search, fit, block)
     for _ in range(ROUNDS):
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
         for f in middle + within * np.linspace(-1.0, 1.0, TRIED):
-            shape = {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} if f > 0 else None
+            shape = (
+                {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)}
+                if f > 0
+                else None
+            )
             tried = at(search, block, shape) if shape else None
             if (
                 tried is not None
@@ -127,7 +141,12 @@ def jumps(search: Search, fit: Fit) -> list[int]:
         if len(own) < FEWEST_MOMENTS:
             continue
         first = search.blocks[own[0]]
-        chosen = _jumps(search, fit, np.concatenate([search.blocks[k].columns for k in own], axis=1), first.siblings)
+        chosen = _jumps(
+            search,
+            fit,
+            np.concatenate([search.blocks[k].columns for k in own], axis=1),
+            first.siblings,
+        )
         moments = sorted(dict(search.blocks[own[k]].shape)["t_s"] for k in chosen)
         block = at(search, first, dict(zip(MOMENTS, moments, strict=False))) if moments else None
         if block is not None:
@@ -173,7 +192,11 @@ def continuous(block: Block) -> dict[str, tuple[float, float]]:
     """What of its shape has a value between those of the grid, with the range."""
     named = getattr(block.module, "CONTINUOUS", {})
     shape = dict(block.shape)
-    return {name: ends for name, ends in named.items() if shape[name] > 0 and shape[name] < ends[1] * FAR}
+    return {
+        name: ends
+        for name, ends in named.items()
+        if shape[name] > 0 and shape[name] < ends[1] * FAR
+    }
 
 
 def _between(search: Search, fit: Fit, block: Block) -> Block | None:

@@ -28,7 +28,9 @@ PARAMETERS = {
     "correlation": "1, of the two over all targets",
 }
 KIND, USE = "machine", "simulate"
-TEXT = "Several readings of the axis leave their lines at the same places and in one ratio: one cause."
+TEXT = (
+    "Several readings of the axis leave their lines at the same places and in one ratio: one cause."
+)
 FEWEST, OUTSIDE = 10, 8  # targets that are wanted, and outside the window
 WIDEST = 0.4  # of all targets
 CLEAR = 6.0  # times what the rest of the travel departs by
@@ -71,9 +73,7 @@ class SharedJump:
     before_mm: float
     polynomial_mm: float
     turn: str = ""  # the letter of the axis about which a turn would do this
-    angle: str = (
-        ""  # whether that angle, measured at these places, "moves" there or is "still"; "" where it was not measured
-    )
+    angle: str = ""  # whether that angle, measured at these places, "moves" there or is "still"; "" where it was not measured
 
     def parameters(self) -> dict[str, float]:
         return {
@@ -86,7 +86,9 @@ class SharedJump:
         return (self.first.place >= self.low - 1e-6) & (self.first.place <= self.high + 1e-6)
 
 
-def profiles(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> Iterator[tuple[str, list[Profile]]]:
+def profiles(
+    rows: Rows, residual: np.ndarray, sigma: np.ndarray
+) -> Iterator[tuple[str, list[Profile]]]:
     """Of every axis the signals of targets in which it alone moves, at enough places."""
     found: dict[str, list[Profile]] = {}
     for signal in range(len(rows.signals)):
@@ -103,7 +105,9 @@ def profiles(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> Iterator[tu
         groups = [which[place == p] for p in places]
         value = np.array([residual[g].mean() for g in groups])
         noise = float(np.median(sigma[which])) / np.sqrt(np.median([len(g) for g in groups]))
-        found.setdefault(moving[0], []).append(Profile(signal, str(rows.sees[which[0]]), places, value, noise, groups))
+        found.setdefault(moving[0], []).append(
+            Profile(signal, str(rows.sees[which[0]]), places, value, noise, groups)
+        )
     yield from found.items()
 
 
@@ -115,7 +119,9 @@ def find(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> list[SharedJump
             jump
             for i, a in enumerate(several)
             for b in several[i + 1 :]
-            if "angle" not in (a.sees, b.sees) and _crossing(rows, a, b) and (jump := _pair(axis, a, b)) is not None
+            if "angle" not in (a.sees, b.sees)
+            and _crossing(rows, a, b)
+            and (jump := _pair(axis, a, b)) is not None
         ]
         if pairs:
             result.append(_with_angle(rows, max(pairs, key=lambda j: j.correlation**2), several))
@@ -126,7 +132,9 @@ def _with_angle(rows: Rows, jump: SharedJump, several: list[Profile]) -> SharedJ
     """With what is known of the turn that would do this: about the direction that neither of the two is read along."""
     a, b = (rows.direction[p.rows[0][0]] for p in (jump.first, jump.second))
     k = int(np.abs(np.cross(a, b)).argmax())
-    angles = [p for p in several if p.sees == "angle" and abs(rows.direction[p.rows[0][0]][k]) > 0.5]
+    angles = [
+        p for p in several if p.sees == "angle" and abs(rows.direction[p.rows[0][0]][k]) > 0.5
+    ]
     known = ["moves" if _departs(p, jump) else "still" for p in angles]
     return replace(jump, turn=XYZ[k], angle=known[0] if known else "")
 
@@ -204,7 +212,9 @@ def _off_line(profile: Profile, inside: np.ndarray) -> tuple[np.ndarray, float]:
 def _smooth(profile: Profile) -> float:
     """rms of what a polynomial of fifth order leaves (six terms counted)."""
     u = np.interp(profile.place, [profile.place[0], profile.place[-1]], [-1, 1])
-    left = profile.value - np.polynomial.legendre.legval(u, np.polynomial.legendre.legfit(u, profile.value, 5))
+    left = profile.value - np.polynomial.legendre.legval(
+        u, np.polynomial.legendre.legfit(u, profile.value, 5)
+    )
     return float(np.sqrt(np.sum(left**2) / (len(u) - 6)))
 
 
@@ -219,7 +229,8 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
         inside = np.zeros(n, bool)
         inside[window] = True
         cost = sum(
-            (n - inside.sum()) * np.log(max(_off_line(p, inside)[1], p.sigma) ** 2) + inside.sum() * np.log(n)
+            (n - inside.sum()) * np.log(max(_off_line(p, inside)[1], p.sigma) ** 2)
+            + inside.sum() * np.log(n)
             for p in (a, b)
         )
         if best is None or cost < best[0]:
@@ -268,7 +279,9 @@ def places(jump: SharedJump, rows: Rows, contribution: np.ndarray) -> list[Place
     for profile in (jump.first, jump.second):
         place = rows.state.position[jump.axis]
         inside = np.flatnonzero(
-            (rows.signal == profile.signal) & (place >= jump.low - 1e-6) & (place <= jump.high + 1e-6)
+            (rows.signal == profile.signal)
+            & (place >= jump.low - 1e-6)
+            & (place <= jump.high + 1e-6)
         )
         off = contribution[inside]
         result.append(

@@ -16,7 +16,9 @@ from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
 XYZ = "XYZ"
-OVERRUN = 3.0  # mm: by how much a target is usually overrun before it is approached from the other side
+OVERRUN = (
+    3.0  # mm: by how much a target is usually overrun before it is approached from the other side
+)
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
 MOST_INSIDE = 64  # samples of a row whose places are kept
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
@@ -25,7 +27,15 @@ STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may
 SMOOTH = 0.02  # s
 TAKEN_UP = 8.0  # mm: after so much way lost motion is taken up, whatever was before
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
-TOUCHING = ("gauge", "probe", "indicator", "dial", "comparator", "micrometer", "coordinate measuring")
+TOUCHING = (
+    "gauge",
+    "probe",
+    "indicator",
+    "dial",
+    "comparator",
+    "micrometer",
+    "coordinate measuring",
+)
 INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
@@ -39,7 +49,9 @@ def signals_of(recording: Recording, machine: Machine):
 def _common(recording: Recording) -> dict[str, np.ndarray]:
     n = len(recording)
     columns: dict[str, np.ndarray] = {
-        "time": recording.columns.get("t_s", np.zeros(n)),  # not recorded: nothing can be told by it
+        "time": recording.columns.get(
+            "t_s", np.zeros(n)
+        ),  # not recorded: nothing can be told by it
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
         "channel gauged": np.full(
@@ -47,7 +59,10 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
         ),  # workpieces are, between two cuts
     }
     for name, values in recording.columns.items():
-        if name.startswith(("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")) and values.dtype != object:
+        if (
+            name.startswith(("T_", "force_", "load_", "spindle_rpm", "feed_mm_min"))
+            and values.dtype != object
+        ):
             columns[f"channel {name}"] = values
     if "line" in recording.columns and recording.columns["line"].dtype != object:
         columns["channel program_line"] = recording.columns["line"]
@@ -61,7 +76,10 @@ def _targets(recording: Recording, machine: Machine):
     angle = recording.quantity == "angle"
     if angle:
         vector = np.array(
-            [recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0)) for i, x in enumerate(XYZ)]
+            [
+                recording.sensitive.get(x, recording.sensitive.get("ABC"[i], 0.0))
+                for i, x in enumerate(XYZ)
+            ]
         )
     path = np.zeros(n)
     overrun = _overrun(recording)
@@ -140,12 +158,19 @@ def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.nda
         elif new == side and side * step < -1e-9:
             begin += [k, k]
             at += [position[k - 1], position[k] - side * OVERRUN]
-    ways = effects.remembered(position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at))
+    ways = effects.remembered(
+        position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at)
+    )
     return (ways * (approach != 0)).T
 
 
 def _motion(
-    columns: dict, letter: str, position: np.ndarray, time: np.ndarray, run: np.ndarray, speed: np.ndarray | None = None
+    columns: dict,
+    letter: str,
+    position: np.ndarray,
+    time: np.ndarray,
+    run: np.ndarray,
+    speed: np.ndarray | None = None,
 ) -> None:
     """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of each run; speed (N,)
     mm/s: the commanded one, where the log has it."""
@@ -160,7 +185,9 @@ def _motion(
         t, p = _even(time[part]), position[part]
         v[part] = np.gradient(p, t, edge_order=2) if speed is None else speed[part]
         a[part] = _slope(v[part], t)
-        jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)  # a log rounds the place of an axis that rests
+        jitter = RESTS / max(
+            float(np.median(np.diff(t))), 1e-9
+        )  # a log rounds the place of an axis that rests
         still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
         v[part] = np.where(still, 0.0, v[part])
         sign = np.sign(v[part])
@@ -273,8 +300,12 @@ def _settled(columns: dict, letter: str) -> np.ndarray:
     result = np.ones(len(columns["run"]), bool)
     for run in np.unique(columns["run"]):
         own = np.flatnonzero(columns["run"] == run)
-        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(columns[f"{letter} position"][own])))])
-        result[own] = (columns[f"{letter} distance"][own] < FAR / 2) | (way >= TAKEN_UP) | (way[-1] < 1e-9)
+        way = np.concatenate(
+            [[0.0], np.cumsum(np.abs(np.diff(columns[f"{letter} position"][own])))]
+        )
+        result[own] = (
+            (columns[f"{letter} distance"][own] < FAR / 2) | (way >= TAKEN_UP) | (way[-1] < 1e-9)
+        )
     return result
 
 
@@ -297,7 +328,9 @@ def _averaged(columns: dict) -> dict:
     turned[0] = False
     steps = _growing(width)
     edges = [
-        np.concatenate([a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)])
+        np.concatenate(
+            [a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)]
+        )
         if new and n > LONG
         else np.arange(a, b, width)
         for (a, b), new in zip(pairwise(start), turned, strict=True)
@@ -349,8 +382,13 @@ def _inside(columns: dict, edges: np.ndarray, size: np.ndarray) -> dict[str, np.
     stride = np.maximum(1, -(-size // MOST_INSIDE))
     number = np.arange(int(np.max(-(-size // stride), initial=1)))[:, None] * stride
     index = np.minimum(edges + number, len(columns["y"]) - 1)
-    names = {"time": "time"} | {n.removesuffix(" position"): n for n in columns if n.endswith(" position")}
-    return {short: np.where(number < size, columns[name][index], np.nan) for short, name in names.items()}
+    names = {"time": "time"} | {
+        n.removesuffix(" position"): n for n in columns if n.endswith(" position")
+    }
+    return {
+        short: np.where(number < size, columns[name][index], np.nan)
+        for short, name in names.items()
+    }
 
 
 def _growing(width: int) -> np.ndarray:
@@ -371,7 +409,10 @@ def _features(recording: Recording, machine: Machine):
     kind, axis = recording.columns["kind"], recording.columns["axis"]
     nominal = recording.columns["nominal_mm"]
     use = np.array(
-        [k in (*MATERIAL, "centre_distance", "step") and str(a)[:1] in XYZ for k, a in zip(kind, axis, strict=True)]
+        [
+            k in (*MATERIAL, "centre_distance", "step") and str(a)[:1] in XYZ
+            for k, a in zip(kind, axis, strict=True)
+        ]
     )
     if not use.any():
         return
@@ -392,7 +433,9 @@ def _features(recording: Recording, machine: Machine):
         # A wall is reached from the inside of a pocket or a bore, from the outside of a boss.
         columns[f"{x} approach"] = np.where(size > 0, [INSIDE.get(str(k), 0.0) for k in kind], 0.0)
     part = recording.columns.get("part", np.ones(n))
-    columns["channel part"] = np.array([float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part])
+    columns["channel part"] = np.array(
+        [float(p) if str(p).replace(".", "").isdigit() else 0.0 for p in part]
+    )
     columns["channel material"] = np.where(turned, 0.0, [MATERIAL.get(str(k), 0.0) for k in kind])
     columns["channel wall"] = np.where(turned, 1.0, [-MATERIAL.get(str(k), 0.0) for k in kind])
     columns["channel bore"] = np.array([float(k == "bore_diameter") for k in kind]) * turned

@@ -16,7 +16,9 @@ AROUND = 6  # neighbours on either side that say how well such predictions do he
 MAD = 1.4826
 
 
-def departures(place: np.ndarray, value: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def departures(
+    place: np.ndarray, value: np.ndarray, sigma: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(N,) how many times what is usual around it each value departs from its neighbours, so scaled that a slip (SLIP) is
     what is left out (DROPPED), and (N,) by how much; 0 at the ends. place (N,) in any order, without repeats; sigma (N,)
     noise of a single value, in the unit of value."""
@@ -36,7 +38,9 @@ def departures(place: np.ndarray, value: np.ndarray, sigma: np.ndarray) -> tuple
         if np.linalg.norm(bent) <= np.linalg.norm(left):  # the way bends here
             continue
         rest = left[near != k]
-        close = np.abs(rest[np.abs(near[near != k] - k) <= BESIDE])  # what bends here bends the next ones
+        close = np.abs(
+            rest[np.abs(near[near != k] - k) <= BESIDE]
+        )  # what bends here bends the next ones
         usual = max(float(MAD * np.median(np.abs(rest))), float(close.max()), float(noise[k]))
         result[order[k]], size[order[k]] = DROPPED / SLIP * slip / usual, slip
     return result, size

@@ -62,7 +62,11 @@ def checked(recordings: list[Recording], machine: Machine) -> Sound:
                     "name each recording once",
                 )
         check = _Check(
-            recording, number, machine, result, least=FEWEST[recording.kind] if len(recordings) == 1 else BESIDE
+            recording,
+            number,
+            machine,
+            result,
+            least=FEWEST[recording.kind] if len(recordings) == 1 else BESIDE,
         )
         result.recordings.append(check.whole())
     return result
@@ -79,8 +83,16 @@ def _same(one: Recording, other: Recording) -> bool:
 class _Check:
     """One recording on its way through the checks."""
 
-    def __init__(self, recording: Recording, number: int, machine: Machine, told: Sound, least: int):
-        self.r, self.number, self.machine, self.told, self.least = recording, number, machine, told, least
+    def __init__(
+        self, recording: Recording, number: int, machine: Machine, told: Sound, least: int
+    ):
+        self.r, self.number, self.machine, self.told, self.least = (
+            recording,
+            number,
+            machine,
+            told,
+            least,
+        )
         if len(recording.lines) != len(recording):
             self.r = replace(recording, lines=np.arange(1, len(recording) + 1))
 
@@ -110,15 +122,21 @@ class _Check:
     def note(self, text: str) -> None:
         self.told.notices.append(f"{self.r.file}: {text}")
 
-    def without(self, bad: np.ndarray, what: str, advice: str, size: np.ndarray | None = None) -> None:
+    def without(
+        self, bad: np.ndarray, what: str, advice: str, size: np.ndarray | None = None
+    ) -> None:
         """Leave rows out and list them. what may hold {value}. Raises RecordingError where too many are bad."""
         rows = np.flatnonzero(bad)
         if not len(rows):
             return
         if len(rows) > LOST * len(bad):
-            raise RecordingError(f"{what}, and so in {len(rows)} of {len(bad)} rows", advice, self.at(int(rows[0])))
+            raise RecordingError(
+                f"{what}, and so in {len(rows)} of {len(bad)} rows", advice, self.at(int(rows[0]))
+            )
         sizes = np.zeros(len(bad)) if size is None else size
-        self.told.faults += [(self.number, int(self.r.lines[k]), what, float(sizes[k])) for k in rows]
+        self.told.faults += [
+            (self.number, int(self.r.lines[k]), what, float(sizes[k])) for k in rows
+        ]
         self.r = self.r.pick(~bad)
 
     # -- the checks ----------------------------------------------------------------------------------------------------
@@ -131,7 +149,9 @@ class _Check:
                     f"its axes are {' '.join(self.machine.letters)}",
                 )
         if self.r.machine and self.r.machine != self.machine.name:
-            self.note(f"it was recorded on {self.r.machine}, and is compared with {self.machine.name}")
+            self.note(
+                f"it was recorded on {self.r.machine}, and is compared with {self.machine.name}"
+            )
         along = self.r.sensitive if self.r.kind == "targets" and self.r.quantity != "angle" else {}
         for letter, share in along.items():
             if share and letter in XYZ and letter not in self.machine.letters:
@@ -139,7 +159,11 @@ class _Check:
                     f"the reading is taken along {letter}, which is no axis of {self.machine.name}",
                     f"sensitive names one of {' '.join(self.machine.letters)}", Place(self.r.file, 1),
                 )  # fmt: skip
-        if along and self.r.quantity == "displacement" and not any(along.get(x) for x in self.r.axes):
+        if (
+            along
+            and self.r.quantity == "displacement"
+            and not any(along.get(x) for x in self.r.axes)
+        ):
             letter = max(along, key=lambda x: abs(along[x]))
             raise RecordingError(
                 f"the reading is taken along {letter}, and {letter}_mm is not recorded",
@@ -155,22 +179,38 @@ class _Check:
                 "run is no whole number", "runs are numbered 1, 2, 3",
             )  # fmt: skip
         for name in self._needed():
-            limit, unit = (LARGEST, name.rpartition("_")[2]) if name.endswith(("_um", "_urad")) else (LONGEST, "mm")
+            limit, unit = (
+                (LARGEST, name.rpartition("_")[2])
+                if name.endswith(("_um", "_urad"))
+                else (LONGEST, "mm")
+            )
             if name == "t_s":
                 limit, unit = LATEST, "s"
             value = self.r.columns[name]
             if name == "t_s" and not np.isfinite(value).any():
-                self.r = replace(self.r, columns={k: v for k, v in self.r.columns.items() if k != "t_s"})
+                self.r = replace(
+                    self.r, columns={k: v for k, v in self.r.columns.items() if k != "t_s"}
+                )
                 self.note("t_s is empty: the order of the rows is taken for that of time")
                 continue
             bad = ~(np.abs(value) <= limit)
             worst = f"{value[np.flatnonzero(bad)[0]]:.3g}" if bad.any() else ""
             self.without(
-                bad, f"{name} = {worst}, beyond {limit:g} {unit}", "look at the column's unit and at the file's export"
+                bad,
+                f"{name} = {worst}, beyond {limit:g} {unit}",
+                "look at the column's unit and at the file's export",
             )
 
     def _needed(self) -> list[str]:
-        tails = ("_cmd_mm", "_act_mm", "reading_um", "reading_urad", "radial_um", "nominal_mm", "measured_mm")
+        tails = (
+            "_cmd_mm",
+            "_act_mm",
+            "reading_um",
+            "reading_urad",
+            "radial_um",
+            "nominal_mm",
+            "measured_mm",
+        )
         places = {f"{x}_mm" for x in self.r.axes if x in XYZ}
         return [
             n
@@ -182,7 +222,9 @@ class _Check:
         """Channels lose what a sensor can not read; the rows stay."""
         columns = dict(self.r.columns)
         for name, value in self.r.columns.items():
-            if value.dtype == object or not name.startswith(("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")):
+            if value.dtype == object or not name.startswith(
+                ("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")
+            ):
                 continue
             low, high = WARM if name.startswith("T_") else (-1e7, 1e7)
             bad = np.isfinite(value) & ((value < low) | (value > high))
@@ -208,7 +250,9 @@ class _Check:
         self.r, copies, notice = order.by_time(self.r)
         if notice:
             self.note(notice)
-        self.told.faults += [(self.number, int(line), "a copy of the row before", 0.0) for line in copies]
+        self.told.faults += [
+            (self.number, int(line), "a copy of the row before", 0.0) for line in copies
+        ]
 
     def _travel(self) -> None:
         for letter in (x for x in self.r.axes if x in XYZ):
@@ -224,7 +268,11 @@ class _Check:
                 words for factor, words in UNITS.items()
                 if low <= min(p * factor) and max(p * factor) <= high and np.ptp(p) * abs(factor) > COVERED * (high - low)
             ]  # fmt: skip
-            advice = f"these places fit as {fits[0]}" if fits else "another machine, another zero, or another unit"
+            advice = (
+                f"these places fit as {fits[0]}"
+                if fits
+                else "another machine, another zero, or another unit"
+            )
             self.without(out, f"{letter} = {p[first]:g} mm lies outside the travel of {self.machine.name}, {low:g} to {high:g} mm", advice)  # fmt: skip
 
     def _targets(self) -> None:
@@ -239,7 +287,9 @@ class _Check:
             "a larger range, or a mean position of the optics",
         )
         still = stuck.unchanged(self.r.columns[name])
-        self.without(still, f"{name} does not change any more", "the instrument hangs, or its beam was cut")
+        self.without(
+            still, f"{name} does not change any more", "the instrument hangs, or its beam was cut"
+        )
 
     def _place(self) -> np.ndarray:
         """(N,) number of the place and side of each row; of a circle of the degree and sense."""
@@ -247,7 +297,9 @@ class _Check:
             (x, a), (y, b) = self.r.head["centre"].items()
             turn = np.degrees(np.arctan2(self.r.position(y) - b, self.r.position(x) - a))
             return np.round(turn) + 1000 * self.r.columns["sense"]
-        keys = [np.round(self.r.position(x), 2) for x in self.r.axes] + [self.r.approach(x) for x in self.r.axes]
+        keys = [np.round(self.r.position(x), 2) for x in self.r.axes] + [
+            self.r.approach(x) for x in self.r.axes
+        ]
         return np.unique(np.stack(keys), axis=1, return_inverse=True)[1].ravel()
 
     def _circle(self) -> None:
@@ -277,7 +329,9 @@ class _Check:
             slope = float(np.mean((cmd - cmd.mean()) * (act - act.mean()))) / spread**2
             apart = float(np.std(act - cmd)) / spread
             if apart > 0.5 or abs(slope - 1) > 0.2:
-                unit = next((w for f, w in UNITS.items() if abs(slope / f - 1) < 0.05 and f != 1), "")
+                unit = next(
+                    (w for f, w in UNITS.items() if abs(slope / f - 1) < 0.05 and f != 1), ""
+                )
                 worst = int(np.argmax(np.abs((act - act.mean()) - (cmd - cmd.mean()))))
                 raise RecordingError(
                     f"{letter}_act_mm moves {slope:.4g} mm for every mm of {letter}_cmd_mm, and does not follow it",
@@ -292,9 +346,15 @@ class _Check:
             )
 
     def _alive(self) -> None:
-        name = {"ballbar": "radial_um"}.get(self.r.kind, "reading_urad" if self.r.quantity == "angle" else "reading_um")
+        name = {"ballbar": "radial_um"}.get(
+            self.r.kind, "reading_urad" if self.r.quantity == "angle" else "reading_um"
+        )
         value = self.r.columns[name]
-        if len(value) >= FEWEST[self.r.kind] and np.ptp(value) == 0 and any(self.machine.tables.values()):
+        if (
+            len(value) >= FEWEST[self.r.kind]
+            and np.ptp(value) == 0
+            and any(self.machine.tables.values())
+        ):
             raise RecordingError(
                 f"{name} = {value[0]:g} in all {len(value)} rows", "the instrument was not connected, or the column is another", self.at(0)
             )  # fmt: skip

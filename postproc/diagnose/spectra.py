@@ -12,8 +12,14 @@ from postproc.diagnose.rows import Rows
 
 TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
 PEAKS = 3
-STILL, SMALL_STEPS = 1e-4, 0.1  # mm between samples: an axis stands; which share of them tells the finest wave
-FINEST, MOST_PAIRS = 0.02, 2_000_000  # mm, of a scale's signal; distances of samples that are looked at
+STILL, SMALL_STEPS = (
+    1e-4,
+    0.1,
+)  # mm between samples: an axis stands; which share of them tells the finest wave
+FINEST, MOST_PAIRS = (
+    0.02,
+    2_000_000,
+)  # mm, of a scale's signal; distances of samples that are looked at
 LOWEST_HZ = 0.5  # slower, it is drift: machines on soft mounts swing at 1 to 3 Hz
 PLACES = 24  # of targets in all from which on steps that are no part of each other show what is finer than their gaps
 SHORTEST = 2.0  # mm: leads of machines' screws are longer
@@ -42,20 +48,30 @@ def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[fl
     steps = steps[np.isfinite(steps) & (steps > STILL)]
     if span < 1.0 or not len(steps):
         return []
-    finest = min(0.5 / float(np.quantile(steps, SMALL_STEPS)), 1 / FINEST, MOST_BINS / (span * FINE * 2))
+    finest = min(
+        0.5 / float(np.quantile(steps, SMALL_STEPS)), 1 / FINEST, MOST_BINS / (span * FINE * 2)
+    )
     bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 4)))
-    step = span * 4 / bins  # a quarter of what the span resolves: between two frequencies nothing is lost
+    step = (
+        span * 4 / bins
+    )  # a quarter of what the span resolves: between two frequencies nothing is lost
     at, each, own = _samples(place)
-    sums = np.fft.rfft(np.bincount(((at - at.min()) / step).astype(int), weighted[own] * each, bins)[:bins])
+    sums = np.fft.rfft(
+        np.bincount(((at - at.min()) / step).astype(int), weighted[own] * each, bins)[:bins]
+    )
     frequencies = np.fft.rfftfreq(bins, step)
     # What the means leave of a wave's power: from the distances of the samples in a row, of some rows.
     some = slice(None, None, 1 + int(place.shape[1] * len(place) ** 2 / MOST_PAIRS))
     apart = np.abs(place[:, None, some] - place[None, :, some])
     known = np.isfinite(apart)
     share = np.broadcast_to(power[some] / known.sum(axis=(0, 1)), apart.shape)[known]
-    left = np.fft.rfft(np.bincount(np.minimum(apart[known] / step, bins - 1).astype(int), share, bins)).real
+    left = np.fft.rfft(
+        np.bincount(np.minimum(apart[known] / step, bins - 1).astype(int), share, bins)
+    ).real
     left *= float(power.sum()) / max(float(power[some].sum()), 1e-30)
-    enough = (left > ENOUGH * float(power.sum())) & (frequencies >= 3.0 / span) & (frequencies <= finest)
+    enough = (
+        (left > ENOUGH * float(power.sum())) & (frequencies >= 3.0 / span) & (frequencies <= finest)
+    )
     total = np.where(enough, np.abs(sums) ** 2 / np.maximum(left / 2, 1e-30), 0.0)
     parts = [(at, weighted[own] * each, max(float(power.sum()) / 2, 1e-30))]
     return [1 / _polished(f, 0.7 / span, parts) for f in _best(frequencies, total, 0.7 / span)]
@@ -117,7 +133,9 @@ def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarra
     return slow
 
 
-def _part(rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bins: int) -> np.ndarray:
+def _part(
+    rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bins: int
+) -> np.ndarray:
     """(F,) share of the power that is left of a wave when every signal's zero is taken out: none where all its targets stand in
     one phase."""
     signal = rows.signal[use]
@@ -131,11 +149,15 @@ def _part(rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bin
     return left / whole
 
 
-def _structure(rows: Rows, place: np.ndarray, use: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> float:
+def _structure(
+    rows: Rows, place: np.ndarray, use: np.ndarray, weighted: np.ndarray, power: np.ndarray
+) -> float:
     """By how much chi squared would fall with a value of its own at every place of every signal, less what noise gives."""
     keys = np.stack([rows.signal[use], np.round(place[use], 2)])
     group = np.unique(keys, axis=1, return_inverse=True)[1].ravel()
-    each = np.bincount(group, weighted[use]) ** 2 / np.maximum(np.bincount(group, power[use]), 1e-30)
+    each = np.bincount(group, weighted[use]) ** 2 / np.maximum(
+        np.bincount(group, power[use]), 1e-30
+    )
     return float(each.sum() - len(each))
 
 
@@ -166,15 +188,22 @@ def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
         part = np.abs(spectrum) ** 2 / max(float(power[which].sum()) / 2, 1e-30)
         inside = grid <= own
         total[inside] += np.interp(grid[inside], f, part)
-    parts = [(rows.state.time[w], weighted[w], max(float(power[w].sum()) / 2, 1e-30)) for w in passages]
+    parts = [
+        (rows.state.time[w], weighted[w], max(float(power[w].sum()) / 2, 1e-30)) for w in passages
+    ]
     return [_polished(f, 0.5 / length, parts) for f in _best(grid, total, 1.0 / length)]
 
 
-def _polished(frequency: float, within: float, parts: list[tuple[np.ndarray, np.ndarray, float]]) -> float:
+def _polished(
+    frequency: float, within: float, parts: list[tuple[np.ndarray, np.ndarray, float]]
+) -> float:
     """The frequency near this one at which the sums over (time or place, readings, power) of all parts are largest."""
     for _ in range(3):
         tried = frequency + within * np.linspace(-1.0, 1.0, 9)
-        value = [sum(abs(np.exp(-2j * np.pi * f * (t - t[0])) @ w) ** 2 / p for t, w, p in parts) for f in tried]
+        value = [
+            sum(abs(np.exp(-2j * np.pi * f * (t - t[0])) @ w) ** 2 / p for t, w, p in parts)
+            for f in tried
+        ]
         frequency = float(tried[int(np.argmax(value))])
         within /= 4
     return frequency

@@ -67,7 +67,11 @@ def while_moving(cmd: np.ndarray, act: np.ndarray) -> np.ndarray:
     if not still.any():
         return still
     steps = np.abs(np.diff(np.unique(act)))
-    least = max(WENT * float(np.median(steps)) if len(steps) else 0.0, WENT * float(np.median(np.abs(act - cmd))), 0.1)
+    least = max(
+        WENT * float(np.median(steps)) if len(steps) else 0.0,
+        WENT * float(np.median(np.abs(act - cmd))),
+        0.1,
+    )
     edge = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
     for a, b in zip(edge[::2], edge[1::2], strict=True):
         if np.ptp(cmd[max(a - 1, 0) : b]) < least:

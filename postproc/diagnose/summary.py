@@ -50,7 +50,9 @@ def shown(d: Diagnosis, values: np.ndarray) -> np.ndarray:
 
 def next_test(d: Diagnosis, f: Finding) -> str | None:
     """What tells a finding from what explains as well; None where nothing does."""
-    return (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None
+    return (
+        (f.next_test or separating(f.block.key, f.equivalent, d.machine)) if f.equivalent else None
+    )
 
 
 def middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:

@@ -27,7 +27,9 @@ def levels(rows: Rows, units: list[Unit]) -> list[np.ndarray | None]:
     """For each unit (n,) -0.5 or 0.5, the level of its readings; None where it has one level only, or more than two. Where one
     signal of a recording does so, a single change of another is no step of the machine either."""
     found = [_levels(rows, unit, FEWEST) for unit in units]
-    files = {int(rows.file[u.rows[0]]) for u, one in zip(units, found, strict=True) if one is not None}
+    files = {
+        int(rows.file[u.rows[0]]) for u, one in zip(units, found, strict=True) if one is not None
+    }
     return [
         _levels(rows, unit, 1) if one is None and int(rows.file[unit.rows[0]]) in files else one
         for unit, one in zip(units, found, strict=True)
@@ -58,7 +60,9 @@ def _changes(y: np.ndarray, least: float) -> np.ndarray:
     jump[1:-WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
     size = np.abs(jump)
     least = max(CLEAR * MAD * float(np.median(size)), least, 1e-9)
-    sharp = size + 1e-6 * np.abs(np.diff(y, prepend=y[0]))  # of medians that are alike the one with the step itself
+    sharp = size + 1e-6 * np.abs(
+        np.diff(y, prepend=y[0])
+    )  # of medians that are alike the one with the step itself
     return np.flatnonzero((size >= least) & (sharp == maximum_filter1d(sharp, 2 * WINDOW + 1)))
 
 
@@ -90,4 +94,6 @@ def _near_turns(rows: Rows, unit: Unit) -> np.ndarray:
 def _at_a_place(rows: Rows, unit: Unit, at: np.ndarray) -> bool:
     """Whether an axis that moves was about the same place at each of several changes."""
     places = [p[unit.rows] for p in rows.state.position.values()]
-    return len(at) > 1 and any(np.ptp(p) > 1e-3 and np.ptp(p[at]) < APART * np.ptp(p) for p in places)
+    return len(at) > 1 and any(
+        np.ptp(p) > 1e-3 and np.ptp(p[at]) < APART * np.ptp(p) for p in places
+    )

@@ -33,7 +33,12 @@ def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:
     length = np.diff(np.append(start, len(v)))
     longest = int(np.argmax(length))
     others = np.delete(length, longest)
-    if length[longest] < LONG or np.ptp(v) < LEAST_K or len(others) < LONG or len(others) < RESTLESS * others.sum():
+    if (
+        length[longest] < LONG
+        or np.ptp(v) < LEAST_K
+        or len(others) < LONG
+        or len(others) < RESTLESS * others.sum()
+    ):
         return None
     begin, times = int(start[longest]), int(length[longest])
     said = f"reads {v[begin]:.4g} degrees {times} times in a row, and changed before or after"
@@ -48,7 +53,10 @@ def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, 
         if step[k] < max(JUMP_K, USUAL * usual) or step[k] / gap[k] < SPEED:
             continue
         before, after = v[max(0, k + 1 - SETTLED) : k + 1], v[k + 1 : k + 1 + SETTLED]
-        if min(len(before), len(after)) == SETTLED and max(np.ptp(before), np.ptp(after)) < step[k] / 3:
+        if (
+            min(len(before), len(after)) == SETTLED
+            and max(np.ptp(before), np.ptp(after)) < step[k] / 3
+        ):
             all_of_it = np.concatenate([rows[k + 1 :], rows[: k + 1]])
             return all_of_it, f"jumps by {v[k + 1] - v[k]:.2g} degrees in {gap[k]:.2g} s"
     return None

@@ -80,13 +80,17 @@ def _cells(value: np.ndarray, way: np.ndarray, residual: np.ndarray) -> tuple[Ce
             low = high = places
         else:
             edges = np.unique(np.quantile(value[own], np.linspace(0, 1, CELLS + 1)))
-            number = np.clip(np.searchsorted(edges, value[own], side="right") - 1, 0, len(edges) - 2)
+            number = np.clip(
+                np.searchsorted(edges, value[own], side="right") - 1, 0, len(edges) - 2
+            )
             low, high = edges[:-1], edges[1:]
         for k in np.unique(number):
             y = residual[own][number == k]
             if len(y) >= FEWEST:
                 error = float(np.std(y, ddof=1) / np.sqrt(len(y)))
-                result.append(Cell(float(low[k]), float(high[k]), int(w), len(y), float(y.mean()), error))
+                result.append(
+                    Cell(float(low[k]), float(high[k]), int(w), len(y), float(y.mean()), error)
+                )
     return tuple(result)
 
 
@@ -96,5 +100,7 @@ def predicted(cells: tuple[Cell, ...], value: np.ndarray, way: np.ndarray) -> np
     for w in np.unique(way):
         own = [c for c in cells if c.approach == w]
         if own:
-            result[way == w] = np.interp(value[way == w], [(c.low + c.high) / 2 for c in own], [c.mean for c in own])
+            result[way == w] = np.interp(
+                value[way == w], [(c.low + c.high) / 2 for c in own], [c.mean for c in own]
+            )
     return result

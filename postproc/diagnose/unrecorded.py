@@ -11,7 +11,14 @@ from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
 from postproc.effects import structure_drift
 
-TIME = ("structure_drift", "spindle_growth", "force_compliance", "dead_path", "screw_heat", "laser_air")
+TIME = (
+    "structure_drift",
+    "spindle_growth",
+    "force_compliance",
+    "dead_path",
+    "screw_heat",
+    "laser_air",
+)
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
 DRIVERS = {
@@ -36,7 +43,9 @@ def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
         for axis in [""] if module.PER == "all" else list(block.axis)[:1]:
             known = rows.state.channel(*(c.format(axis) for c in DRIVERS.get(name, ())))
             missing = not library.needed(rows, module, axis) or (name in DRIVERS and known is None)
-            missing |= name == "abbe" and axis not in rows.state.angles and not rows.state.lines.get(axis)
+            missing |= (
+                name == "abbe" and axis not in rows.state.angles and not rows.state.lines.get(axis)
+            )
             if name != block.name and missing:
                 result.append(f"{name}:{axis}")
     if dict(block.shape).get("warm"):  # what was there from the first reading on may be no heat

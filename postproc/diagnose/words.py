@@ -13,7 +13,11 @@ from types import ModuleType
 UNITLESS = ("1", "number", "")
 LONG = 10.0  # times what was recorded: such a time can not be told from any longer one
 FINEST = 8  # decimals
-PLACES = ("tables", "grids", "by_angle")  # an effect that has one is decided by where the slides stand
+PLACES = (
+    "tables",
+    "grids",
+    "by_angle",
+)  # an effect that has one is decided by where the slides stand
 USES = {
     "simulate": "no program corrects it, it is only simulated",
     "recording": "correct the recording, never the machine",
@@ -64,7 +68,9 @@ def parameters(
         if name == "degree" or (v == usual.get(name) and (fixed or v == 0.0)):
             continue
         unit, meaning = _meaning(module.PARAMETERS[name])
-        driven = re.search(r"where (?:none|no temperature) is recorded (\S+) (.*)$", module.PARAMETERS[name])
+        driven = re.search(
+            r"where (?:none|no temperature) is recorded (\S+) (.*)$", module.PARAMETERS[name]
+        )
         if driven and value.get("tau_s", 0.0) > 0:  # it came with time
             unit, meaning = driven[1], f"{driven[2]} of the recording"
         if name == "file":
@@ -117,7 +123,9 @@ def _label(name: str, unit: str) -> str:
     """The parameter's name without its unit; "" where it is nothing but a unit."""
     if re.match(r"(um|ppm|urad)(_|$)", name):
         return ""
-    return re.sub(r"_(um|mm|ms|s|hz|deg|urad|ppm|N|K|um_K|mm_s|ppm_K|um_per_.*)$", "", name).replace("_", " ")
+    return re.sub(
+        r"_(um|mm|ms|s|hz|deg|urad|ppm|N|K|um_K|mm_s|ppm_K|um_per_.*)$", "", name
+    ).replace("_", " ")
 
 
 def limits(sizes_mm: dict[str, float], most_mm: float = 1.0) -> str:
@@ -129,7 +137,10 @@ def limits(sizes_mm: dict[str, float], most_mm: float = 1.0) -> str:
             groups.setdefault(f"{size * 1e3:.1g}", {}).setdefault(effect, []).append(axis)
     said = []
     for least, effects in groups.items():
-        said.append(f"{float(least):g} um: " + ", ".join(_of_axes(name, axes) for name, axes in effects.items()))
+        said.append(
+            f"{float(least):g} um: "
+            + ", ".join(_of_axes(name, axes) for name, axes in effects.items())
+        )
     return "; ".join(said)
 
 
@@ -142,7 +153,10 @@ def by_reason(spots: Iterable[tuple[str, str, str]]) -> list[tuple[str, str]]:
     groups: dict[str, dict[str, list[str]]] = {}
     for name, axis, why in spots:
         groups.setdefault(why, {}).setdefault(name, []).append(axis)
-    return [(", ".join(_of_axes(name, axes) for name, axes in of.items()), why) for why, of in groups.items()]
+    return [
+        (", ".join(_of_axes(name, axes) for name, axes in of.items()), why)
+        for why, of in groups.items()
+    ]
 
 
 def blind(spots: Iterable[tuple[str, str, str]]) -> str:

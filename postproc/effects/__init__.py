@@ -49,7 +49,9 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
-CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")  # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
+CHOICE = re.compile(
+    r"number|\d or \d|\d, .*(; |: )"
+)  # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,9 @@ def warmth(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.
     if tau_s == 0 and measured is not None:
         return measured - measured[begun(state)]
     if not by_travel:
-        return 1.0 - np.exp(-np.maximum(state.time - state.time[begun(state)], 0.0) / max(tau_s, 1.0))
+        return 1.0 - np.exp(
+            -np.maximum(state.time - state.time[begun(state)], 0.0) / max(tau_s, 1.0)
+        )
     heat = late(state, travelled(state, axis), max(tau_s, 1.0))
     return heat / max(float(heat.max(initial=0.0)), 1e-12)
 
@@ -240,7 +244,10 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
 def swing(coefficients: np.ndarray) -> dict[str, float]:
     """Amplitude and phase of a cosine and a sine."""
     cosine, sine = coefficients
-    return {"amplitude_um": float(np.hypot(cosine, sine)), "phase_deg": float(np.degrees(np.arctan2(sine, cosine)))}
+    return {
+        "amplitude_um": float(np.hypot(cosine, sine)),
+        "phase_deg": float(np.degrees(np.arctan2(sine, cosine))),
+    }
 
 
 def swing_coefficients(amplitude_um: float, phase_deg: float) -> np.ndarray:
@@ -259,7 +266,11 @@ def grid(low: float, high: float, number: int) -> list[float]:
 
 
 def one_way(
-    axis: str, component: str, travel: tuple[float, float], number: int, of: Callable[[np.ndarray], np.ndarray]
+    axis: str,
+    component: str,
+    travel: tuple[float, float],
+    number: int,
+    of: Callable[[np.ndarray], np.ndarray],
 ):
     """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in um."""
     nodes = np.linspace(*travel, number)

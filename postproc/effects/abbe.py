@@ -15,7 +15,9 @@ PARAMETERS = {
     "arm": "0, 1, 2: X, Y, Z, the direction of the arm",
     "known": "1, the rotation is that of the machine's file; 0, nobody measured it",
     "zero_mm": "mm, where on the axis along the arm a rotation that nobody measured does nothing",
-    **{f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES},
+    **{
+        f"c{k}_urad": f"urad, share of the Legendre polynomial of degree {k} in it" for k in DEGREES
+    },
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
@@ -56,7 +58,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(
-    state: State, axis: str, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, degree: float = 5.0
+    state: State,
+    axis: str,
+    turn: float,
+    arm: float,
+    known: float = 1.0,
+    zero_mm: float = 0.0,
+    degree: float = 5.0,
 ) -> np.ndarray:
     turned, reach = np.zeros((3, len(state))), np.zeros((3, len(state)))
     reach[int(arm)] = 1.0
@@ -86,8 +94,16 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     of_map, count = bool(shape["known"]), int(shape["degree"])
     named = {"arm_mm": float(coefficients[0]) if of_map else 0.0}
     named |= {name: shape[name] for name in ("turn", "arm", "known", "zero_mm")}
-    drawn = np.zeros(len(DEGREES)) if of_map else np.concatenate([coefficients, np.zeros(len(DEGREES) - count)])
-    return named | {f"c{k}_urad": float(c) for k, c in zip(DEGREES, drawn, strict=True)} | {"degree": shape["degree"]}
+    drawn = (
+        np.zeros(len(DEGREES))
+        if of_map
+        else np.concatenate([coefficients, np.zeros(len(DEGREES) - count)])
+    )
+    return (
+        named
+        | {f"c{k}_urad": float(c) for k, c in zip(DEGREES, drawn, strict=True)}
+        | {"degree": shape["degree"]}
+    )
 
 
 def coefficients(
@@ -99,7 +115,9 @@ def coefficients(
     return np.array([arm_mm] if known else drawn), shape
 
 
-def by_angle(axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float):
+def by_angle(
+    axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float
+):
     """Tables of the arm that a measured rotation lacks. forward, reverse (3, K) rad at nodes (K,) mm: A, B, C of the axis."""
     if not named["known"] or not named["arm_mm"]:
         return []
@@ -108,7 +126,11 @@ def by_angle(axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndar
     turn = int(named["turn"])
     only = (np.arange(3) == turn)[:, None]
     there, back = (np.cross(only * angle, reach, axis=0) for angle in (forward, reverse))
-    return [(f"E{x}", axis, nodes, there[i], back[i]) for i, x in enumerate(XYZ) if there[i].any() or back[i].any()]
+    return [
+        (f"E{x}", axis, nodes, there[i], back[i])
+        for i, x in enumerate(XYZ)
+        if there[i].any() or back[i].any()
+    ]
 
 
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
@@ -119,5 +141,11 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
     nodes, others = np.linspace(*travel[axis], 161), np.array(travel[other])
     u = 2 * (nodes - travel[axis][0]) / (travel[axis][1] - travel[axis][0]) - 1
     turned = sum((named[f"c{k}_urad"] * legendre(u, k) for k in DEGREES), np.zeros(len(u)))
-    value = turned[:, None] * (others - named["zero_mm"]) * 1e-3 * _sense(axis, named["turn"], named["arm"]) * UM
+    value = (
+        turned[:, None]
+        * (others - named["zero_mm"])
+        * 1e-3
+        * _sense(axis, named["turn"], named["arm"])
+        * UM
+    )
     return [(f"E{axis}", axis, other, nodes, others, value)]

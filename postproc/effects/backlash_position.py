@@ -15,7 +15,15 @@ PARAMETERS = {
     "play_mm": "mm, way after a turn over which it is taken up",
     "degree": "1, 2 or 6, of the highest polynomial",
 }
-OPTIONAL = {"b2_um": 0.0, "b3_um": 0.0, "b4_um": 0.0, "b5_um": 0.0, "b6_um": 0.0, "play_mm": 0.0, "degree": 2.0}
+OPTIONAL = {
+    "b2_um": 0.0,
+    "b3_um": 0.0,
+    "b4_um": 0.0,
+    "b5_um": 0.0,
+    "b6_um": 0.0,
+    "play_mm": 0.0,
+    "degree": 2.0,
+}
 SMALL = 0.02  # mm
 # As backlash; what differs along the travel is no more than the whole.
 PLAUSIBLE = {
@@ -35,7 +43,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
     return [
-        {"play_mm": v, "degree": d} for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,)) for d in (1.0, 2.0, 6.0)
+        {"play_mm": v, "degree": d}
+        for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,))
+        for d in (1.0, 2.0, 6.0)
     ]
 
 
@@ -47,7 +57,10 @@ def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     shares = [*(float(c) for c in coefficients), *[0.0] * 5][:7]
-    return {f"b{k}_um": c for k, c in enumerate(shares)} | {"play_mm": shape["play_mm"], "degree": shape["degree"]}
+    return {f"b{k}_um": c for k, c in enumerate(shares)} | {
+        "play_mm": shape["play_mm"],
+        "degree": shape["degree"],
+    }
 
 
 def coefficients(

@@ -12,7 +12,10 @@ PARAMETERS = {
 }
 OPTIONAL = {"third_um": 0.0, "degree": 3.0}
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
-PLAUSIBLE = {"size_um": (-1000.0, 1000.0), "third_um": (-1000.0, 1000.0)}  # beyond, it is something else
+PLAUSIBLE = {
+    "size_um": (-1000.0, 1000.0),
+    "third_um": (-1000.0, 1000.0),
+}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = "The guideway is bowed. Measure the straightness and write the table; check the machine's level."
@@ -41,7 +44,12 @@ def coefficients(
 
 
 def tables(
-    axis: str, travel: tuple[float, float], size_um: float, across: float, third_um: float = 0.0, degree: float = 3.0
+    axis: str,
+    travel: tuple[float, float],
+    size_um: float,
+    across: float,
+    third_um: float = 0.0,
+    degree: float = 3.0,
 ):
     def shape(p: np.ndarray) -> np.ndarray:
         u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1

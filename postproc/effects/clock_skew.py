@@ -25,7 +25,9 @@ def columns(state: State, axis: str, whole: float = 0.0) -> np.ndarray:
     for file in () if whole else np.unique(state.file):
         own = state.file == file
         late = np.where(own, (state.time - state.time[own].min()) * 1e-3, late)
-    return sum((along(x, -v * late) for x, v in state.velocity.items()), np.zeros((1, 3, len(state))))
+    return sum(
+        (along(x, -v * late) for x, v in state.velocity.items()), np.zeros((1, 3, len(state)))
+    )
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -24,7 +24,11 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     read = np.unique(state.file[state.beam > 0])
     moving = {f: _along(state, state.file == f) for f in read}
-    return [{"file": float(f)} for f in read if moving[f] == [axis] or (not axis and len(moving[f]) != 1)]
+    return [
+        {"file": float(f)}
+        for f in read
+        if moving[f] == [axis] or (not axis and len(moving[f]) != 1)
+    ]
 
 
 def _along(state: State, own: np.ndarray) -> list[str]:
@@ -33,7 +37,9 @@ def _along(state: State, own: np.ndarray) -> list[str]:
     found = []
     for x, p in state.position.items():
         way = p[own] - p[own].mean()
-        if np.ptp(way) > 1e-6 and abs(float(beam @ way)) > 0.7 * float(np.linalg.norm(beam) * np.linalg.norm(way)):
+        if np.ptp(way) > 1e-6 and abs(float(beam @ way)) > 0.7 * float(
+            np.linalg.norm(beam) * np.linalg.norm(way)
+        ):
             found.append(x)
     return found
 

@@ -17,10 +17,18 @@ PARAMETERS = {
     "stribeck_um": "um, by how much the difference is larger at the slowest speeds",
     "stribeck_mm_s": "mm/s, speed at which that has fallen to a third; 0, none",
 }
-OPTIONAL = {"play_mm": 0.0, "settle_ms": 0.0, "released": 0.0, "stribeck_um": 0.0, "stribeck_mm_s": 0.0}
+OPTIONAL = {
+    "play_mm": 0.0,
+    "settle_ms": 0.0,
+    "released": 0.0,
+    "stribeck_um": 0.0,
+    "stribeck_mm_s": 0.0,
+}
 STRIBECK = (2.0, 6.0, 18.0)  # mm/s
 WITHOUT = {"play_mm": 0.0, "settle_ms": 0.0, "released": 0.0, "stribeck_mm_s": 0.0}
-MOST_STRIBECK = 1.0  # of the friction at speed: what breaks away is up to twice of it (Armstrong-Helouvry 1994)
+MOST_STRIBECK = (
+    1.0  # of the friction at speed: what breaks away is up to twice of it (Armstrong-Helouvry 1994)
+)
 SMALL = 0.05  # mm
 SOON = 0.05  # s
 # Friction over the stiffness of a loop: what a belt gives, see windup.
@@ -37,7 +45,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     times = (4.0, 8.0, 16.0, 32.0) if since is not None and np.any(since < SOON) else ()
     found = [{"play_mm": v} for v in (0.0, *ways)] + [{"settle_ms": v} for v in times]
     stands = bool(np.any(sampled(state) & (state.velocity[axis] == 0)))
-    found += [{"released": r, "stribeck_mm_s": v} for r in (0.0, 1.0)[: 1 + stands] for v in (0.0, *STRIBECK) if r or v]
+    found += [
+        {"released": r, "stribeck_mm_s": v}
+        for r in (0.0, 1.0)[: 1 + stands]
+        for v in (0.0, *STRIBECK)
+        if r or v
+    ]
     return [WITHOUT | shape for shape in found]
 
 
@@ -59,7 +72,9 @@ def columns(
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     more = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"size_um": float(coefficients[0]), "stribeck_um": more} | {name: shape.get(name, 0.0) for name in WITHOUT}
+    return {"size_um": float(coefficients[0]), "stribeck_um": more} | {
+        name: shape.get(name, 0.0) for name in WITHOUT
+    }
 
 
 def coefficients(
@@ -67,7 +82,12 @@ def coefficients(
     stribeck_mm_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
     values = [size_um, stribeck_um] if stribeck_mm_s > 0 else [size_um]
-    shape = {"play_mm": play_mm, "settle_ms": settle_ms, "released": released, "stribeck_mm_s": stribeck_mm_s}
+    shape = {
+        "play_mm": play_mm,
+        "settle_ms": settle_ms,
+        "released": released,
+        "stribeck_mm_s": stribeck_mm_s,
+    }
     return np.array(values), shape
 
 

@@ -68,13 +68,20 @@ def fuller(shape: dict[str, float]) -> list[dict[str, float]]:
     return [plain | dict.fromkeys(names, 1.0) for names in sets]
 
 
-def sensible(amplitude_um: float, second_um: float, grows_um: float, sided_um: float = 0.0, **named: float) -> bool:
+def sensible(
+    amplitude_um: float, second_um: float, grows_um: float, sided_um: float = 0.0, **named: float
+) -> bool:
     """Whether the rest is small beside the wave itself."""
     return max(second_um, grows_um, sided_um) <= MOST * amplitude_um
 
 
 def columns(
-    state: State, axis: str, period_mm: float, second: float = 0.0, grows: float = 0.0, sided: float = 0.0
+    state: State,
+    axis: str,
+    period_mm: float,
+    second: float = 0.0,
+    grows: float = 0.0,
+    sided: float = 0.0,
 ) -> np.ndarray:
     waves = waves_of(state, axis, 1 / period_mm)
     found = list(waves)
@@ -117,6 +124,8 @@ def tables(axis: str, travel: tuple[float, float], **named: float):
     nodes = np.linspace(*travel, number)
     errors = []
     for side in (1.0, -1.0):
-        state = State(position={axis: nodes}, approach={axis: np.full(number, side)}, travel={axis: travel})
+        state = State(
+            position={axis: nodes}, approach={axis: np.full(number, side)}, travel={axis: travel}
+        )
         errors.append(np.tensordot(value, columns(state, axis, **shape), axes=1)["XYZ".index(axis)])
     return [(f"E{axis}", axis, nodes, *errors)]

@@ -37,8 +37,14 @@ def columns(state: State, axis: str, file: float = -1.0, late_s: float = 0.0) ->
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_K": float(coefficients[0]), "file": shape["file"], "late_s": shape.get("late_s", 0.0)}
+    return {
+        "um_K": float(coefficients[0]),
+        "file": shape["file"],
+        "late_s": shape.get("late_s", 0.0),
+    }
 
 
-def coefficients(um_K: float, file: float = -1.0, late_s: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+def coefficients(
+    um_K: float, file: float = -1.0, late_s: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
     return np.array([um_K]), {"file": file, "late_s": late_s}

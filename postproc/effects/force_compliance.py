@@ -17,7 +17,9 @@ PARAMETERS = {
 }
 OPTIONAL = {"power": 1.0, "usual_N": 1.0, "by": 0.0}
 # A light router gives 1 mm for 100 N at its tool; a machine of steel 0.001 to 0.1 um per N.
-PLAUSIBLE = {"um_per_N": (-10.0, 10.0)}  # beyond, it is something else (unverified: usual stiffnesses)
+PLAUSIBLE = {
+    "um_per_N": (-10.0, 10.0)
+}  # beyond, it is something else (unverified: usual stiffnesses)
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("force",), ("tool",)
 RESTING = True
@@ -44,7 +46,9 @@ def _load(state: State, axis: str, by: float) -> np.ndarray:
     return state.channels[force]
 
 
-def columns(state: State, axis: str, power: float = 1.0, usual_N: float = 1.0, by: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, power: float = 1.0, usual_N: float = 1.0, by: float = 0.0
+) -> np.ndarray:
     load = _load(state, axis, by)
     return along(axis, np.sign(load) * usual_N * (np.abs(load) / usual_N) ** power)
 

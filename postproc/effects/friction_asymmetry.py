@@ -39,7 +39,9 @@ def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np
     v = state.velocity[axis] / 100.0
     if released:
         return along(axis, -np.sign(v), -np.sign(np.abs(v)))
-    if tau_ms <= 0:  # how much more it lags in one direction whatever its speed is a zero that nobody knows
+    if (
+        tau_ms <= 0
+    ):  # how much more it lags in one direction whatever its speed is a zero that nobody knows
         return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
@@ -67,7 +69,10 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     if len(values) == 3:
         values.insert(2, 0.0)
     names = ("size_um", "slope_um", "difference_um", "difference_slope_um")
-    return dict(zip(names, values, strict=True)) | {"tau_ms": shape["tau_ms"], "released": shape.get("released", 0.0)}
+    return dict(zip(names, values, strict=True)) | {
+        "tau_ms": shape["tau_ms"],
+        "released": shape.get("released", 0.0),
+    }
 
 
 def coefficients(

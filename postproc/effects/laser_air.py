@@ -14,11 +14,16 @@ PARAMETERS = {
     "wrong_ppm": "um/m, by how much the air that the laser was told of is wrong from the first reading on",
     "told": "1, the laser was told of other air; 0, it was not",
     "by": "1, the air changed with its recorded temperature; 0, it did not change; below zero: it changed with the time, in each of the laser's recordings in its own way",
-    **{f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}" for k in range(1, FILES + 1)},
+    **{
+        f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}"
+        for k in range(1, FILES + 1)
+    },
 }
 EXPECTED = {"ppm_K": -1}
 PLAUSIBLE = {"ppm_K": (-30.0, 30.0), "wrong_ppm": (-150.0, 150.0)}  # beyond, it is something else
-OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {f"ppm_h_{k}": 0.0 for k in range(1, FILES + 1)}
+OPTIONAL = {"ppm_K": 0.0, "told": 0.0, "wrong_ppm": 0.0, "by": 1.0} | {
+    f"ppm_h_{k}": 0.0 for k in range(1, FILES + 1)
+}
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = (), ("laser",)
 TEXT = (
@@ -68,7 +73,12 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     value = [float(v) for v in coefficients]
     wrong = value.pop() if shape["told"] else 0.0
     by = shape.get("by", 1.0)
-    named = {"ppm_K": value[0] if by > 0 else 0.0, "wrong_ppm": wrong, "told": shape["told"], "by": by}
+    named = {
+        "ppm_K": value[0] if by > 0 else 0.0,
+        "wrong_ppm": wrong,
+        "told": shape["told"],
+        "by": by,
+    }
     rates = (value if by < 0 else []) + [0.0] * FILES
     return named | {f"ppm_h_{k}": rates[k - 1] for k in range(1, FILES + 1)}
 

@@ -6,7 +6,10 @@ from postproc.effects import State, along, legendre, one_way
 
 MOST = 9
 PARAMETERS = {
-    **{f"c{k}_um": f"um, share of the Legendre polynomial of degree {k}" for k in range(1, MOST + 1)},
+    **{
+        f"c{k}_um": f"um, share of the Legendre polynomial of degree {k}"
+        for k in range(1, MOST + 1)
+    },
     "degree": "1, the highest degree; below zero: without the line",
 }
 OPTIONAL = {f"c{k}_um": 0.0 for k in range(1, MOST + 1)} | {"degree": 0.0}
@@ -37,7 +40,9 @@ def columns(state: State, axis: str, degree: float) -> np.ndarray:
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     named = dict(OPTIONAL) | {"degree": shape["degree"]}
-    return named | {f"c{k}_um": float(c) for k, c in zip(degrees(shape["degree"]), coefficients, strict=True)}
+    return named | {
+        f"c{k}_um": float(c) for k, c in zip(degrees(shape["degree"]), coefficients, strict=True)
+    }
 
 
 def coefficients(

@@ -11,7 +11,9 @@ PARAMETERS = {
     "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
 }
 OPTIONAL = {"rebounds": 0.0}
-SWINGS = 1 / 3  # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
+SWINGS = (
+    1 / 3
+)  # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
 CONTINUOUS = {"tau_ms": (4.0, 600.0)}
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
@@ -36,7 +38,11 @@ def columns(state: State, axis: str, tau_ms: float, rebounds: float = 0.0) -> np
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = {"size_um": float(coefficients[0]), "slope_um": float(coefficients[1]), "tau_ms": shape["tau_ms"]}
+    named = {
+        "size_um": float(coefficients[0]),
+        "slope_um": float(coefficients[1]),
+        "tau_ms": shape["tau_ms"],
+    }
     return named | {"rebounds": shape.get("rebounds", 0.0)}
 
 

@@ -33,14 +33,23 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    held = [{"along": a, "lever": v, "beam": -1.0, "overhang": 0.0} for a in others for v in (0.0, 1.0)[: len(others)]]
+    held = [
+        {"along": a, "lever": v, "beam": -1.0, "overhang": 0.0}
+        for a in others
+        for v in (0.0, 1.0)[: len(others)]
+    ]
     beams = (*others, float(XYZ.index(axis)))
     ways = held + [
-        {"along": a, "lever": 0.0, "beam": b, "overhang": o} for a in others for b in beams for o in (0.0, 0.05, 0.2)
+        {"along": a, "lever": 0.0, "beam": b, "overhang": o}
+        for a in others
+        for b in beams
+        for o in (0.0, 0.05, 0.2)
     ]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = float(np.median(np.abs(load[load != 0]))) if np.ptp(load) > 0 else 0.0
-    return [way | {"usual_N": 0.0} for way in ways] + [way | {"usual_N": usual} for way in ways if usual]
+    return [way | {"usual_N": 0.0} for way in ways] + [
+        way | {"usual_N": usual} for way in ways if usual
+    ]
 
 
 def columns(
@@ -58,7 +67,9 @@ def columns(
     other = _other(axis, tuple(state.position), along, lever, beam)
     if not other:
         return towards(XYZ[int(along)], heavy * _held(reach) if beam < 0 else np.zeros(len(reach)))
-    return towards(XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang))
+    return towards(
+        XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang)
+    )
 
 
 def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam: float) -> str:
@@ -86,11 +97,18 @@ def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> 
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0])} | {k: shape.get(k, d) for k, d in {"along": 0.0, **OPTIONAL}.items()}
+    return {"size_um": float(coefficients[0])} | {
+        k: shape.get(k, d) for k, d in {"along": 0.0, **OPTIONAL}.items()
+    }
 
 
 def coefficients(
-    size_um: float, along: float, lever: float = 0.0, beam: float = -1.0, overhang: float = 0.0, usual_N: float = 0.0
+    size_um: float,
+    along: float,
+    lever: float = 0.0,
+    beam: float = -1.0,
+    overhang: float = 0.0,
+    usual_N: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shape = {"along": along, "lever": lever, "beam": beam, "overhang": overhang, "usual_N": usual_N}
     return np.array([size_um]), shape
@@ -104,12 +122,17 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
     if other and other != axis:
         value = _bent(shares[0][:, None], shares[1][None], named["beam"], named["overhang"])
     elif alone:
-        one = _bent(shares[0], shares[0], named["beam"], named["overhang"]) if other else _held(shares[0])
+        one = (
+            _bent(shares[0], shares[0], named["beam"], named["overhang"])
+            if other
+            else _held(shares[0])
+        )
         other = next((x for x in travel if x != axis and x in XYZ), "")
         value = np.repeat(one[:, None], 2, axis=1)
     if not other:
         return []
     places = (
-        low + share * (high - low) for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
+        low + share * (high - low)
+        for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
     )
     return [(f"E{XYZ[int(named['along'])]}", axis, other, *places, named["size_um"] * value * UM)]

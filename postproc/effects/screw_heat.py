@@ -43,7 +43,10 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ends = [(low, 0.0), (high, 0.0), (0.0, 1.0)]
     known = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C") is not None
     # A thermometer that is coarse, that hangs, or that lies elsewhere does not say it: heat that comes with time or travel stands beside.
-    heats = [*([(0.0, 0.0)] if known else []), *((v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0))]
+    heats = [
+        *([(0.0, 0.0)] if known else []),
+        *((v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)),
+    ]
     return [
         {"tau_s": t, "by_travel": w, "held_at_mm": end, "free": free, "warm": warm}
         for t, w in heats
@@ -85,7 +88,11 @@ def coefficients(
     alpha_ppm_K: float = 0.0, grown_ppm: float = 0.0, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0,
     held_at_mm: float = 0.0, free: float = 1.0, warm_ppm: float = 0.0, warm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    value = [alpha_ppm_K + grown_ppm, *([fixed_um_K] if free else []), *([warm_ppm] if warm else [])]
+    value = [
+        alpha_ppm_K + grown_ppm,
+        *([fixed_um_K] if free else []),
+        *([warm_ppm] if warm else []),
+    ]
     return np.array(value), {
         "tau_s": tau_s,
         "by_travel": by_travel,

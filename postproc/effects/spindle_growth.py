@@ -57,7 +57,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ]
 
 
-def sensible(fastest_rpm: float, um_per_1000_rpm: float = 0.0, housing_um: float = 0.0, **_: float) -> bool:
+def sensible(
+    fastest_rpm: float, um_per_1000_rpm: float = 0.0, housing_um: float = 0.0, **_: float
+) -> bool:
     """Whether it grows by no more than a head can."""
     return max(abs(um_per_1000_rpm), abs(housing_um)) * fastest_rpm / 1000.0 <= MOST_UM
 
@@ -70,19 +72,25 @@ def columns(
     at_once = [share**2] if shift else []
     if tau_s == 0:
         head = state.channel(*PLACES)
-        return along(axis, np.zeros(len(rpm)) if head is None else head - head[begun(state)], *at_once)
+        return along(
+            axis, np.zeros(len(rpm)) if head is None else head - head[begun(state)], *at_once
+        )
     heat = share**power * fastest_rpm / 1000.0  # rpm / 1000 where power is 1
     warm, later = _warmed(state.time, heat, tau_s, housing_s)
     return along(axis, warm, *([later] if housing_s > 0 else []), *at_once)
 
 
-def _warmed(t: np.ndarray, heat: np.ndarray, tau_s: float, housing_s: float) -> tuple[np.ndarray, np.ndarray]:
+def _warmed(
+    t: np.ndarray, heat: np.ndarray, tau_s: float, housing_s: float
+) -> tuple[np.ndarray, np.ndarray]:
     """(N,), (N,): heat as it comes through the spindle, and on through its housing: two first-order lags, one behind the other, solved
     from reading to reading, between which the heat stays."""
     order = np.argsort(t, kind="stable")
     warm, late = np.zeros(len(t)), np.zeros(len(t))
     if housing_s > 0 and abs(housing_s / tau_s - 1.0) < ALIKE:
-        housing_s = tau_s * (1.0 + ALIKE)  # two equal time constants have another solution, and this one is as near
+        housing_s = tau_s * (
+            1.0 + ALIKE
+        )  # two equal time constants have another solution, and this one is as near
     level = slow = 0.0
     for before, k in pairwise(order):
         gone, above = t[k] - t[before], level - heat[before]
@@ -100,7 +108,12 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     shifted = value.pop() if shape.get("shift") else 0.0
     housing = value.pop() if shape.get("housing_s", 0.0) > 0 else 0.0
     warm = (value[0], 0.0) if shape["tau_s"] > 0 else (0.0, value[0])
-    sizes = {"um_per_1000_rpm": warm[0], "um_per_K": warm[1], "housing_um": housing, "shift_um": shifted}
+    sizes = {
+        "um_per_1000_rpm": warm[0],
+        "um_per_K": warm[1],
+        "housing_um": housing,
+        "shift_um": shifted,
+    }
     return sizes | {"housing_s": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0} | shape
 
 
@@ -109,6 +122,16 @@ def coefficients(
     shift_um: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0,
 ) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
     shifts = shift or float(shift_um != 0.0)
-    value = [um_per_1000_rpm + um_per_K, *([housing_um] if housing_s > 0 else []), *([shift_um] if shifts else [])]
-    shape = {"tau_s": tau_s, "housing_s": housing_s, "shift": shifts, "power": power, "fastest_rpm": fastest_rpm}
+    value = [
+        um_per_1000_rpm + um_per_K,
+        *([housing_um] if housing_s > 0 else []),
+        *([shift_um] if shifts else []),
+    ]
+    shape = {
+        "tau_s": tau_s,
+        "housing_s": housing_s,
+        "shift": shifts,
+        "power": power,
+        "fastest_rpm": fastest_rpm,
+    }
     return np.array(value), shape

@@ -24,12 +24,16 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return []  # between any two readings, see diagnose
 
 
-def columns(state: State, axis: str, t_s: float, second_s: float = 0.0, third_s: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, t_s: float, second_s: float = 0.0, third_s: float = 0.0
+) -> np.ndarray:
     moments = [t_s, *(t for t in (second_s, third_s) if t)]
     return along(axis, *((state.time > t).astype(float) for t in moments))
 
 
-def sensible(jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float) -> bool:
+def sensible(
+    jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float
+) -> bool:
     """Whether the largest of them is more than an instrument's own."""
     return max(abs(jump_um), abs(second_um), abs(third_um)) >= SMALLEST
 
@@ -37,7 +41,9 @@ def sensible(jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **mo
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     jumps = [*(float(c) for c in coefficients), 0.0, 0.0][:3]
     named: dict[str, float] = {}
-    for name, jump, moment in zip(("jump_um", "second_um", "third_um"), jumps, MOMENTS, strict=True):
+    for name, jump, moment in zip(
+        ("jump_um", "second_um", "third_um"), jumps, MOMENTS, strict=True
+    ):
         named |= {name: jump, moment: shape.get(moment, 0.0)}
     return named
 
@@ -50,5 +56,7 @@ def coefficients(
     third_um: float = 0.0,
     third_s: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"t_s": t_s} | {name: t for name, t in (("second_s", second_s), ("third_s", third_s)) if t}
+    shape = {"t_s": t_s} | {
+        name: t for name, t in (("second_s", second_s), ("third_s", third_s)) if t
+    }
     return np.array([jump_um, second_um, third_um][: len(shape)]), shape

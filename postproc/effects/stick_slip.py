@@ -25,7 +25,11 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     long = [{"period_mm": v, "fastest_mm_s": 0.0} for v in grid(0.02, 2.0, 12)]
     speed = np.abs(state.velocity[axis])
-    slow = [v for v in grid(0.5, 6.0, 8) if np.any(speed > 1.5 * v) and np.count_nonzero((speed > 0) & (speed < v)) > 8]
+    slow = [
+        v
+        for v in grid(0.5, 6.0, 8)
+        if np.any(speed > 1.5 * v) and np.count_nonzero((speed > 0) & (speed < v)) > 8
+    ]
     return long + [{"period_mm": 0.0, "fastest_mm_s": v} for v in slow]
 
 
@@ -44,5 +48,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     }
 
 
-def coefficients(period_mm: float, size_um: float, fastest_mm_s: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+def coefficients(
+    period_mm: float, size_um: float, fastest_mm_s: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
     return np.array([size_um]), {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s}

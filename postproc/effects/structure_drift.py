@@ -14,7 +14,14 @@ PARAMETERS = {
     "cycle_s": "s, period of a room's heating or cooling that switches; 0, none; size_um is then half of the swing",
     "phase_deg": "degrees, of a cosine at t = 0",
 }
-OPTIONAL = {"from_s": -1.0, "file": -1.0, "bend_um": 0.0, "creep": 0.0, "cycle_s": 0.0, "phase_deg": 0.0}
+OPTIONAL = {
+    "from_s": -1.0,
+    "file": -1.0,
+    "bend_um": 0.0,
+    "creep": 0.0,
+    "cycle_s": 0.0,
+    "phase_deg": 0.0,
+}
 CYCLES = (
     600.0,
     3600.0,
@@ -80,7 +87,9 @@ def columns(
             t = np.where(_turned(state)[own], state.channels.get("part", state.time)[own], np.nan)
         gone = np.zeros(len(own))
         if np.isfinite(t).any():
-            gone[own] = np.nan_to_num((t - np.nanmin(t)) / max(float(np.nanmax(t) - np.nanmin(t)), 1.0))
+            gone[own] = np.nan_to_num(
+                (t - np.nanmin(t)) / max(float(np.nanmax(t) - np.nanmin(t)), 1.0)
+            )
         return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
         return along(axis, late(state, air - air[begun(state)], -tau_s) * _timed(state))
@@ -90,7 +99,9 @@ def columns(
     gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
     if creep:
         return along(axis, np.log1p(gone / tau) / np.log1p(max(float(gone.max()), 1.0) / tau))
-    return along(axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau)))
+    return along(
+        axis, (1.0 - np.exp(-gone / tau)) / (1.0 - np.exp(-max(float(gone.max()), 1.0) / tau))
+    )
 
 
 def _timed(state: State) -> np.ndarray:
@@ -100,12 +111,18 @@ def _timed(state: State) -> np.ndarray:
 
 def _turned(state: State) -> np.ndarray:
     """(N,) bool: diameters of a lathe, which are twice what its slide is off by; what lies between two walls keeps its size."""
-    wall, material = (state.channels.get(name, np.zeros(len(state))) for name in ("wall", "material"))
+    wall, material = (
+        state.channels.get(name, np.zeros(len(state))) for name in ("wall", "material")
+    )
     return (wall != 0) & (material == 0)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = {"size_um": float(coefficients[0]), "tau_s": shape["tau_s"], "from_s": shape.get("from_s", -1.0)}
+    named = {
+        "size_um": float(coefficients[0]),
+        "tau_s": shape["tau_s"],
+        "from_s": shape.get("from_s", -1.0),
+    }
     named |= {"file": shape.get("file", -1.0), "bend_um": 0.0, "creep": shape.get("creep", 0.0)}
     named |= {"cycle_s": shape.get("cycle_s", 0.0), "phase_deg": 0.0}
     if named["cycle_s"] > 0:

@@ -35,8 +35,14 @@ def columns(state: State, axis: str, change: float = 0.0) -> np.ndarray:
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     then = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"diameter_um": float(coefficients[0]), "change": shape.get("change", 0.0), "then_um": then}
+    return {
+        "diameter_um": float(coefficients[0]),
+        "change": shape.get("change", 0.0),
+        "then_um": then,
+    }
 
 
-def coefficients(diameter_um: float, change: float = 0.0, then_um: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
+def coefficients(
+    diameter_um: float, change: float = 0.0, then_um: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
     return np.array([diameter_um, then_um] if change else [diameter_um]), {"change": change}

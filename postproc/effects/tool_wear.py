@@ -31,7 +31,11 @@ KIND, USE, PER = "machine", "compensate", "axis"
 LINE = True  # an edge that wears on all sides is of no axis
 NEEDS, SEES = ("part",), ("part", "gauge")
 TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
-FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3  # of a gauge, of a life, after a change: without one it is any slow growth
+FEWEST_RUNS, SHORTEST, AFTER = (
+    8,
+    4,
+    3,
+)  # of a gauge, of a life, after a change: without one it is any slow growth
 NEVER = 1000.0  # runs
 QUICK = 0.1  # of its life: in which the edge breaks in
 QUICKEST = 20.0  # parts: what breaks in and then does not wear is no edge
@@ -66,7 +70,11 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
     quick wear is the smaller part."""
     if life <= 0:
         return abs(start_um) <= QUICKEST * abs(rate_um)
-    return start_um * rate_um > -OF_REST * rate_um**2 and abs(start_um) < abs(rate_um) and worn_um * rate_um >= 0
+    return (
+        start_um * rate_um > -OF_REST * rate_um**2
+        and abs(start_um) < abs(rate_um)
+        and worn_um * rate_um >= 0
+    )
 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
@@ -79,7 +87,13 @@ def beside(shape: dict[str, float]) -> dict[str, float] | None:
 
 
 def columns(
-    state: State, axis: str, change: float, bores: float = 1.0, life: float = 0.0, older: float = 0.0, cut: float = 0.0
+    state: State,
+    axis: str,
+    change: float,
+    bores: float = 1.0,
+    life: float = 0.0,
+    older: float = 0.0,
+    cut: float = 0.0,
 ) -> np.ndarray:
     if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
@@ -117,7 +131,9 @@ def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndar
 def _gauged(state: State) -> list[np.ndarray]:
     """(N,) bool of each recording of a gauge."""
     gauged = _channel(state, "gauged") > 0
-    return [gauged & (state.file == f) for f in np.unique(state.file[gauged])] if gauged.any() else []
+    return (
+        [gauged & (state.file == f) for f in np.unique(state.file[gauged])] if gauged.any() else []
+    )
 
 
 def _channel(state: State, name: str) -> np.ndarray:
@@ -141,4 +157,10 @@ def coefficients(
     cut: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [rate_um, start_um, worn_um] if change > 0 or older else [rate_um, start_um]
-    return np.array(values), {"change": change, "bores": bores, "life": life, "older": older, "cut": cut}
+    return np.array(values), {
+        "change": change,
+        "bores": bores,
+        "life": life,
+        "older": older,
+        "cut": cut,
+    }

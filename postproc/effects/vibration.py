@@ -30,9 +30,15 @@ TEXT = (
 )
 SIDES = (-2, -1, 0, 1, 2)  # over the time of a passage
 MOST = 12  # passages that may wander: each costs ten columns
-DAMPINGS = (0.01, 0.03, 0.1)  # of critical: welded steel, bolted machine, guideways with much friction
+DAMPINGS = (
+    0.01,
+    0.03,
+    0.1,
+)  # of critical: welded steel, bolted machine, guideways with much friction
 USUAL = 1000.0  # mm/s2
-HALF = 0.02  # s: within so much on either side an acceleration that was told from places has changed
+HALF = (
+    0.02  # s: within so much on either side an acceleration that was told from places has changed
+)
 JUMP, LEAST = 0.3, 10.0  # of the largest acceleration; mm/s2: what is a jump
 
 
@@ -43,11 +49,19 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 def richer(shape: dict[str, float]) -> list[dict[str, float]]:
     """The same frequency as a mode has it: a narrow band, or rung by the motion."""
     plain = {"frequency_hz": shape["frequency_hz"]}
-    return [plain | {"passages": 1.0, "band": 1.0}, *(plain | {"passages": 0.0, "damping": z} for z in DAMPINGS)]
+    return [
+        plain | {"passages": 1.0, "band": 1.0},
+        *(plain | {"passages": 0.0, "damping": z} for z in DAMPINGS),
+    ]
 
 
 def columns(
-    state: State, axis: str, frequency_hz: float, passages: float = 0.0, band: float = 0.0, damping: float = 0.0
+    state: State,
+    axis: str,
+    frequency_hz: float,
+    passages: float = 0.0,
+    band: float = 0.0,
+    damping: float = 0.0,
 ) -> np.ndarray:
     if damping > 0:
         rung = _rung(state, axis, 2 * np.pi * frequency_hz, damping)
@@ -64,7 +78,9 @@ def columns(
     for part in parts:
         lasts = max(float(np.ptp(state.time[part])), 1e-9)
         for side in SIDES:
-            waves += [swing * part for swing in waves_of(state, "time", frequency_hz + side / lasts)]
+            waves += [
+                swing * part for swing in waves_of(state, "time", frequency_hz + side / lasts)
+            ]
     return along(axis, *waves)
 
 
@@ -112,10 +128,14 @@ def _rung(state: State, axis: str, w: float, damping: float) -> np.ndarray:
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     pairs = np.asarray(coefficients).reshape(-1, 2)
-    named = {"frequency_hz": shape["frequency_hz"]} | {k: shape.get(k, 0.0) for k in ("passages", "band", "damping")}
+    named = {"frequency_hz": shape["frequency_hz"]} | {
+        k: shape.get(k, 0.0) for k in ("passages", "band", "damping")
+    }
     first = swing(pairs[0])
     size = float(np.sqrt(np.mean((pairs**2).sum(axis=1))))
-    if named["band"] and len(pairs) % len(SIDES) == 0:  # the power of a passage's waves is that of all five
+    if (
+        named["band"] and len(pairs) % len(SIDES) == 0
+    ):  # the power of a passage's waves is that of all five
         first, size = swing(pairs[len(SIDES) // 2]), size * float(np.sqrt(len(SIDES)))
     return named | first | {"amplitude_um": size}
 
@@ -129,5 +149,7 @@ def coefficients(
     damping: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     """One phase for all: which phases other passages have, and how they wander, nobody can foretell; only what the motion rings."""
-    shape = {"frequency_hz": frequency_hz, "passages": 0.0} | ({"damping": damping} if damping > 0 else {})
+    shape = {"frequency_hz": frequency_hz, "passages": 0.0} | (
+        {"damping": damping} if damping > 0 else {}
+    )
     return swing_coefficients(amplitude_um, phase_deg), shape

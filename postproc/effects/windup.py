@@ -40,7 +40,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     lengths = grid(0.1, 10.0, 9)
     # Where every reading lies so far behind its turn that all is built up, what differs along the travel is backlash_position.
     told = [v for v in lengths if near < BUILT_UP * v]
-    return [{"length_mm": v, "grows": 0.0} for v in lengths] + [{"length_mm": v, "grows": 1.0} for v in told]
+    return [{"length_mm": v, "grows": 0.0} for v in lengths] + [
+        {"length_mm": v, "grows": 1.0} for v in told
+    ]
 
 
 def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
@@ -67,7 +69,10 @@ def coefficients(
     size_um: float, length_mm: float, grows_um: float = 0.0, grows: float = 0.0
 ) -> tuple[np.ndarray, dict[str, float]]:
     grown = grows or float(grows_um != 0.0)
-    return np.array([size_um, grows_um] if grown else [size_um]), {"length_mm": length_mm, "grows": grown}
+    return np.array([size_um, grows_um] if grown else [size_um]), {
+        "length_mm": length_mm,
+        "grows": grown,
+    }
 
 
 def ramp_mm(size_um: float, length_mm: float, **_: float) -> float:
@@ -76,7 +81,14 @@ def ramp_mm(size_um: float, length_mm: float, **_: float) -> float:
     return 3.0 * length_mm
 
 
-def tables(axis: str, travel: tuple[float, float], size_um: float, length_mm: float, grows_um: float = 0.0, **_: float):
+def tables(
+    axis: str,
+    travel: tuple[float, float],
+    size_um: float,
+    length_mm: float,
+    grows_um: float = 0.0,
+    **_: float,
+):
     """Fully built up; ramp_mm says over which way after a turn."""
     half = np.array([size_um - grows_um, size_um + grows_um]) * UM / 2
     return [(f"E{axis}", axis, np.array(travel), -half, half)]

@@ -17,7 +17,9 @@ from postproc.nc.lexer import Words
 from postproc.units import TICKS_PER_MM
 
 VELOCITY = 10_000.0 / 60.0  # mm/s and degrees/s of a rapid, where the machine states none
-SMALLEST = 1.0  # mm: radius below which G96 does not turn a spindle any faster (its limit is not read)
+SMALLEST = (
+    1.0  # mm: radius below which G96 does not turn a spindle any faster (its limit is not read)
+)
 MICRO = 1e6
 
 
@@ -92,13 +94,19 @@ def _rests(words: Words, rates: Rates) -> list[tuple[int, int]]:
 def _turns(motions: Motions, spindle: pace.Spindle) -> np.ndarray:
     """(N,) turns per minute; under G96 by the radius in the middle of the motion."""
     number, on = spindle.number[motions.block], spindle.on[motions.block]
-    radius = np.abs(motions.start[0] + motions.target[0]) / (2 * TICKS_PER_MM)  # X, or the first axis that there is
+    radius = np.abs(motions.start[0] + motions.target[0]) / (
+        2 * TICKS_PER_MM
+    )  # X, or the first axis that there is
     by_surface = number * 1000.0 / (2 * np.pi * np.maximum(radius, SMALLEST))
-    found: np.ndarray = np.where(on, np.where(spindle.surface[motions.block], by_surface, number), 0.0)
+    found: np.ndarray = np.where(
+        on, np.where(spindle.surface[motions.block], by_surface, number), 0.0
+    )
     return found
 
 
-def _durations(motions: Motions, spindle: pace.Spindle, rpm: np.ndarray, rates: Rates) -> tuple[np.ndarray, int]:
+def _durations(
+    motions: Motions, spindle: pace.Spindle, rpm: np.ndarray, rates: Rates
+) -> tuple[np.ndarray, int]:
     """(N,) s, and how many motions have no feed that says how long they take."""
     known = motions.start_known & motions.target_known
     way = np.where(known, np.abs(motions.target - motions.start), 0) / TICKS_PER_MM
@@ -109,12 +117,18 @@ def _durations(motions: Motions, spindle: pace.Spindle, rpm: np.ndarray, rates: 
     turned = np.abs(arcs.sweep) * arcs.radius
     across = np.sqrt(np.maximum(length[arcs.motion] ** 2 - _plane(way, arcs) ** 2, 0.0))
     length[arcs.motion] = np.hypot(turned, across)
-    unit = np.where((motions.scale > TICKS_PER_MM).any(axis=0), 25.4, 1.0) if len(motions) else np.zeros(0)
+    unit = (
+        np.where((motions.scale > TICKS_PER_MM).any(axis=0), 25.4, 1.0)
+        if len(motions)
+        else np.zeros(0)
+    )
     feed = motions.feed * unit / 60.0
     if len(motions):
         by_turn = spindle.mode[motions.block] == pace.PER_TURN
         feed = np.where(by_turn, feed * rpm, feed)
-    feed = np.where(motions.code == THREAD, np.where(motions.lead > 0, motions.lead, np.nan) * rpm / 60.0, feed)
+    feed = np.where(
+        motions.code == THREAD, np.where(motions.lead > 0, motions.lead, np.nan) * rpm / 60.0, feed
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         took = np.where(motions.inverse, 60.0 / motions.feed, length / feed)
     took[motions.holes.motion] += rapid[motions.holes.motion] + _down(motions, feed, rates.velocity)

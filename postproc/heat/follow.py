@@ -60,7 +60,9 @@ class Heat:
         """mm: by how much drivers (D, N) move an axis, at most, wherever it stands."""
         own = [k for k, d in enumerate(self.drivers) if d.letter == letter]
         nodes = np.unique(np.concatenate([self.drivers[k].nodes for k in own]))
-        unit = np.array([np.interp(nodes, self.drivers[k].nodes, self.drivers[k].unit) for k in own])
+        unit = np.array(
+            [np.interp(nodes, self.drivers[k].nodes, self.drivers[k].unit) for k in own]
+        )
         return float(np.abs(unit.T @ np.unique(values[own], axis=1)).max(initial=0.0))
 
     def run(self, words: Words, motions: Motions, before: Warmth) -> tuple[Motions, Warmth]:
@@ -82,7 +84,9 @@ class Heat:
             else:
                 result[row], spindles[k] = _spun(dict(driver.spindle), at, times.rpm, spindles[k])
                 k += 1
-        most = tuple(max(a, self._moved(x, result)) for x, a in zip(self.letters, before.most, strict=True))
+        most = tuple(
+            max(a, self._moved(x, result)) for x, a in zip(self.letters, before.most, strict=True)
+        )
         return result, Warmth(ticking, tuple(spindles), most)
 
     def within(self, words: Words, motions: Motions, before: Warmth) -> float:
@@ -91,7 +95,10 @@ class Heat:
         moved = np.zeros(len(motions))
         for driver in (d for d in self.drivers if d.column):
             middle = self._read(driver, times.middle * self.pace)
-            ends = [self._read(driver, end * self.pace / clock.MICRO) - middle for end in (times.begin, times.end)]
+            ends = [
+                self._read(driver, end * self.pace / clock.MICRO) - middle
+                for end in (times.begin, times.end)
+            ]
             moved += np.abs(ends).max(axis=0) * driver.most
         return float(moved.max(initial=0.0))
 
@@ -120,7 +127,9 @@ class Heat:
     def told(self, warmth: Warmth) -> str:
         """How long the program takes, and what the heat did, for a person."""
         lasts = warmth.ticking.now * self.pace / clock.MICRO
-        moved = ", ".join(f"{x} by {size / UM:.1f} um" for x, size in zip(self.letters, warmth.most, strict=True))
+        moved = ", ".join(
+            f"{x} by {size / UM:.1f} um" for x, size in zip(self.letters, warmth.most, strict=True)
+        )
         return f"by its own clock the program takes {lasts:.0f} s; heat moves {moved or 'nothing'} at most"
 
 

@@ -16,7 +16,10 @@ import numpy as np
 
 from postproc.errors import GcompError, Place
 
-PLAUSIBLE = (-40.0, 150.0)  # degrees Celsius of a machine; beyond, a column is no temperature in Celsius
+PLAUSIBLE = (
+    -40.0,
+    150.0,
+)  # degrees Celsius of a machine; beyond, a column is no temperature in Celsius
 TIMES = ("t_s", "time_s", "time", "timestamp", "date", "datetime")
 
 
@@ -76,19 +79,31 @@ def read(name: str, data: bytes) -> Log:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise LogError(
-            f"byte {data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(name, line)
+            f"byte {data[error.start]} is not UTF-8 text",
+            "save the file as UTF-8",
+            Place(name, line),
         ) from None
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
+    lines = [
+        (k, line)
+        for k, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.startswith("#")
+    ]
     if len(lines) < 3:
         raise LogError(
-            "a log needs a row of names and two rows of numbers", "t_s,T_screw_Z_C, then a row a moment", Place(name, 1)
+            "a log needs a row of names and two rows of numbers",
+            "t_s,T_screw_Z_C, then a row a moment",
+            Place(name, 1),
         )
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
     head = [cell.strip() for cell in next(csv.reader([lines[0][1]], delimiter=mark))]
     cells = [next(csv.reader([line], delimiter=mark)) for _, line in lines[1:]]
     at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
     time, dated = _times(
-        name, [(k, row[at] if at < len(row) else "") for (k, _), row in zip(lines[1:], cells, strict=True)]
+        name,
+        [
+            (k, row[at] if at < len(row) else "")
+            for (k, _), row in zip(lines[1:], cells, strict=True)
+        ],
     )
     columns = {}
     for i, column in enumerate(head):
@@ -98,7 +113,11 @@ def read(name: str, data: bytes) -> Log:
             if known.any() and column:
                 columns[column] = np.interp(time, time[known], values[known])
     if not columns:
-        raise LogError("no column holds numbers", "a column a thermometer, degrees Celsius", Place(name, lines[0][0]))
+        raise LogError(
+            "no column holds numbers",
+            "a column a thermometer, degrees Celsius",
+            Place(name, lines[0][0]),
+        )
     return Log(name, time, columns, dated)
 
 
@@ -122,7 +141,9 @@ def _times(name: str, cells: list[tuple[int, str]]) -> tuple[np.ndarray, float |
     for (line, text), value in zip(cells, numbers, strict=True):
         if value is None:
             raise LogError(
-                f"{text!r} is no time", "seconds (t_s), or dates like 2026-11-23T08:15:00", Place(name, line)
+                f"{text!r} is no time",
+                "seconds (t_s), or dates like 2026-11-23T08:15:00",
+                Place(name, line),
             )
     time = np.array([v for v in numbers if v is not None])
     back = np.flatnonzero(np.diff(time) <= 0)

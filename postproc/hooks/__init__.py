@@ -51,5 +51,8 @@ def load(name: str) -> ModuleType:
     begun = [known for known in names() if name and known.startswith(name)]
     name = begun[0] if len(begun) == 1 else name
     if name not in names():
-        raise UsageError(f"there is no hook for {name!r}", f"hooks: {', '.join(names())}; gcomp hook list says more")
+        raise UsageError(
+            f"there is no hook for {name!r}",
+            f"hooks: {', '.join(names())}; gcomp hook list says more",
+        )
     return importlib.import_module(f"{__name__}.{name}")

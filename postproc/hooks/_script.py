@@ -37,7 +37,10 @@ def in_place(call: Call) -> str:
 def to_output(call: Call, *more: str) -> str:
     """A script that writes the corrected program to standard output."""
     return _shell(
-        call, "writes the corrected program to standard output", "", f'{shlex.join(command(call, *more))} -- "$@"'
+        call,
+        "writes the corrected program to standard output",
+        "",
+        f'{shlex.join(command(call, *more))} -- "$@"',
     )
 
 
@@ -52,6 +55,7 @@ def one_word(path: object) -> str:
     """A path that a program takes apart at spaces. Raises UsageError for one with spaces in it."""
     if any(c.isspace() for c in str(path)):
         raise UsageError(
-            f"{path} has a space in it, and the slicer takes a command apart there", "-o names a folder without one"
+            f"{path} has a space in it, and the slicer takes a command apart there",
+            "-o names a folder without one",
         )
     return str(path)

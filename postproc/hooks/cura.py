@@ -55,7 +55,12 @@ class Gcomp(Script):
 
 def install(call: Call) -> Installed:
     """A script, and where it goes."""
-    text = SCRIPT.format(name=call.name, command=_script.command(call, "--quiet"), root=call.root, unset=_script.UNSET)
+    text = SCRIPT.format(
+        name=call.name,
+        command=_script.command(call, "--quiet"),
+        root=call.root,
+        unset=_script.UNSET,
+    )
     path = call.folder / "Gcomp.py"
     return Installed(
         {path: (text, False)},

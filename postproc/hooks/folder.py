@@ -10,4 +10,6 @@ TRIED = "the script, by tests/hooks"
 
 def install(call: Call) -> Installed:
     """A script that corrects a file in place, and the line that corrects a whole folder."""
-    return _posted.install(call, "gcomp", "where the program can run a script on the file that it has written")
+    return _posted.install(
+        call, "gcomp", "where the program can run a script on the file that it has written"
+    )

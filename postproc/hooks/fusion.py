@@ -11,5 +11,7 @@ TRIED = "the script, by tests/hooks; Fusion itself was not tried, and no setting
 def install(call: Call) -> Installed:
     """A script that corrects the posted file, and the line for the folder that NC programs are posted into."""
     return _posted.install(
-        call, "fusion", "drop the file that Fusion has posted onto this script, or run the script on it"
+        call,
+        "fusion",
+        "drop the file that Fusion has posted onto this script, or run the script on it",
     )

@@ -18,5 +18,6 @@ def install(call: Call) -> Installed:
         *(f"{ending} = {path}" for ending in ENDINGS),
     ]
     return Installed(
-        {path: (_script.to_output(call, "--filter-progress"), True)}, "the machine's INI file:\n" + "\n".join(lines)
+        {path: (_script.to_output(call, "--filter-progress"), True)},
+        "the machine's INI file:\n" + "\n".join(lines),
     )

@@ -11,5 +11,7 @@ TRIED = "the script, by tests/hooks; Mastercam itself was not tried, and no sett
 def install(call: Call) -> Installed:
     """A script that corrects the posted file, and the line for the folder that it is posted into."""
     return _posted.install(
-        call, "mastercam", "drop the file that Mastercam has posted onto this script, or run the script on it"
+        call,
+        "mastercam",
+        "drop the file that Mastercam has posted onto this script, or run the script on it",
     )

@@ -112,7 +112,9 @@ def _along_axis(recording: Recording, letter: str, at: dict[str, float]) -> Moti
     )  # fmt: skip
 
 
-def _kind(recording: Recording, letter: str, sensitive: dict[str, float]) -> tuple[str, str, float, str]:
+def _kind(
+    recording: Recording, letter: str, sensitive: dict[str, float]
+) -> tuple[str, str, float, str]:
     """Test, component, sign of the readings towards + of the axis, and why."""
     largest = max(sensitive, key=lambda x: abs(sensitive[x]))
     cosine = sensitive.get(letter, 0.0)
@@ -125,13 +127,23 @@ def _kind(recording: Recording, letter: str, sensitive: dict[str, float]) -> tup
         sign = float(np.sign(sensitive[largest]))
         if letter in ROTARY:
             if about != letter:
-                return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
+                return (
+                    "angle",
+                    f"E{about}{letter}",
+                    sign,
+                    f"{moves}, the angle about {largest} is read",
+                )
             return "rotary", f"E{letter}{letter}", sign, f"{moves}, its own angle is read"
         return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
     if letter in ROTARY:
         raise IsoError(f"the rotary axis {letter} moves, but no angle is read", 'quantity = "angle" for positions of rotary axes', place)  # fmt: skip
     if recording.quantity == "displacement" and abs(cosine) > ALONG:
-        return "positioning", f"E{letter}{letter}", float(np.sign(cosine)), f"{moves}, displacement is read along it"
+        return (
+            "positioning",
+            f"E{letter}{letter}",
+            float(np.sign(cosine)),
+            f"{moves}, displacement is read along it",
+        )
     if abs(cosine) < ACROSS and abs(sensitive[largest]) > ALONG and largest in LINEAR:
         why = f"{moves}, {recording.quantity} is read across it, along {largest}"
         return "straightness", f"E{largest}{letter}", float(np.sign(sensitive[largest])), why
@@ -155,7 +167,9 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     position = np.sum([recording.position(x) * v for x, v in unit.items()], axis=0)
     approach = _approach(recording, list(axes), unit)
     stood = {x: float(recording.position(x).mean()) for x in recording.axes if x not in axes}
-    told = ("readings were taken towards the other end: their sign is turned",) if cosine < 0 else ()
+    told = (
+        ("readings were taken towards the other end: their sign is turned",) if cosine < 0 else ()
+    )
     shown = " ".join(f"{x}{unit[x]:+.3f}" for x in axes)
     return Motion(
         "diagonal", name, axes, unit, stood, position - position.min(), approach, np.sign(cosine) * recording.reading,

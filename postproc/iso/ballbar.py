@@ -59,7 +59,11 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
     if len(ways) == 2 and len(set(ways.values())) == 1:
         raise IsoError("both senses turn the same way", "sense is +1 counter-clockwise, -1 clockwise", Place(recording.file, int(recording.lines[0])))  # fmt: skip
     if not found:
-        raise IsoError("no run has 12 samples on the circle", "", Place(recording.file, int(recording.lines[0])))
+        raise IsoError(
+            "no run has 12 samples on the circle",
+            "",
+            Place(recording.file, int(recording.lines[0])),
+        )
     return axes, found, notices + _said(found)
 
 
@@ -70,11 +74,15 @@ def _said(found: list[Trace]) -> list[str]:
         notices.append(f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept")  # fmt: skip
     arcs = [t for t in found if not t.full]
     if arcs:
-        least = math.degrees(min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs))
+        least = math.degrees(
+            min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs)
+        )
         notices.append(f"run {', '.join(str(t.run) for t in arcs)}: an arc of {least:.0f} degrees is no full circle: G, G(b), D and F about the centre are not defined")  # fmt: skip
     wide = math.degrees(max(t.gap for t in found))
     if wide > WIDE:
-        notices.append(f"samples are up to {wide:.1f} degrees apart: what lies between them is not seen")
+        notices.append(
+            f"samples are up to {wide:.1f} degrees apart: what lies between them is not seen"
+        )
     return notices
 
 
@@ -88,7 +96,9 @@ def result_of(recording: Recording, options: Options) -> Result:
     if not pairs:
         notices.append("one sense only: G(b), H and D are not defined")
     elif len(forth) != len(back):
-        notices.append(f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the runs")
+        notices.append(
+            f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the runs"
+        )
     parameters: list[Parameter] = []
 
     def add(name: str, words: str, values: list[float], at: str = "") -> None:
@@ -96,10 +106,22 @@ def result_of(recording: Recording, options: Options) -> Result:
 
     for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
         full = [t for t in some if t.full]
-        add(f"G{label}", f"circular deviation {label}, least-squares circle", [t.least_squares.zone for t in full])
-        add(f"G{label} mz", f"circular deviation {label}, minimum zone", [t.minimum_zone.zone for t in full])
+        add(
+            f"G{label}",
+            f"circular deviation {label}, least-squares circle",
+            [t.least_squares.zone for t in full],
+        )
+        add(
+            f"G{label} mz",
+            f"circular deviation {label}, minimum zone",
+            [t.minimum_zone.zone for t in full],
+        )
     whole = [p for p in pairs if p.forth.full and p.back.full]
-    add("G(b)", "two-way circular deviation, least-squares circle", [p.least_squares.zone for p in whole])
+    add(
+        "G(b)",
+        "two-way circular deviation, least-squares circle",
+        [p.least_squares.zone for p in whole],
+    )
     add("G(b) mz", "two-way circular deviation, minimum zone", [p.minimum_zone.zone for p in whole])
     widest = max(pairs, key=lambda p: p.hysteresis[0], default=None)
     at = f"at {math.degrees(widest.hysteresis[1]):.0f} degrees" if widest else ""
@@ -119,7 +141,9 @@ def result_of(recording: Recording, options: Options) -> Result:
     if absent:
         notices.append(absent)
     feed = recording.head.get("feed_mm_min")
-    subject = f"{axes}, radius {recording.head['radius_mm']:g} mm" + (f", feed {feed:g} mm/min" if feed else "")
+    subject = f"{axes}, radius {recording.head['radius_mm']:g} mm" + (
+        f", feed {feed:g} mm/min" if feed else ""
+    )
     why = f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs, {b}{a} back, {len(back)} runs"
     return Result(
         "circle", "ISO 230-4", subject, why, "um", (recording.file,), tuple(parameters), terms,
@@ -166,8 +190,12 @@ def _columns(axes: str, found: list[Trace]) -> dict[str, list]:
         "G mz um": [t.minimum_zone.zone / UM if t.full else None for t in found],
     }
     for i, letter in enumerate(axes):
-        out[f"centre {letter} um"] = [float(t.least_squares.centre[i]) / UM if t.full else None for t in found]
-    out["radius - nominal um"] = [(t.least_squares.radius - t.nominal) / UM if t.full else None for t in found]
+        out[f"centre {letter} um"] = [
+            float(t.least_squares.centre[i]) / UM if t.full else None for t in found
+        ]
+    out["radius - nominal um"] = [
+        (t.least_squares.radius - t.nominal) / UM if t.full else None for t in found
+    ]
     out["F max um"] = [t.about_nominal[0] / UM for t in found]
     out["F min um"] = [t.about_nominal[1] / UM for t in found]
     return out

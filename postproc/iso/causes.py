@@ -91,7 +91,10 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
 
 def _columns(t: np.ndarray, w: np.ndarray, radius: float) -> np.ndarray:
     """(N, K) mm that each cause adds to the radius, by the unit of its parameter in mm or rad; in the order of `_units`."""
-    first, second = -w * np.sign(np.sin(t)), w * np.sign(np.cos(t))  # directions in which the axes move
+    first, second = (
+        -w * np.sign(np.sin(t)),
+        w * np.sign(np.cos(t)),
+    )  # directions in which the axes move
     # Angle since the axis turned: a turns at 0 and 180 degrees, b at 90 and 270.
     since_a, since_b = np.mod(w * t, np.pi), np.mod(w * (t - np.pi / 2), np.pi)
     return np.column_stack([

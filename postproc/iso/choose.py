@@ -40,8 +40,14 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
                     across.append((motion, result))
         else:
             hint = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
-            left.append(f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}")
+            left.append(
+                f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}"
+            )
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
-    rest = targets.diagonals_of(across) + targets.squareness_of(straight, options) + drift.tilts_of(resting)
+    rest = (
+        targets.diagonals_of(across)
+        + targets.squareness_of(straight, options)
+        + drift.tilts_of(resting)
+    )
     return out + rest, left

@@ -114,11 +114,15 @@ class Pair:
 
     @cached_property
     def least_squares(self) -> Circle:
-        return least_squares(np.concatenate([self.forth.points, self.back.points]), self.forth.nominal)
+        return least_squares(
+            np.concatenate([self.forth.points, self.back.points]), self.forth.nominal
+        )
 
     @cached_property
     def minimum_zone(self) -> Circle:
-        return minimum_zone(np.concatenate([self.forth.points, self.back.points]), self.forth.nominal)
+        return minimum_zone(
+            np.concatenate([self.forth.points, self.back.points]), self.forth.nominal
+        )
 
     @cached_property
     def hysteresis(self) -> tuple[float, float]:
@@ -133,7 +137,9 @@ class Pair:
     @property
     def mean_deviation(self) -> float:
         """D, mm: mean radius of both senses, without the set-up of the centre, less the nominal one."""
-        return (self.forth.least_squares.radius + self.back.least_squares.radius) / 2 - self.forth.nominal
+        return (
+            self.forth.least_squares.radius + self.back.least_squares.radius
+        ) / 2 - self.forth.nominal
 
 
 def _covered(angle: np.ndarray, other: np.ndarray, gap: float) -> np.ndarray:

@@ -22,7 +22,14 @@ SAME = 1e-3  # mm: slides that moved by less are at rest
 HOUR = 3600.0
 PARTS = 40  # of the time, whose means are compared
 LEAST = 60.0  # s: a shorter recording at rest is no test of heat
-ABOUT = {("Z", "X"): "B", ("Z", "Y"): "A", ("X", "Y"): "C", ("X", "Z"): "B", ("Y", "Z"): "A", ("Y", "X"): "C"}
+ABOUT = {
+    ("Z", "X"): "B",
+    ("Z", "Y"): "A",
+    ("X", "Y"): "C",
+    ("X", "Z"): "B",
+    ("Y", "Z"): "A",
+    ("Y", "X"): "C",
+}
 
 
 @dataclass(frozen=True)
@@ -43,7 +50,12 @@ def rests(recording: Recording) -> bool:
     """Whether this is a test of slides at rest: nothing moves, and time goes on."""
     still = all(float(np.ptp(recording.position(x))) <= SAME for x in recording.axes)
     time = recording.columns.get("t_s")
-    return still and recording.quantity == "displacement" and time is not None and float(np.ptp(time)) >= LEAST
+    return (
+        still
+        and recording.quantity == "displacement"
+        and time is not None
+        and float(np.ptp(time)) >= LEAST
+    )
 
 
 def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
@@ -61,7 +73,13 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
     parameters = [of(head, whole, f"range over {hours:.1f} h", where)]
     if d.spindle:
         early = d.time <= d.time[0] + HOUR
-        parameters.append(of(f"{head},60", _range(d.time[early], d.reading[early])[0], "range in the first 60 min"))
+        parameters.append(
+            of(
+                f"{head},60",
+                _range(d.time[early], d.reading[early])[0],
+                "range in the first 60 min",
+            )
+        )
     if hours > 1:
         size, at = _worst_hour(d.time, d.reading)
         parameters.append(of(f"{head},1h", size, "largest range within any hour", at))
@@ -72,7 +90,9 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         terms = (Term("device", device * np.sqrt(2), frozenset(p.name for p in parameters), said),)
     warm, notices = _temperatures(d)
     if not d.spindle and hours < 4:
-        notices.append(f"{hours:.1f} h: a room has its day, and the test is meant to last 4 h at least, better 24 h")
+        notices.append(
+            f"{hours:.1f} h: a room has its day, and the test is meant to last 4 h at least, better 24 h"
+        )
     if device is None:
         notices.append("the uncertainty of a reading is not stated (--device): U is not known")
     why = (
@@ -80,7 +100,11 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         + ("the spindle turns" if d.spindle else "the spindle is still")
         + f", displacement is read along {d.letter}"
     )
-    noise = float(np.median(np.abs(np.diff(d.reading)))) / (0.6745 * np.sqrt(2)) if len(d.reading) > 3 else 0.0
+    noise = (
+        float(np.median(np.abs(np.diff(d.reading)))) / (0.6745 * np.sqrt(2))
+        if len(d.reading) > 3
+        else 0.0
+    )
     return d, Result(
         "rotating spindle" if d.spindle else "ETVE", "ISO 230-3", f"{head}", why, "um", (recording.file,),
         (*parameters, *warm), terms, (*recording.notices, *notices), noise,
@@ -93,14 +117,20 @@ def tilts_of(found: list[Drift]) -> list[Result]:
     for i, one in enumerate(found):
         for other in found[i + 1 :]:
             apart = other.arm - one.arm
-            same = one.letter == other.letter and one.spindle == other.spindle and one.tool == other.tool
+            same = (
+                one.letter == other.letter
+                and one.spindle == other.spindle
+                and one.tool == other.tool
+            )
             if not same or not abs(apart) > SAME or (one.tool, one.letter) not in ABOUT:
                 continue
             low, high = max(one.time[0], other.time[0]), min(one.time[-1], other.time[-1])
             time = one.time[(one.time >= low) & (one.time <= high)]
             if len(time) < 2:
                 continue
-            angle = (np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)) / apart
+            angle = (
+                np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)
+            ) / apart
             name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
             u = [r.u for r in (one.recording, other.recording)]
             U = 2 * np.sqrt(2) * float(np.hypot(*u)) / abs(apart) if None not in u else None  # type: ignore[arg-type]
@@ -131,7 +161,9 @@ def _drift(recording: Recording) -> Drift:
 
 def _range(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
     high, low = int(np.argmax(reading)), int(np.argmin(reading))
-    return float(np.ptp(reading)), f"from {min(time[high], time[low]):.0f} s to {max(time[high], time[low]):.0f} s"
+    return float(
+        np.ptp(reading)
+    ), f"from {min(time[high], time[low]):.0f} s to {max(time[high], time[low]):.0f} s"
 
 
 def _worst_hour(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
@@ -177,4 +209,8 @@ def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, fl
     left = y - slope * x
     total = float(y @ y)
     share = max(0.0, 1 - float(left @ left) / total) if total > 0 else 0.0
-    return slope, student(len(x) - 1) / 2 * float(np.sqrt(left @ left / (len(x) - 1) / square)), share
+    return (
+        slope,
+        student(len(x) - 1) / 2 * float(np.sqrt(left @ left / (len(x) - 1) / square)),
+        share,
+    )

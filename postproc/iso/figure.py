@@ -27,11 +27,16 @@ def check(name: str) -> None:
     """Raises UsageError where a figure of this name can not be drawn: another ending, or matplotlib is missing."""
     ending = PurePath(name).suffix[1:].lower()
     if ending not in FORMATS:
-        raise UsageError(f"a figure can not be written as {name}", f"endings: {', '.join('.' + f for f in FORMATS)}")
+        raise UsageError(
+            f"a figure can not be written as {name}",
+            f"endings: {', '.join('.' + f for f in FORMATS)}",
+        )
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise UsageError("figures need matplotlib, which is not installed", "pip install 'gcomp[figures]'") from None
+        raise UsageError(
+            "figures need matplotlib, which is not installed", "pip install 'gcomp[figures]'"
+        ) from None
 
 
 def draw(results: Sequence[Result], format: str) -> bytes:
@@ -41,7 +46,10 @@ def draw(results: Sequence[Result], format: str) -> bytes:
 
     shown = [r for r in results if isinstance(r.detail, (Positioning, Straightness, list))][:MOST]
     if not shown:
-        raise UsageError("none of these results has a figure", "positioning, straightness, diagonals and circles have")
+        raise UsageError(
+            "none of these results has a figure",
+            "positioning, straightness, diagonals and circles have",
+        )
     heights = [SIDE if isinstance(r.detail, list) else HEIGHT for r in shown]
     with matplotlib.rc_context({"svg.hashsalt": "gcomp", "font.size": 9}):
         figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
@@ -59,23 +67,47 @@ def draw(results: Sequence[Result], format: str) -> bytes:
 
 def _along(axes: Any, result: Result) -> None:
     """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand for."""
-    test: Positioning = result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    test: Positioning = (
+        result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    )
     unit, digits = scale(result), decimals(result)
     x = test.target
     for way, colour in ((1, UP), (-1, DOWN)):
         for run in np.unique(test.run[test.way == way]):
             rows = np.flatnonzero((test.way == way) & (test.run == run))
             rows = rows[np.argsort(test.position[rows], kind="stable")]
-            axes.plot(test.position[rows], test.reading[rows] / unit, ".", color=colour, ms=3, alpha=0.45, lw=0)
+            axes.plot(
+                test.position[rows],
+                test.reading[rows] / unit,
+                ".",
+                color=colour,
+                ms=3,
+                alpha=0.45,
+                lw=0,
+            )
     for row, (sign, colour) in enumerate((("+", UP), ("-", DOWN))):
         mean, s = test.mean[row] / unit, test.s[row] / unit
         there = np.isfinite(mean)
         if not there.any():
             continue
-        axes.plot(x[there], mean[there], "-o", color=colour, ms=3.5, lw=1.4, label=f"mean, approached in {sign}")
+        axes.plot(
+            x[there],
+            mean[there],
+            "-o",
+            color=colour,
+            ms=3.5,
+            lw=1.4,
+            label=f"mean, approached in {sign}",
+        )
         if np.isfinite(s).any():
             axes.fill_between(
-                x, mean - 2 * s, mean + 2 * s, color=colour, alpha=0.12, lw=0, label=f"mean {sign} $\\pm$ 2s"
+                x,
+                mean - 2 * s,
+                mean + 2 * s,
+                color=colour,
+                alpha=0.12,
+                lw=0,
+                label=f"mean {sign} $\\pm$ 2s",
             )
     if test.two_way:
         axes.plot(x, test.middle / unit, "--", color=GREY, lw=1, label="mean, two-way")
@@ -116,7 +148,9 @@ def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: i
         value = result[name].value
         shown = number(None if value is None else value / unit, digits)
         axes.text(at, (low + high) / 2, f" {name}\n {shown}", va="center", fontsize=8)
-    axes.set_xlim(float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(names)))
+    axes.set_xlim(
+        float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(names))
+    )
 
 
 def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: int) -> None:
@@ -134,7 +168,12 @@ def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: 
     error = number(None if size is None else size / unit, digits)
     for i, edge in enumerate((left.max(), left.min())):
         axes.plot(
-            x, (level + edge) / unit, color="black", lw=0.7, ls="-.", label=None if i else f"zone: {name} {error}"
+            x,
+            (level + edge) / unit,
+            color="black",
+            lw=0.7,
+            ls="-.",
+            label=None if i else f"zone: {name} {error}",
         )
 
 
@@ -171,7 +210,10 @@ def _circle(axes: Any, result: Result) -> None:
     names = [f"{v * 1000:+g}" if abs(v) > division / 2 else "0" for v in rings]
     axes.set_rgrids(nominal + magnification * rings, names, angle=22.5, fontsize=7, color=GREY)
     axes.set_ylim(0, nominal + magnification * division * edge * 1.02)
-    axes.set_xticks(np.radians([0, 90, 180, 270]), [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"])
+    axes.set_xticks(
+        np.radians([0, 90, 180, 270]),
+        [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
+    )
     digits = decimals(result)
     told = [f"{p.name} {number(p.value / 1e-3, digits)}" for p in result.parameters if p.value is not None and p.name[0] != "F"]  # fmt: skip
     axes.set_title(

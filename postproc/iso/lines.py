@@ -38,7 +38,12 @@ def reference(kind: str, x: np.ndarray, y: np.ndarray) -> Line:
         raise ValueError(f"no line {kind!r}")
     origin = float((x.min() + x.max()) / 2)
     if np.ptp(x) == 0:
-        return Line(kind, origin, float((y.min() + y.max()) / 2 if kind == "minimum-zone" else y.mean()), 0.0)
+        return Line(
+            kind,
+            origin,
+            float((y.min() + y.max()) / 2 if kind == "minimum-zone" else y.mean()),
+            0.0,
+        )
     if kind == "end-point":
         first, last = float(y[x == x.min()].mean()), float(y[x == x.max()].mean())
         return Line(kind, origin, (first + last) / 2, (last - first) / float(np.ptp(x)))

@@ -32,7 +32,9 @@ def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
     if scale == 0:
         return first / np.where(size == 0, 1.0, size), 0.0
     y = left / scale
-    ends = np.vstack([np.hstack([one, -np.ones((count, 1))]), np.hstack([-one, -np.ones((count, 1))])])
+    ends = np.vstack(
+        [np.hstack([one, -np.ones((count, 1))]), np.hstack([-one, -np.ones((count, 1))])]
+    )
     found = linprog(
         [0.0] * p + [1.0],
         A_ub=ends,

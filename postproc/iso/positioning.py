@@ -87,7 +87,9 @@ class Positioning:
                 out[f"E{sign}"] = _range(self.mean[row])
                 if self.has_s[row]:
                     out[f"R{sign}"] = float(np.nanmax(self.repeatability[row]))
-                    out[f"A{sign}"] = _range(self.mean[row] + 2 * self.s[row], self.mean[row] - 2 * self.s[row])
+                    out[f"A{sign}"] = _range(
+                        self.mean[row] + 2 * self.s[row], self.mean[row] - 2 * self.s[row]
+                    )
         if self.two_way:
             out["E"] = _range(self.mean)
             if self.both.any():
@@ -124,7 +126,11 @@ def targets_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def evaluate(
-    position: np.ndarray, approach: np.ndarray, reading: np.ndarray, run: np.ndarray | None = None, rotary: bool = False
+    position: np.ndarray,
+    approach: np.ndarray,
+    reading: np.ndarray,
+    run: np.ndarray | None = None,
+    rotary: bool = False,
 ) -> Positioning:
     """position (N,) mm or degrees, approach (N,) +1 or -1, reading (N,) mm or rad, run (N,) for figures only.
 
@@ -147,7 +153,15 @@ def evaluate(
     s[(n < 2) | long] = np.nan
     mean[n == 0] = np.nan
     return Positioning(
-        target, n.reshape(2, m), mean.reshape(2, m) + zero, s.reshape(2, m), long, position, reading, approach, run
+        target,
+        n.reshape(2, m),
+        mean.reshape(2, m) + zero,
+        s.reshape(2, m),
+        long,
+        position,
+        reading,
+        approach,
+        run,
     )
 
 

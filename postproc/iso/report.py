@@ -58,7 +58,9 @@ def _lines(result: Result) -> list[str]:
     rows = [["", result.unit, "U (k=2)", "of it runs", ""]]
     for p in result.parameters:
         shown = [None if v is None else v / unit for v in (p.value, p.U, p.runs)]
-        rows.append([p.name, *(number(v, digits) for v in shown), p.means + (f", {p.at}" if p.at else "")])
+        rows.append(
+            [p.name, *(number(v, digits) for v in shown), p.means + (f", {p.at}" if p.at else "")]
+        )
     out += _table(rows, left=(0, 4))
     if result.terms:
         out += ["", f"  in U, k = 1, {result.unit}"]
@@ -87,7 +89,12 @@ def cause_rows(causes: Causes) -> list[list[str]]:
     ]  # fmt: skip
     return [
         *rows,
-        ["rms before, rms that none of these explains", f"{causes.whole / UM:.2f}", f"{causes.left / UM:.2f}", "um"],
+        [
+            "rms before, rms that none of these explains",
+            f"{causes.whole / UM:.2f}",
+            f"{causes.left / UM:.2f}",
+            "um",
+        ],
     ]
 
 

@@ -25,7 +25,10 @@ LEVEL = 0.95  # of the draws lie within U
 SEED = 230
 PRIOR = 4.0  # degrees of freedom that the common s weighs where the cells differ: an s of two runs alone says little
 DOUBT = 0.01  # level of the tests that ask whether means or variances differ at all
-NEAR_RANGE, NEAR_LARGEST = 1.25, 2.0  # standard deviations of a difference within which targets share an extreme
+NEAR_RANGE, NEAR_LARGEST = (
+    1.25,
+    2.0,
+)  # standard deviations of a difference within which targets share an extreme
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,9 @@ def noise_of(s: np.ndarray, n: np.ndarray) -> Noise | None:
     own = np.full(s.shape, common) if pooled else (dof * variance + PRIOR * common) / (dof + PRIOR)
     with np.errstate(divide="ignore"):
         u = np.where(n > 0, np.sqrt(own / np.maximum(n, 1)), np.nan)
-    return Noise(u, np.full(s.shape, total) if pooled else dof + PRIOR, float(np.sqrt(common)), pooled)
+    return Noise(
+        u, np.full(s.shape, total) if pooled else dof + PRIOR, float(np.sqrt(common)), pooled
+    )
 
 
 def range_uncertainty(mean: np.ndarray, noise: Noise) -> float:
@@ -77,7 +82,11 @@ def largest_uncertainty(mean: np.ndarray, noise: Noise) -> float:
         return 0.0
     used = np.isfinite(mean)
     b, u, dof = mean[used], noise.u[0][used], noise.dof[0][used]
-    if len(b) > 1 and f_tail(float(b.var(ddof=1)) / float(np.mean(u**2)), len(b) - 1, _whole(dof, noise)) > DOUBT:
+    if (
+        len(b) > 1
+        and f_tail(float(b.var(ddof=1)) / float(np.mean(u**2)), len(b) - 1, _whole(dof, noise))
+        > DOUBT
+    ):
         centre = np.full(len(b), b.mean())
     else:
         size = np.abs(b)
@@ -126,9 +135,9 @@ def shared_ends(mean: np.ndarray, noise: Noise) -> np.ndarray:
     u2 = float(np.nanmean(noise.u**2))
     if rows:
         counts = [int(np.isfinite(mean[r]).sum()) for r in rows]
-        within = sum(float(np.nanvar(mean[r])) * c for r, c in zip(rows, counts, strict=True)) / sum(
-            c - 1 for c in counts
-        )
+        within = sum(
+            float(np.nanvar(mean[r])) * c for r, c in zip(rows, counts, strict=True)
+        ) / sum(c - 1 for c in counts)
         if f_tail(within / u2, sum(counts) - len(rows), _whole(noise.dof, noise)) > DOUBT:
             level = np.where(np.isfinite(mean), np.nanmean(mean, axis=1, keepdims=True), np.nan)
             step = np.sqrt(2 * u2 / min(counts))

@@ -61,7 +61,10 @@ def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | 
     if name == NAMES[0]:
         dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
         row = Noise(
-            0.5 * np.sqrt((noise.u**2).sum(axis=0, keepdims=True))[:, used], dof[:, used], noise.s, noise.pooled
+            0.5 * np.sqrt((noise.u**2).sum(axis=0, keepdims=True))[:, used],
+            dof[:, used],
+            noise.s,
+            noise.pooled,
         )
     else:
         i = NAMES.index(name) - 1
@@ -73,7 +76,9 @@ def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | 
     many = centre + draws(row)[:, 0]
     zones, slopes = _fits(kind, x, many)
     zone, slope = _fits(kind, x, centre[None])
-    return float(np.quantile(np.abs(zones - zone), LEVEL)), float(np.quantile(np.abs(slopes - slope), LEVEL))
+    return float(np.quantile(np.abs(zones - zone), LEVEL)), float(
+        np.quantile(np.abs(slopes - slope), LEVEL)
+    )
 
 
 def _fits(kind: str, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -105,7 +110,9 @@ def _narrowest(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 SQUARENESS = {"XY": ("C0Y", 1), "YZ": ("A0Z", 1), "XZ": ("B0Z", -1)}
 
 
-def squareness(first: str, second: str, slope_first: float, slope_second: float) -> tuple[str, float]:
+def squareness(
+    first: str, second: str, slope_first: float, slope_second: float
+) -> tuple[str, float]:
     """Name and value (rad) from two reference lines on one square.
 
     slope_first: rad, deviation along the second axis over the motion of the first; slope_second: the other way round.

@@ -8,7 +8,16 @@ import math
 import numpy as np
 
 from postproc.errors import Place
-from postproc.iso import IsoError, Options, Parameter, Result, Term, diagonals, positioning, straightness
+from postproc.iso import (
+    IsoError,
+    Options,
+    Parameter,
+    Result,
+    Term,
+    diagonals,
+    positioning,
+    straightness,
+)
 from postproc.iso.assign import LINEAR, Motion
 from postproc.iso.positioning import Positioning
 from postproc.iso.sampling import noise_of
@@ -24,7 +33,11 @@ STANDARD = {
 def result_of(motion: Motion, options: Options) -> Result:
     """The result of one motion."""
     test = positioning.evaluate(
-        motion.position, motion.approach, motion.reading, motion.run, motion.test in ("rotary", "angle")
+        motion.position,
+        motion.approach,
+        motion.reading,
+        motion.run,
+        motion.test in ("rotary", "angle"),
     )
     angle = motion.recording.quantity == "angle"
     lengths = motion.test in ("positioning", "diagonal")
@@ -43,7 +56,9 @@ def result_of(motion: Motion, options: Options) -> Result:
                 Place(motion.recording.file, int(motion.recording.lines[0])),
             )
         parameters = (*_straight(detail, terms), *parameters)
-        notices.append("E, M and B are of the readings as recorded, with the tilt of the reference in E and M")
+        notices.append(
+            "E, M and B are of the readings as recorded, with the tilt of the reference in E and M"
+        )
     absent = missing(options.budget, motion.recording.u is not None, lengths, angle)
     if absent:
         notices.append(absent)
@@ -83,7 +98,9 @@ def _conditions(motion: Motion, test: Positioning, options: Options) -> list[str
     if test.long:
         out.append(f"{test.length:g} mm is longer than 2 m: the standard asks for one run each way and defines E, M and B; s, R and A are not defined")  # fmt: skip
     elif 2 <= test.runs < 5:
-        out.append(f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative only")
+        out.append(
+            f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative only"
+        )
     if test.n[test.n > 0].min() != test.n.max():
         out.append(f"the targets have between {test.runs} and {test.n.max()} runs")
     if test.runs < 2 <= test.n.max() and not test.long:
@@ -106,7 +123,10 @@ def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
     lead = options.leads.get(motion.axes, options.leads.get(""))
     if lead is not None:
         found = positioning.aliases(test.target, lead)
-        out += [f"error with the period {lead / k:g} mm ({_part(k)} of {lead:g} mm): {words}" for k, words in found]
+        out += [
+            f"error with the period {lead / k:g} mm ({_part(k)} of {lead:g} mm): {words}"
+            for k, words in found
+        ]
         if not found:
             out.append(f"errors with the lead of {lead:g} mm or its parts to 1/4 fall on these targets at different phases: they look like scatter from target to target")  # fmt: skip
     elif step is not None:
@@ -200,7 +220,12 @@ def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[
     """The squareness of every pair of axes of which each was read along the other."""
     out = []
     for (one, first), (two, second) in itertools.combinations(found, 2):
-        if one.axes != two.across or two.axes != one.across or one.axes not in LINEAR or two.axes not in LINEAR:
+        if (
+            one.axes != two.across
+            or two.axes != one.across
+            or one.axes not in LINEAR
+            or two.axes not in LINEAR
+        ):
             continue
         parts = []
         for _, result in ((one, first), (two, second)):
@@ -215,7 +240,14 @@ def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[
         name, value = straightness.squareness(one.axes, two.axes, parts[0][0], parts[1][0])
         terms = []
         if options.budget.square is not None:
-            terms.append(Term("square", options.budget.square, frozenset([name]), "stated, of the square itself"))
+            terms.append(
+                Term(
+                    "square",
+                    options.budget.square,
+                    frozenset([name]),
+                    "stated, of the square itself",
+                )
+            )
         for _, _, result, lines in parts:
             device = next((t for t in result.terms if t.name == "device"), None)
             if device is not None:
@@ -223,12 +255,19 @@ def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[
         known = [p[1] for p in parts if p[1] is not None]
         both = math.hypot(*known) if len(known) == 2 else None
         parameter = combined(Parameter(name, value, "squareness, as a rotation about the third axis (ISO 841 signs)"), tuple(terms), both)  # fmt: skip
-        notices = ["holds only if both runs were read against one and the same square or optical square"]
+        notices = [
+            "holds only if both runs were read against one and the same square or optical square"
+        ]
         if options.budget.square is None:
             notices.append("not in U, since not stated: the square's own error")
         excess = -(parts[0][0] + parts[1][0]) / URAD
-        notices.append(f"the angle between the {options.line} lines is 90 degrees {excess:+.1f} urad")
-        columns: dict[str, list] = {"run": [p[2].subject for p in parts], "slope urad": [p[0] / URAD for p in parts]}
+        notices.append(
+            f"the angle between the {options.line} lines is 90 degrees {excess:+.1f} urad"
+        )
+        columns: dict[str, list] = {
+            "run": [p[2].subject for p in parts],
+            "slope urad": [p[0] / URAD for p in parts],
+        }
         out.append(Result(
             "squareness", "ISO 230-1", name, f"{first.subject} and {second.subject} are straightnesses of two axes, each read along the other",
             "urad", (one.recording.file, two.recording.file), (parameter,), tuple(terms), tuple(notices),

@@ -44,7 +44,14 @@ def terms_of(stated: Stated, u_reading: float | None, length: float | None, of: 
         acts = of - SCATTERS if alone else ranges
         terms.append(Term("device", math.sqrt(2) * device, acts, f"{device / unit:.3g} {name} a reading ({whose}), times the root of 2 for a difference"))  # fmt: skip
     if stated.drift is not None and not angle:
-        terms.append(Term("drift", rectangular(stated.drift), of, f"EVE range {stated.drift / UM:.3g} um, rectangular"))
+        terms.append(
+            Term(
+                "drift",
+                rectangular(stated.drift),
+                of,
+                f"EVE range {stated.drift / UM:.3g} um, rectangular",
+            )
+        )
     if length is not None:
         terms += _of_length(stated, length, ranges)
     return tuple(terms)
@@ -106,7 +113,9 @@ def of_positioning(test: Positioning) -> dict[str, float]:
             mixed = _of_two(noise, 1.0)
             out["B"] = largest_uncertainty(test.reversal, mixed)
             u = float(np.sqrt(np.nansum(mixed.u[0] ** 2))) / int(test.both.sum())
-            out["Bm"] = student(float(mixed.dof.flat[0] if mixed.pooled else np.nansum(mixed.dof))) * u
+            out["Bm"] = (
+                student(float(mixed.dof.flat[0] if mixed.pooled else np.nansum(mixed.dof))) * u
+            )
             out["M"] = range_uncertainty(test.middle[None], _of_two(noise, 0.5))
     for name, value in test.values.items():
         if value is not None and name[0] in "RA":
@@ -121,7 +130,9 @@ def _row(noise: Noise, row: int) -> Noise:
 def _of_two(noise: Noise, factor: float) -> Noise:
     """Of the difference (factor 1) or the mean (0.5) of both directions."""
     dof = noise.dof[:1] if noise.pooled else noise.dof.min(axis=0, keepdims=True)
-    return Noise(factor * np.sqrt((noise.u**2).sum(axis=0, keepdims=True)), dof, noise.s, noise.pooled)
+    return Noise(
+        factor * np.sqrt((noise.u**2).sum(axis=0, keepdims=True)), dof, noise.s, noise.pooled
+    )
 
 
 def _of_s(test: Positioning, name: str, noise: Noise) -> float:

@@ -29,7 +29,9 @@ def text_of(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise MachineError(
-            f"byte {data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(str(path), line)
+            f"byte {data[error.start]} is not UTF-8 text",
+            "save the file as UTF-8",
+            Place(str(path), line),
         ) from None
 
 
@@ -49,7 +51,9 @@ def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
     return table
 
 
-def read_uncertainty(path: Path, letter: str, travel: tuple[float, float], table: AxisTable | None) -> AxisUncertainty:
+def read_uncertainty(
+    path: Path, letter: str, travel: tuple[float, float], table: AxisTable | None
+) -> AxisUncertainty:
     """Read `Z_uncertainty.csv`, U (95 %, k = 2) under the columns of `Z.csv`; a component measured
     in both directions may have one U for both. travel: mm or degrees; one turn is repeated over it
     as in `over_turns`; table: what it is of, None for an axis without.
@@ -99,7 +103,9 @@ def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list
                 Place(str(path), line, text_of(path).splitlines()[line - 1]),
             )  # fmt: skip
     if len(rows) < 2:
-        raise MachineError(f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1))
+        raise MachineError(
+            f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1)
+        )
     data = np.array(rows).T
     stated = tuple(sorted({component for component, _ in columns}))
     return columns, lines, AxisTable(letter, data[0], *_directions(columns, data), stated)
@@ -113,14 +119,18 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     nodes, others = np.unique(data[0]), np.unique(data[1])
     if min(len(nodes), len(others)) < 2:
         raise MachineError(
-            f"{len(nodes)} by {len(others)} nodes: a grid needs two each way at least", "", Place(str(path), 1)
+            f"{len(nodes)} by {len(others)} nodes: a grid needs two each way at least",
+            "",
+            Place(str(path), 1),
         )
     i, j = np.searchsorted(nodes, data[0]), np.searchsorted(others, data[1])
     at = i * len(others) + j
     seen, first, count = np.unique(at, return_index=True, return_counts=True)
     for k in np.flatnonzero(count > 1)[:1]:
         line = lines[int(np.flatnonzero(at == seen[k])[1])]
-        raise MachineError("this pair of positions stands twice", "each once", Place(str(path), line))
+        raise MachineError(
+            "this pair of positions stands twice", "each once", Place(str(path), line)
+        )
     missing = np.setdiff1d(np.arange(len(nodes) * len(others)), seen)
     if len(missing):
         a, b = divmod(int(missing[0]), len(others))
@@ -131,7 +141,12 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     flat_forward, flat_reverse = _directions(columns, data)
     shape = (6, len(nodes), len(others))
     grid = GridTable(
-        letter, other, nodes, others, flat_forward[:, first].reshape(shape), flat_reverse[:, first].reshape(shape)
+        letter,
+        other,
+        nodes,
+        others,
+        flat_forward[:, first].reshape(shape),
+        flat_reverse[:, first].reshape(shape),
     )
     for slope, name in zip(grid.slopes, (letter, other), strict=True):
         if slope[:3].max() > max_slope:
@@ -146,7 +161,9 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
 def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTable:
     """A table of one full turn, repeated over a travel of several. Others stay as they are. Raises MachineError where a
     turn does not end as it began."""
-    if abs(table.nodes[-1] - table.nodes[0] - TURN) > 1e-9 or (table.nodes[0] <= low and high <= table.nodes[-1]):
+    if abs(table.nodes[-1] - table.nodes[0] - TURN) > 1e-9 or (
+        table.nodes[0] <= low and high <= table.nodes[-1]
+    ):
         return table
     for values in (table.forward, table.reverse):
         gap = np.abs(values[:, -1] - values[:, 0])
@@ -158,12 +175,16 @@ def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTab
     before = max(0, math.ceil((table.nodes[0] - max(low, -100 * TURN)) / TURN))
     after = max(0, math.ceil((min(high, 100 * TURN) - table.nodes[-1]) / TURN))
     turns = np.arange(-before, after + 1)
-    nodes = np.concatenate([table.nodes[:-1] + TURN * k for k in turns] + [table.nodes[-1:] + TURN * after])
+    nodes = np.concatenate(
+        [table.nodes[:-1] + TURN * k for k in turns] + [table.nodes[-1:] + TURN * after]
+    )
 
     def repeated(values: np.ndarray) -> np.ndarray:
         return np.concatenate([np.tile(values[:, :-1], len(turns)), values[:, -1:]], axis=1)
 
-    return AxisTable(table.letter, nodes, repeated(table.forward), repeated(table.reverse), table.stated)
+    return AxisTable(
+        table.letter, nodes, repeated(table.forward), repeated(table.reverse), table.stated
+    )
 
 
 def position_name(letter: str) -> str:
@@ -171,7 +192,9 @@ def position_name(letter: str) -> str:
     return f"{letter}_deg" if letter in ROTARY else f"{letter}_mm"
 
 
-def _rows(path: Path, *letters: str) -> tuple[dict[tuple[int, str], int], list[list[float]], list[int]]:
+def _rows(
+    path: Path, *letters: str
+) -> tuple[dict[tuple[int, str], int], list[list[float]], list[int]]:
     """(component, direction) to column, the numbers, and the line of each row."""
     header: list[str] = []
     rows: list[list[float]] = []
@@ -184,22 +207,30 @@ def _rows(path: Path, *letters: str) -> tuple[dict[tuple[int, str], int], list[l
         try:
             cells = [cell.strip() for cell in next(csv.reader([line]))]
         except csv.Error as error:
-            raise MachineError(f"not a line of a CSV table: {error}", "numbers between commas", place) from None
+            raise MachineError(
+                f"not a line of a CSV table: {error}", "numbers between commas", place
+            ) from None
         if not header:
             header = cells
             columns = _columns(header, letters, place)
             continue
         if len(cells) != len(header):
             raise MachineError(
-                f"{len(cells)} values under {len(header)} columns", "a value is missing or one too many", place
+                f"{len(cells)} values under {len(header)} columns",
+                "a value is missing or one too many",
+                place,
             )
         for cell in cells:
             if not NUMBER.fullmatch(cell):
-                raise MachineError(f"{cell!r} is not a number", "every node needs a value in every column", place)
+                raise MachineError(
+                    f"{cell!r} is not a number", "every node needs a value in every column", place
+                )
         values = [float(cell) for cell in cells]
         if not all(map(math.isfinite, values)):
             raise MachineError(
-                "a value is not finite (NaN or infinity)", "every node needs a value in every column", place
+                "a value is not finite (NaN or infinity)",
+                "every node needs a value in every column",
+                place,
             )
         rows.append(values)
         lines.append(number)
@@ -208,7 +239,9 @@ def _rows(path: Path, *letters: str) -> tuple[dict[tuple[int, str], int], list[l
     return columns, rows, lines
 
 
-def _directions(columns: dict[tuple[int, str], int], data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _directions(
+    columns: dict[tuple[int, str], int], data: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(6, N) forward and reverse, mm and rad, of columns as they stand in a file."""
     forward, reverse = np.zeros((6, data.shape[1])), np.zeros((6, data.shape[1]))
     for (component, direction), column in columns.items():
@@ -229,7 +262,9 @@ def _too_steep(path, line, letter, steep, low, high, limit) -> MachineError:
     )
 
 
-def _columns(header: list[str], letters: tuple[str, ...], place: Place) -> dict[tuple[int, str], int]:
+def _columns(
+    header: list[str], letters: tuple[str, ...], place: Place
+) -> dict[tuple[int, str], int]:
     """(component, direction) to column; direction "" for a component measured one way."""
     letter = letters[0]
     for i, x in enumerate(letters):
@@ -240,7 +275,9 @@ def _columns(header: list[str], letters: tuple[str, ...], place: Place) -> dict[
                 f"the {nth} column is {name!r}, not {position_name(x)!r}", f"positions are slide positions in {unit}", place
             )  # fmt: skip
     columns: dict[tuple[int, str], int] = {}
-    allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [f"{c}{letter}_urad" for c in COMPONENTS[3:]]
+    allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [
+        f"{c}{letter}_urad" for c in COMPONENTS[3:]
+    ]
     for i, name in enumerate(header[len(letters) :], len(letters)):
         base, direction = (name[:-4], name[-3:]) if name.endswith(("_fwd", "_rev")) else (name, "")
         if base not in allowed:
@@ -256,5 +293,7 @@ def _columns(header: list[str], letters: tuple[str, ...], place: Place) -> dict[
     for component in {c for c, _ in columns}:
         others = {d for c, d in columns if c == component}
         if others not in ({""}, {"fwd", "rev"}):
-            raise MachineError(f"{allowed[component]}: give one column, or both _fwd and _rev", "", place)
+            raise MachineError(
+                f"{allowed[component]}: give one column, or both _fwd and _rev", "", place
+            )
     return columns

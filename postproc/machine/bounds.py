@@ -34,7 +34,9 @@ class Bounds:
         for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
             spread = high - low
-            total += float(np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self.reach(letter))
+            total += float(
+                np.linalg.norm(spread[:3]) + np.linalg.norm(spread[3:]) * self.reach(letter)
+            )
         return total
 
     def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -61,11 +63,15 @@ class Bounds:
         found = {}
         for letter, nodes in self.machine.knots.items():
             every = np.array(sorted({float(node) for table in nodes for node in table}))
-            middle = np.concatenate([[every[0] - 1.0], (every[1:] + every[:-1]) / 2, [every[-1] + 1.0]])
+            middle = np.concatenate(
+                [[every[0] - 1.0], (every[1:] + every[:-1]) / 2, [every[-1] + 1.0]]
+            )
             total, reach = np.zeros(len(middle)), self.reach(letter)
             for table in (table for x, table in self.machine.every_table if x == letter):
                 slope = table.slope_range(middle, middle)[1]
-                total += np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach
+                total += (
+                    np.linalg.norm(slope[:3], axis=0) + np.linalg.norm(slope[3:], axis=0) * reach
+                )
             found[letter] = every, total
         return found
 
@@ -73,7 +79,10 @@ class Bounds:
     def even(self) -> float:
         """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever cell the place is in:
         squareness, heat, tables of two axes, and every angle times the arm that grows."""
-        turned = (np.abs(np.stack([t.forward, t.reverse]))[:, 3:].max(axis=(0, 2)) for _, t in self.machine.every_table)
+        turned = (
+            np.abs(np.stack([t.forward, t.reverse]))[:, 3:].max(axis=(0, 2))
+            for _, t in self.machine.every_table
+        )
         return self._constant + sum(float(np.linalg.norm(angle)) for angle in turned)
 
     @cached_property
@@ -84,7 +93,9 @@ class Bounds:
             slope = np.abs(table.slopes).max(axis=(1, 2))
             angle = np.abs(np.stack([table.forward, table.reverse]))[:, 3:].max(axis=(0, 2))
             total += float(
-                np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(letter) + np.linalg.norm(angle)
+                np.linalg.norm(slope[:3])
+                + np.linalg.norm(slope[3:]) * self.reach(letter)
+                + np.linalg.norm(angle)
             )
         return total
 
@@ -92,15 +103,24 @@ class Bounds:
     def _constant(self) -> float:
         """mm/mm: what squareness, location, heat and tables of two axes add to the steepness everywhere."""
         m = self.machine
-        total = sum(float(np.linalg.norm(stands[3:])) * (1 if x in LINEAR else 2) for x, stands in m.locations.items())
+        total = sum(
+            float(np.linalg.norm(stands[3:])) * (1 if x in LINEAR else 2)
+            for x, stands in m.locations.items()
+        )
         total += sum(abs(growth.rate) for growth in m.expansions.values())
-        return total + self._grid_slopes() + sum(float(np.linalg.norm(grid.sizes[3:])) for grid in m.grids)
+        return (
+            total
+            + self._grid_slopes()
+            + sum(float(np.linalg.norm(grid.sizes[3:])) for grid in m.grids)
+        )
 
     def _grid_slopes(self) -> float:
         total = 0.0
         for grid in self.machine.grids:
             for slope in grid.slopes:
-                total += float(np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(grid.letter))
+                total += float(
+                    np.linalg.norm(slope[:3]) + np.linalg.norm(slope[3:]) * self.reach(grid.letter)
+                )
         return total
 
     def reach(self, letter: str) -> float:
@@ -111,7 +131,11 @@ class Bounds:
         if m.chain.rotary:  # turned about, every part of the arm may point anywhere
             slides = sum(self._travel(x) for x in m.chain.axes if x in XYZ)
             centres = sum(2 * float(np.linalg.norm(m.axes[x].centre)) for x in m.chain.rotary)
-            return float(np.linalg.norm(m.tool) + np.linalg.norm(m.measured[letter])) + slides + centres
+            return (
+                float(np.linalg.norm(m.tool) + np.linalg.norm(m.measured[letter]))
+                + slides
+                + centres
+            )
         if letter in m.chain.axes:
             for other in m.chain.arm(letter, axis.optic):
                 arm[along(other)] += self._travel(other)
@@ -137,7 +161,9 @@ class Bounds:
             if x in m.expansions:
                 size += abs(m.expansions[x].rate) * 2 * self._travel(x)
             angle += lean
-            shift += size + lean * (self.reach(x) + self._travel(x) if x in LINEAR else self.reach(x))
+            shift += size + lean * (
+                self.reach(x) + self._travel(x) if x in LINEAR else self.reach(x)
+            )
         return angle * shift
 
     @cached_property
@@ -159,7 +185,9 @@ class Bounds:
             add(
                 grid.letter,
                 grid.other,
-                float(np.linalg.norm(mixed[:3]) + np.linalg.norm(mixed[3:]) * self.reach(grid.letter)),
+                float(
+                    np.linalg.norm(mixed[:3]) + np.linalg.norm(mixed[3:]) * self.reach(grid.letter)
+                ),
             )
             along, across = (float(np.linalg.norm(slope[3:])) for slope in grid.slopes)
             for other in m.chain.arm(grid.letter, m.axes[grid.letter].optic):
@@ -190,8 +218,12 @@ class Bounds:
         """
         m = self.machine
         rows = {x: i for i, x in enumerate(m.letters)}
-        angle = sum((np.radians(np.abs(way[rows[x]])) for x in m.chain.rotary), np.zeros(way.shape[1]))
-        slide = np.sqrt(sum((way[rows[x]] ** 2 for x in m.chain.axes if x in XYZ), np.zeros(way.shape[1])))
+        angle = sum(
+            (np.radians(np.abs(way[rows[x]])) for x in m.chain.rotary), np.zeros(way.shape[1])
+        )
+        slide = np.sqrt(
+            sum((way[rows[x]] ** 2 for x in m.chain.axes if x in XYZ), np.zeros(way.shape[1]))
+        )
         total = np.zeros(way.shape[1])
         for x in m.chain.axes:
             arm = self.reach(x)
@@ -202,9 +234,14 @@ class Bounds:
                 lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:
                 rate = abs(m.expansions[x].rate)
-                shift, shift_rise = shift + rate * self._travel(x), shift_rise + rate * np.abs(way[rows[x]])
+                shift, shift_rise = (
+                    shift + rate * self._travel(x),
+                    shift_rise + rate * np.abs(way[rows[x]]),
+                )
             total += 2 * shift_rise * angle + shift * angle**2
-            total += lean_rise * (4 * angle * arm + 2 * slide) + lean * (4 * angle**2 * arm + 4 * angle * slide)
+            total += lean_rise * (4 * angle * arm + 2 * slide) + lean * (
+                4 * angle**2 * arm + 4 * angle * slide
+            )
         return np.where(angle > 0, total, 0.0)
 
     def _sizes(self, letter: str, way: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
@@ -219,7 +256,10 @@ class Bounds:
             shift_rise = shift_rise + np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * more)
             lean_rise = lean_rise + np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * turn)
         for grid in self.machine.grids_of[letter]:
-            more, turn = float(np.linalg.norm(grid.sizes[:3])), float(np.linalg.norm(grid.sizes[3:]))
+            more, turn = (
+                float(np.linalg.norm(grid.sizes[:3])),
+                float(np.linalg.norm(grid.sizes[3:])),
+            )
             shift, lean = shift + more, lean + turn
             shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn
         return shift, lean, shift_rise, lean_rise

@@ -20,7 +20,9 @@ XYZ, ROTARY = "XYZ", "ABC"
 LINEAR = "XYZUVW"  # U V W: a second slide along X Y Z
 SECOND = dict(zip(XYZ, "UVW", strict=True))
 OPTICS = ("tool", "workpiece")
-Arms = dict[str, list[tuple[float, tuple[str, ...]]]]  # axis to mm that stay and the slides that add, per direction
+Arms = dict[
+    str, list[tuple[float, tuple[str, ...]]]
+]  # axis to mm that stay and the slides that add, per direction
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
 
 
@@ -64,7 +66,9 @@ def parse(text: str) -> Chain:
     """Read "w-X-Y-b-Z-t", "w-X-Y-b-Z-W-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is wrong."""
     parts = text.split("-")
     if len(parts) < 3 or parts[0] != "w" or parts[-1] != "t" or parts.count("b") != 1:
-        raise ValueError(f"chain {text!r} must begin with w, end with t and hold one b, like w-b-Z-X-t")
+        raise ValueError(
+            f"chain {text!r} must begin with w, end with t and hold one b, like w-b-Z-X-t"
+        )
     axes = [p for p in parts[1:-1] if p != "b"]
     for axis in axes:
         if axis not in LINEAR + ROTARY or len(axis) != 1:
@@ -79,7 +83,9 @@ def parse(text: str) -> Chain:
                 f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does not name"
             )
         if axis in "UVW" and any(x in ROTARY for x in axes):
-            raise ValueError(f"chain {text!r} has second slides and rotary axes, which are not followed together")
+            raise ValueError(
+                f"chain {text!r} has second slides and rotary axes, which are not followed together"
+            )
     return Chain(tuple(axes), parts.index("b") - 1)
 
 
@@ -88,7 +94,9 @@ def along(letter: str) -> int:
     return LINEAR.index(letter) % 3
 
 
-def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]) -> Arms:
+def arms(
+    chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]
+) -> Arms:
     """Per axis the part of the arm that stays, and per direction the slides of that direction that add to it.
 
     tool (3,) mm; measured: axis to (3,) mm, where the others of its arm stood (`counted`); optic: axis to what the
@@ -96,7 +104,10 @@ def arms(chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic:
     """
     return {
         x: [
-            (float(tool[i] - measured[x][i]), tuple(y for y in chain.arm(x, optic.get(x, "")) if along(y) == i))
+            (
+                float(tool[i] - measured[x][i]),
+                tuple(y for y in chain.arm(x, optic.get(x, "")) if along(y) == i),
+            )
             for i in range(3)
         ]
         for x in chain.axes
@@ -115,7 +126,10 @@ def leans(letter: str, lean: np.ndarray) -> list[tuple[int, float]]:
 
 
 def tip_deviation(
-    arms: Arms, parts: dict[str, Parts], leans: dict[str, list[tuple[int, float]]], position: dict[str, np.ndarray]
+    arms: Arms,
+    parts: dict[str, Parts],
+    leans: dict[str, list[tuple[int, float]]],
+    position: dict[str, np.ndarray],
 ) -> list[np.ndarray]:
     """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes.
 

@@ -35,7 +35,11 @@ def direct(machine: Machine) -> np.ndarray:
 def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tuple[str, ...]]]:
     """Rows along which a component of an axis acts, and the slides whose places are its arm there; no row without an arm."""
     if component < 3:
-        return [(machine.letters.index(XYZ[component]), ())] if XYZ[component] in machine.letters else []
+        return (
+            [(machine.letters.index(XYZ[component]), ())]
+            if XYZ[component] in machine.letters
+            else []
+        )
     found: list[tuple[int, tuple[str, ...]]] = []
     for i in (i for i in range(3) if i != component - 3 and XYZ[i] in machine.letters):
         stays, slides = machine.arms[letter][3 - i - (component - 3)]

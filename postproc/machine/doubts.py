@@ -20,7 +20,13 @@ LARGEST_PLAY_UM = 1000.0  # an old router's plastic nut
 
 def doubts(machine: Machine) -> list[str]:
     """Sentences, each with its number and the way out; empty where nothing is odd."""
-    return [*overshoot.found(machine), *_sizes(machine), *_square(machine), *_play(machine), *_refused(machine)]
+    return [
+        *overshoot.found(machine),
+        *_sizes(machine),
+        *_square(machine),
+        *_play(machine),
+        *_refused(machine),
+    ]
 
 
 def _sizes(machine: Machine) -> list[str]:
@@ -32,7 +38,9 @@ def _sizes(machine: Machine) -> list[str]:
             size, name = float(np.abs(values).max()), f"{COMPONENTS[row]}{x}"
             if size > most:
                 likely = "nm" if row < 3 else "nrad, or mrad as urad times a thousand"
-                found.append(f"{name} reaches {size:.4g} {unit}, more than a machine strays: are its values {likely}?")
+                found.append(
+                    f"{name} reaches {size:.4g} {unit}, more than a machine strays: are its values {likely}?"
+                )
             elif 0 < size < LEAST:
                 likely = "mm" if row < 3 else "mrad (mm/m)"
                 found.append(

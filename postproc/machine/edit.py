@@ -11,7 +11,11 @@ from tomlkit.items import AoT, Table
 
 
 def with_sections(
-    text: str, name: str, key: str, sections: Sequence[tuple[Mapping[str, Any], str]], note: str = ""
+    text: str,
+    name: str,
+    key: str,
+    sections: Sequence[tuple[Mapping[str, Any], str]],
+    note: str = "",
 ) -> str:
     """The text under another name, with a section [[key]] for each of `sections`: its entries, and a comment behind them ("":
     none). note: a comment before the first of them."""

@@ -36,9 +36,13 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
             raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
         axis = _effect_axis(toml, entry, module, axes, i)
         sizes = effects.sizes(module)
-        toml.check_keys("effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i)
+        toml.check_keys(
+            "effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i
+        )
         optional = getattr(module, "OPTIONAL", {})
-        parameters = {p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS}
+        parameters = {
+            p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS
+        }
         made = term(name, axis, parameters, axes, _measured(toml, entry, i))
         spread = [_spread(toml, entry, i, made, axes, p) for p in sizes if f"u_{p}" in entry]
         terms.append(replace(made, spread=tuple(spread)))
@@ -46,7 +50,11 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
 
 
 def term(
-    name: str, axis: str, parameters: dict[str, float], axes: dict[str, Axis], measured: tuple[float, float] | None
+    name: str,
+    axis: str,
+    parameters: dict[str, float],
+    axes: dict[str, Axis],
+    measured: tuple[float, float] | None,
 ) -> EffectTerm:
     """An effect with the tables that it adds to a machine with these axes; its U is not stated. measured mm: where it was
     read."""
@@ -63,22 +71,36 @@ def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], ind
     if module.PER == "all" and not axis:
         return ""
     wanted = 2 if module.PER == "pair" else 1
-    if len(axis) != wanted or len(set(axis)) != wanted or not all(x in axes and x in XYZ for x in axis):
+    if (
+        len(axis) != wanted
+        or len(set(axis)) != wanted
+        or not all(x in axes and x in XYZ for x in axis)
+    ):
         what = "a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
-        message = f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
-            "no a pair", "not a pair"
+        message = (
+            f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
+                "no a pair", "not a pair"
+            )
         )
         raise toml.fault("effect", "axis", message, index=index)
     return axis
 
 
-def _spread(toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dict[str, Axis], name: str) -> EffectTerm:
+def _spread(
+    toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dict[str, Axis], name: str
+) -> EffectTerm:
     """By how much the U of a parameter changes the effect's tables: half of what lies between both
     ends of the interval."""
     key = f"u_{name}"
     u = toml.number("effect", entry, key, index=index)
     if u < 0:
-        raise toml.fault("effect", key, f"{key} = {entry[key]!r} is below zero", "U (95 %) is zero or more", index)
+        raise toml.fault(
+            "effect",
+            key,
+            f"{key} = {entry[key]!r} is below zero",
+            "U (95 %) is zero or more",
+            index,
+        )
     ends: list[AxisTable] = []
     grids: list[GridTable] = []
     for share in (0.5, -0.5):
@@ -108,7 +130,10 @@ def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | 
     )
     if not good or value[0] >= value[1]:
         raise toml.fault(
-            "effect", "measured_mm", f"measured_mm = {value!r} must be two ascending numbers, mm", index=index
+            "effect",
+            "measured_mm",
+            f"measured_mm = {value!r} must be two ascending numbers, mm",
+            index=index,
         )
     return float(value[0]), float(value[1])
 
@@ -152,7 +177,9 @@ def _applied(
     grids = []
     if hasattr(module, "grids"):
         travel = {x: a.travel for x, a in axes.items()}
-        for component, letter, other, nodes, others, value in module.grids(axis, travel, **parameters):
+        for component, letter, other, nodes, others, value in module.grids(
+            axis, travel, **parameters
+        ):
             whole = np.zeros((6, len(nodes), len(others)))
             whole[COMPONENTS.index(component)] = value
             grids.append(GridTable(letter, other, nodes, others, whole, whole))

@@ -45,7 +45,8 @@ def read_machine(folder: Path) -> Machine:
     path = folder / "machine.toml"
     if not path.is_file():
         raise MachineError(
-            f"{folder} has no machine.toml", "a machine is a folder with machine.toml and a CSV table per axis"
+            f"{folder} has no machine.toml",
+            "a machine is a folder with machine.toml and a CSV table per axis",
         )
     toml = TomlFile(path)
     data = toml.data
@@ -63,7 +64,9 @@ def read_machine(folder: Path) -> Machine:
     limits = _limits(toml)
     axes = {
         x: _axis(toml, x, section, digest, limits, chain)
-        for x, section in sorted(sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0]))
+        for x, section in sorted(
+            sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0])
+        )
     }
     for x in chain.axes:
         if x not in axes:
@@ -73,19 +76,27 @@ def read_machine(folder: Path) -> Machine:
             raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {data['chain']}")
         for grid in axes[x].grids:
             if grid.other not in axes:
-                raise toml.fault(f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine")
+                raise toml.fault(
+                    f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine"
+                )
     axes = _location(toml, axes)
     for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
         if path.name.removesuffix(UNCERTAINTY) not in axes:
             raise MachineError(
-                f"{path.name} is of no axis of the machine", f"axes: {' '.join(axes)}", Place(str(path), 1)
+                f"{path.name} is of no axis of the machine",
+                f"axes: {' '.join(axes)}",
+                Place(str(path), 1),
             )
     diameter = data.get("diameter", [])
-    if not isinstance(diameter, list) or not all(isinstance(d, str) and d in axes for d in diameter):
+    if not isinstance(diameter, list) or not all(
+        isinstance(d, str) and d in axes for d in diameter
+    ):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
     reversal = toml.string("", data, "reversal", "step")
     if reversal not in REVERSALS:
-        raise toml.fault("", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}")
+        raise toml.fault(
+            "", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}"
+        )
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
     signs = toml.string("", data, "signs", "")
@@ -106,7 +117,9 @@ def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
     """`home = { X = 0.0, Y = 0.0, Z = 0.0 }`: where the slides stand after homing, mm, radius."""
     home = toml.data.get("home", {})
     if not isinstance(home, dict):
-        raise toml.fault("", "home", f"home = {home!r}", "like home = { X = 0.0, Y = 0.0, Z = 0.0 }")
+        raise toml.fault(
+            "", "home", f"home = {home!r}", "like home = { X = 0.0, Y = 0.0, Z = 0.0 }"
+        )
     for x in home:
         if x not in axes:
             raise toml.fault("", "home", f"home names {x!r}, which is no axis of the machine")
@@ -122,7 +135,9 @@ def _limits(toml: TomlFile) -> Limits:
     slope = toml.number("limits", data, "max_slope", Limits.max_slope)
     accept = data.get("accept_slope", False)
     if not isinstance(accept, bool):
-        raise toml.fault("limits", "accept_slope", f"accept_slope = {accept!r} is neither true nor false")
+        raise toml.fault(
+            "limits", "accept_slope", f"accept_slope = {accept!r} is neither true nor false"
+        )
     if accept:
         slope = math.inf
     hysteresis = toml.number("limits", data, "hysteresis_um", Limits.hysteresis / UM) * UM
@@ -131,17 +146,26 @@ def _limits(toml: TomlFile) -> Limits:
             "limits", "hysteresis_um", f"hysteresis_um = {data['hysteresis_um']!r} is below zero",
             "by how much a slide turns back before its lost motion is taken up, um",
         )  # fmt: skip
-    return Limits(toml.number("limits", data, "max_correction", Limits.max_correction), slope, outside, hysteresis)
+    return Limits(
+        toml.number("limits", data, "max_correction", Limits.max_correction),
+        slope,
+        outside,
+        hysteresis,
+    )
 
 
-def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits, chain: chains.Chain) -> Axis:
+def _axis(
+    toml: TomlFile, letter: str, section: Any, digest, limits: Limits, chain: chains.Chain
+) -> Axis:
     name = f"axes.{letter}"
     if letter not in tuple(LINEAR + ROTARY) or not isinstance(section, dict):
         raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C U V W")
     toml.check_keys(name, section, KEYS["axes."])
     travel = section.get("travel")
     if travel is None:
-        raise toml.fault(name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm")
+        raise toml.fault(
+            name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm"
+        )
     good = isinstance(travel, list) and len(travel) == 2 and all(_finite(t) for t in travel)
     if not good or travel[0] >= travel[1]:
         raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
@@ -151,7 +175,10 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits, cha
     least = toml.number(name, section, "least_increment")
     if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
         raise toml.fault(
-            name, "least_increment", f"least_increment = {least!r}", "a power of ten from 0.000001 to 0.1, mm"
+            name,
+            "least_increment",
+            f"least_increment = {least!r}",
+            "a power of ten from 0.000001 to 0.1, mm",
         )
     measured = _measured_at(toml, name, letter, section, chain)
     table = None
@@ -168,7 +195,12 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits, cha
         uncertainty = read_uncertainty(path, letter, (float(travel[0]), float(travel[1])), table)
     optic = toml.string(name, section, "optic", "")
     if optic not in ("", *OPTICS):
-        raise toml.fault(name, "optic", f"optic = {optic!r}", "what the measured point was fixed to: tool or workpiece")
+        raise toml.fault(
+            name,
+            "optic",
+            f"optic = {optic!r}",
+            "what the measured point was fixed to: tool or workpiece",
+        )
     return Axis(
         letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
         grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
@@ -177,14 +209,18 @@ def _axis(toml: TomlFile, letter: str, section: Any, digest, limits: Limits, cha
     )  # fmt: skip
 
 
-def _measured_at(toml: TomlFile, name: str, letter: str, section: dict, chain: chains.Chain) -> np.ndarray:
+def _measured_at(
+    toml: TomlFile, name: str, letter: str, section: dict, chain: chains.Chain
+) -> np.ndarray:
     """(3,) mm: where the other axes stood, by direction; of two slides of one direction, those that the axis carries."""
     at = section.get("measured_at", {})
     if not isinstance(at, dict):
         raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
     for key in at:
         if key not in LINEAR:
-            raise toml.fault(name, "measured_at", f"measured_at names {key!r}, which is no linear axis")
+            raise toml.fault(
+                name, "measured_at", f"measured_at names {key!r}, which is no linear axis"
+            )
     carried = chain.axes[chain.axes.index(letter) + 1 :] if letter in chain.axes else ()
     two = {x for x in XYZ if SECOND[x] in chain.axes}
     stood = {x: toml.number(name, at, x, 0.0, at="measured_at") for x in LINEAR}
@@ -211,7 +247,9 @@ def _table_path(toml: TomlFile, name: str, value: Any, key: str) -> Path:
     return path
 
 
-def _grids(toml: TomlFile, name: str, letter: str, section: dict, digest, limits: Limits) -> tuple[GridTable, ...]:
+def _grids(
+    toml: TomlFile, name: str, letter: str, section: dict, digest, limits: Limits
+) -> tuple[GridTable, ...]:
     """`by = { X = "Z_by_X.csv" }`: what of Z depends on X too."""
     by = section.get("by", {})
     if not isinstance(by, dict):
@@ -232,7 +270,12 @@ def _centre(toml: TomlFile, name: str, letter: str, section: dict) -> np.ndarray
     if "centre" in section and letter not in ROTARY:
         raise toml.fault(name, "centre", f"{letter} is a linear axis and has no centre")
     if not isinstance(centre, dict) or not all(x in XYZ for x in centre):
-        raise toml.fault(name, "centre", f"centre = {centre!r}", "like centre = { X = 200.0, Y = 150.0, Z = 0.0 }")
+        raise toml.fault(
+            name,
+            "centre",
+            f"centre = {centre!r}",
+            "like centre = { X = 200.0, Y = 150.0, Z = 0.0 }",
+        )
     return np.array([toml.number(name, centre, x, 0.0, at="centre") for x in XYZ])
 
 
@@ -242,10 +285,17 @@ def _heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
         return None
     heat = section["heat"]
     if not isinstance(heat, dict):
-        raise toml.fault(name, "heat", f"heat = {heat!r}", "like heat = { scale_um_m_K = 11.5, scale_C = 24.0 }")
+        raise toml.fault(
+            name, "heat", f"heat = {heat!r}", "like heat = { scale_um_m_K = 11.5, scale_C = 24.0 }"
+        )
     for key in heat:
         if key not in KEYS["heat"]:
-            raise toml.fault(name, "heat", f"{key!r} is not a key of heat", f"keys: {', '.join(sorted(KEYS['heat']))}")
+            raise toml.fault(
+                name,
+                "heat",
+                f"{key!r} is not a key of heat",
+                f"keys: {', '.join(sorted(KEYS['heat']))}",
+            )
     rate, at, work, work_at, fixed = (
         toml.number(name, heat, key, default, at="heat")
         for key, default in (
@@ -258,17 +308,27 @@ def _heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
     )
     if max(abs(rate), abs(work)) > 100:
         raise toml.fault(
-            name, "heat", f"an expansion of {max(abs(rate), abs(work)):g} um/(m K)", "steel has 11.5: check the unit"
+            name,
+            "heat",
+            f"an expansion of {max(abs(rate), abs(work)):g} um/(m K)",
+            "steel has 11.5: check the unit",
         )
     return Expansion(rate * PPM, at, work * PPM, work_at, fixed, *_sensors(toml, name, heat))
 
 
-def _sensors(toml: TomlFile, name: str, heat: dict) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
+def _sensors(
+    toml: TomlFile, name: str, heat: dict
+) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
     """`sensors = { T_front_C = 0.0, T_rear_C = 500.0 }`, thermometers of the scale by the slide position at which they sit, or
     `["T_1_C", "T_2_C"]`, whose mean counts; `work_sensors`, a list."""
     scale, work = heat.get("sensors", []), heat.get("work_sensors", [])
     if not isinstance(work, list) or not all(isinstance(c, str) for c in work):
-        raise toml.fault(name, "heat", f"work_sensors = {work!r}", 'columns of a log, like work_sensors = ["T_work_C"]')
+        raise toml.fault(
+            name,
+            "heat",
+            f"work_sensors = {work!r}",
+            'columns of a log, like work_sensors = ["T_work_C"]',
+        )
     if isinstance(scale, list) and all(isinstance(c, str) for c in scale):
         return tuple((c, None) for c in scale), tuple(work)
     if not isinstance(scale, dict) or not all(_finite(at) for at in scale.values()):
@@ -278,14 +338,18 @@ def _sensors(toml: TomlFile, name: str, heat: dict) -> tuple[tuple[tuple[str, fl
         )  # fmt: skip
     placed = sorted(((float(at), c) for c, at in scale.items()))
     if len({at for at, _ in placed}) < len(placed):
-        raise toml.fault(name, "heat", "two sensors sit at one place", "sensors = [...] takes their mean")
+        raise toml.fault(
+            name, "heat", "two sensors sit at one place", "sensors = [...] takes their mean"
+        )
     return tuple((c, at) for at, c in placed), tuple(work)
 
 
 def _location(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, Axis]:
     """[location]: how the line of a rotary axis lies beside the nominal one, `X0C_um = 12.0` (ISO 230-7, ISO 10791-6)."""
     data = toml.table("location")
-    toml_keys = {f"{d}0{x}_um" for x in axes if x in ROTARY for d in XYZ if XYZ.index(d) != ROTARY.index(x)}
+    toml_keys = {
+        f"{d}0{x}_um" for x in axes if x in ROTARY for d in XYZ if XYZ.index(d) != ROTARY.index(x)
+    }
     toml.check_keys("location", data, toml_keys)
     result = dict(axes)
     for key in data:
@@ -314,11 +378,18 @@ def _squareness_u(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
     """[squareness.u]: name to U (95 %, k = 2), rad."""
     data = toml.table("squareness").get("u", {})
     if not isinstance(data, dict):
-        raise toml.fault("squareness", "u", f"u = {data!r}", "a section [squareness.u] of the same names, urad")
+        raise toml.fault(
+            "squareness", "u", f"u = {data!r}", "a section [squareness.u] of the same names, urad"
+        )
     found = _angles(toml, "squareness.u", data, axes)
     for name, value in found.items():
         if value < 0:
-            raise toml.fault("squareness.u", name, f"{name} = {data[name]!r} is below zero", "U is zero or more, urad")
+            raise toml.fault(
+                "squareness.u",
+                name,
+                f"{name} = {data[name]!r} is below zero",
+                "U is zero or more, urad",
+            )
     return found
 
 
@@ -326,7 +397,9 @@ def _angles(toml: TomlFile, section: str, data: dict, axes: dict[str, Axis]) -> 
     """Names of squareness to rad."""
     for name in data:
         own = re.fullmatch(r"[ABC]0[XYZABCUVW]", name) and name[2] in axes
-        if not own or ROTARY.index(name[0]) == (ROTARY.index(name[2]) if name[2] in ROTARY else along(name[2])):
+        if not own or ROTARY.index(name[0]) == (
+            ROTARY.index(name[2]) if name[2] in ROTARY else along(name[2])
+        ):
             raise toml.fault(
                 section,
                 name,
@@ -340,7 +413,9 @@ def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
     """[[control_table]]: tables of the control itself, and whether the map was measured with them."""
     entries = toml.data.get("control_table", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise toml.fault("", "control_table", "control tables are sections [[control_table]], with two brackets")
+        raise toml.fault(
+            "", "control_table", "control tables are sections [[control_table]], with two brackets"
+        )
     result = []
     for i, entry in enumerate(entries):
         toml.check_keys("control_table", entry, KEYS["control_table"], i)
@@ -360,11 +435,17 @@ def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
                 files[key] = path
         if "file" not in files and (measured == "on") != active:
             raise toml.fault(
-                "control_table", "control", "what this table does is not known", "file = the table's file", i
+                "control_table",
+                "control",
+                "what this table does is not known",
+                "file = the table's file",
+                i,
             )
         more = entry.get("set", {})
         if not isinstance(more, dict):
-            raise toml.fault("control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i)
+            raise toml.fault(
+                "control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i
+            )
         control = toml.string("control_table", entry, "control", index=i)
         axis = toml.string("control_table", entry, "axis", "", i)
         result.append(
@@ -386,10 +467,15 @@ def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float
     for name, values in toml.table("offsets").items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
             raise toml.fault(
-                "offsets", name, f"{name!r} is not a work or tool offset", "like G54 = { X = 0.0, Z = 0.0 }"
+                "offsets",
+                name,
+                f"{name!r} is not a work or tool offset",
+                "like G54 = { X = 0.0, Z = 0.0 }",
             )
         for x in values:
             if x not in axes:
-                raise toml.fault("offsets", name, f"{name} names {x!r}, which is no axis of the machine")
+                raise toml.fault(
+                    "offsets", name, f"{name} names {x!r}, which is no axis of the machine"
+                )
         offsets[name] = {x: toml.number("offsets", values, x, at=name) for x in values}
     return offsets

@@ -60,14 +60,20 @@ def drivers(
             of_scale, of_work = _scale(axis, columns, lacking), _work(axis, columns, lacking)
             found += of_scale + of_work
             if axis.expansion.scale and not of_scale:
-                out.append(f"no column for the scale of {x}: it stays at {axis.expansion.scale_at:g} C")
+                out.append(
+                    f"no column for the scale of {x}: it stays at {axis.expansion.scale_at:g} C"
+                )
             if axis.expansion.work and not of_work:
-                out.append(f"no column for the work: along {x} it stays at {axis.expansion.work_at:g} C")
+                out.append(
+                    f"no column for the work: along {x} it stays at {axis.expansion.work_at:g} C"
+                )
     for term in machine.effects:
         by = _of_effect(machine, term, columns, spindles)
         found += by
         if not by and term.name in ("spindle_growth", "screw_heat", "structure_drift"):
-            out.append(f"{term.name} of {term.axis} is not followed: no column of the log says what drives it")
+            out.append(
+                f"{term.name} of {term.axis} is not followed: no column of the log says what drives it"
+            )
     return tuple(found), lacking, out
 
 
@@ -75,12 +81,18 @@ def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> M
     """The machine at one moment: values (D,) of its drivers. What they do takes the place of the stated temperatures."""
     terms = []
     for letter in dict.fromkeys(driver.letter for driver in moving):
-        own = [(d, float(v)) for d, v in zip(moving, values, strict=True) if d.letter == letter and v]
+        own = [
+            (d, float(v)) for d, v in zip(moving, values, strict=True) if d.letter == letter and v
+        ]
         if own:
             nodes = np.unique(np.concatenate([d.nodes for d, _ in own]))
             both = np.zeros((6, len(nodes)))
-            both[XYZ.index(letter)] = sum((v * np.interp(nodes, d.nodes, d.unit) for d, v in own), np.zeros(len(nodes)))
-            terms.append(EffectTerm("heat", letter, {}, None, (AxisTable(letter, nodes, both, both),)))
+            both[XYZ.index(letter)] = sum(
+                (v * np.interp(nodes, d.nodes, d.unit) for d, v in own), np.zeros(len(nodes))
+            )
+            terms.append(
+                EffectTerm("heat", letter, {}, None, (AxisTable(letter, nodes, both, both),))
+            )
     return replace(machine, effects=machine.effects + tuple(terms), growth=())
 
 
@@ -103,7 +115,9 @@ def _linear(name: str, axis: Axis, column: str, rate: float) -> Driver:
     """One temperature of the whole scale or part."""
     assert axis.expansion is not None
     nodes = np.array(axis.travel)
-    return Driver(name, axis.letter, column, REFERENCE, nodes, rate * (nodes - axis.expansion.fixed))
+    return Driver(
+        name, axis.letter, column, REFERENCE, nodes, rate * (nodes - axis.expansion.fixed)
+    )
 
 
 def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driver]:
@@ -127,7 +141,9 @@ def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Dri
     ]
 
 
-def _grown_by(axis: Axis, growth: Expansion, places: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+def _grown_by(
+    axis: Axis, growth: Expansion, places: np.ndarray, k: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed point on."""
     low, high = axis.travel
     inner = places[(places > low) & (places < high)]
@@ -153,7 +169,9 @@ def _work(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driv
     return [_linear("work", axis, own, -growth.work)] if own else []
 
 
-def _of_effect(machine: Machine, term: EffectTerm, columns: Collection[str], spindles: bool) -> list[Driver]:
+def _of_effect(
+    machine: Machine, term: EffectTerm, columns: Collection[str], spindles: bool
+) -> list[Driver]:
     """What goes with a temperature above that at the beginning, or with the spindle's turns."""
     x, p = term.axis, term.parameters
     if x not in machine.axes or x not in XYZ:
@@ -161,12 +179,18 @@ def _of_effect(machine: Machine, term: EffectTerm, columns: Collection[str], spi
     nodes = np.array(machine.axes[x].travel)
 
     def by(column: str, unit: np.ndarray) -> list[Driver]:
-        return [Driver(f"{term.name} of {x}", x, column, np.nan, nodes, unit * UM)] if column else []
+        return (
+            [Driver(f"{term.name} of {x}", x, column, np.nan, nodes, unit * UM)] if column else []
+        )
 
     if term.name == "spindle_growth":
         if p["tau_s"] > 0:
             told = tuple(sorted(p.items()))
-            return [Driver(f"{term.name} of {x}", x, "", 0.0, nodes, np.full(2, UM), told)] if spindles else []
+            return (
+                [Driver(f"{term.name} of {x}", x, "", 0.0, nodes, np.full(2, UM), told)]
+                if spindles
+                else []
+            )
         return by(next((c for c in SPINDLE if c in columns), ""), np.full(2, p["um_per_K"]))
     if term.name == "screw_heat" and p["tau_s"] == 0:
         own = next((c for c in (f"T_screw_{x}_C", f"T_scale_{x}_C") if c in columns), "")

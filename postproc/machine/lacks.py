@@ -18,7 +18,13 @@ def lacks(machine: Machine) -> list[str]:
     """
     if machine.is_zero and not machine.square:
         return []
-    return [*_square(machine), *_lines(machine), *_components(machine), *_beyond(machine), *_signs(machine)]
+    return [
+        *_square(machine),
+        *_lines(machine),
+        *_components(machine),
+        *_beyond(machine),
+        *_signs(machine),
+    ]
 
 
 def sentence(machine: Machine) -> str:
@@ -54,7 +60,9 @@ def _square(machine: Machine) -> list[str]:
 def _lines(machine: Machine) -> list[str]:
     """Rotary axes of which nothing says how their line lies (ISO 230-7: X0C, A0C and so on)."""
     stated = {name[2] for name in machine.square_stated}
-    bare = [x for x in machine.chain.rotary if x not in stated and not machine.axes[x].location.any()]
+    bare = [
+        x for x in machine.chain.rotary if x not in stated and not machine.axes[x].location.any()
+    ]
     return [f"how the line of {', '.join(bare)} lies, which nobody measured"] if bare else []
 
 
@@ -98,7 +106,11 @@ def _beyond(machine: Machine) -> list[str]:
         (low, high), first, last = machine.axes[x].travel, table.nodes[0], table.nodes[-1]
         far = max(first - low, high - last)
         if x in XYZ and far > limits.max_correction:
-            held = "its end values hold there" if limits.outside == "clamp" else "places there are refused"
+            held = (
+                "its end values hold there"
+                if limits.outside == "clamp"
+                else "places there are refused"
+            )
             found.append(
                 f"{x} beyond {first:g} to {last:g} mm, where it was measured; the travel goes {far:g} mm beyond it: {held}"
             )
@@ -108,4 +120,6 @@ def _beyond(machine: Machine) -> list[str]:
 def _signs(machine: Machine) -> list[str]:
     if machine.signs != "unverified":
         return []
-    return ["a proof of its signs (unverified): measure again with a corrected program, gcomp accept judges it"]
+    return [
+        "a proof of its signs (unverified): measure again with a corrected program, gcomp accept judges it"
+    ]

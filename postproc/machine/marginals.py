@@ -19,7 +19,12 @@ from postproc.units import UM
 
 SEEN = 0.05 * UM  # a smaller difference is not worth a node or a notice
 NODES = 2000
-SHARES = (0.25, 0.382, 0.5, 0.75)  # where a table is compared between its nodes; 0.382 so that no period escapes
+SHARES = (
+    0.25,
+    0.382,
+    0.5,
+    0.75,
+)  # where a table is compared between its nodes; 0.382 so that no period escapes
 
 
 class Marginal(NamedTuple):
@@ -42,7 +47,9 @@ def pose_of(machine: Machine, moving: str, at: dict[str, float]) -> dict[str, fl
     return result
 
 
-def marginals(machine: Machine, at: dict[str, float] | None = None) -> tuple[list[Marginal], list[str]]:
+def marginals(
+    machine: Machine, at: dict[str, float] | None = None
+) -> tuple[list[Marginal], list[str]]:
     """The tables that are not zero, and notices in um of what they can not hold.
 
     at: axis to mm (degrees), where the other axes stand while one moves; an axis that is not named stands where the moving one
@@ -83,9 +90,15 @@ def _trimmed(table: Marginal) -> Marginal:
     """Without the outermost nodes that only hold the value of the next ones."""
     _, _, nodes, up, down = table
     first, last = 0, len(nodes)
-    while last - first > 2 and abs(up[first] - up[first + 1]) + abs(down[first] - down[first + 1]) < 1e-12:
+    while (
+        last - first > 2
+        and abs(up[first] - up[first + 1]) + abs(down[first] - down[first + 1]) < 1e-12
+    ):
         first += 1
-    while last - first > 2 and abs(up[last - 1] - up[last - 2]) + abs(down[last - 1] - down[last - 2]) < 1e-12:
+    while (
+        last - first > 2
+        and abs(up[last - 1] - up[last - 2]) + abs(down[last - 1] - down[last - 2]) < 1e-12
+    ):
         last -= 1
     return Marginal(table.moving, table.along, nodes[first:last], up[first:last], down[first:last])
 
@@ -100,7 +113,9 @@ def _alone(machine: Machine, moving: str) -> Machine:
     )
 
 
-def _along(machine: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray, way: float) -> np.ndarray:
+def _along(
+    machine: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray, way: float
+) -> np.ndarray:
     """(A, K) mm along the nodes of one axis, reached in direction `way`."""
     rows = [nodes if x == moving else np.full(len(nodes), pose[x]) for x in machine.letters]
     ways = [np.full(len(nodes), way if x == moving else 0.0) for x in machine.letters]
@@ -112,11 +127,19 @@ def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarra
     low, high = own.axes[moving].travel
     knots = own.knots.get(moving, [])
     nodes = np.unique(np.concatenate(knots)) if knots else np.array([low, high])
-    ends = np.unique(np.clip(np.concatenate([[low, high], nodes]), min(low, nodes[0]), max(high, nodes[-1])))
+    ends = np.unique(
+        np.clip(np.concatenate([[low, high], nodes]), min(low, nodes[0]), max(high, nodes[-1]))
+    )
     outside = np.array([ends[0], nodes[0], nodes[-1], ends[-1]])
-    for way in (1.0, -1.0):  # a table that is held beyond its ends needs no node at the end of travel, a line does
+    for way in (
+        1.0,
+        -1.0,
+    ):  # a table that is held beyond its ends needs no node at the end of travel, a line does
         at_ends = _along(own, moving, pose, outside, way)
-        if np.abs(at_ends[:, 0] - at_ends[:, 1]).max() > 1e-9 or np.abs(at_ends[:, 2] - at_ends[:, 3]).max() > 1e-9:
+        if (
+            np.abs(at_ends[:, 0] - at_ends[:, 1]).max() > 1e-9
+            or np.abs(at_ends[:, 2] - at_ends[:, 3]).max() > 1e-9
+        ):
             nodes = ends
             break
 
@@ -130,7 +153,9 @@ def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarra
     return nodes, _missed(own, moving, pose, nodes)[1]
 
 
-def _missed(own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _missed(
+    own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(K - 1,) mm that the chord of each interval misses, and (A,) mm the largest of each axis."""
     gaps = np.diff(nodes)
     total = np.zeros((len(own.letters), len(gaps)))
@@ -138,7 +163,9 @@ def _missed(own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray
         value = _along(own, moving, pose, nodes, way)
         for share in SHARES:
             there = _along(own, moving, pose, nodes[:-1] + share * gaps, way)
-            total = np.maximum(total, np.abs(there - (value[:, :-1] * (1 - share) + value[:, 1:] * share)))
+            total = np.maximum(
+                total, np.abs(there - (value[:, :-1] * (1 - share) + value[:, 1:] * share))
+            )
     return total.max(axis=0), total.max(axis=1)
 
 
@@ -182,7 +209,9 @@ def _rest(machine: Machine, slides: list[str]) -> list[str]:
         return []
     inside = [np.where(np.isfinite(r), r, 0.0) for r in rows]
     shares = np.random.default_rng(1).random((len(rows), 256))
-    position = np.stack([low + s * (high - low) for (low, high), s in zip(inside, shares, strict=True)])
+    position = np.stack(
+        [low + s * (high - low) for (low, high), s in zip(inside, shares, strict=True)]
+    )
     worst = np.zeros(len(rows))
     for way in (1.0, -1.0):
         approach = np.full_like(position, way)

@@ -12,7 +12,17 @@ import numpy as np
 
 from postproc.machine import dependence, rotary
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import LINEAR, ROTARY, XYZ, Arms, Chain, Parts, along, leans, tip_deviation
+from postproc.machine.chain import (
+    LINEAR,
+    ROTARY,
+    XYZ,
+    Arms,
+    Chain,
+    Parts,
+    along,
+    leans,
+    tip_deviation,
+)
 from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.machine.tool_point import ToolPoint
@@ -202,7 +212,10 @@ class Machine:
         for grid in (grid for axis in self.axes.values() for grid in axis.grids):
             covered.setdefault(grid.letter, []).append(grid.nodes)
             covered.setdefault(grid.other, []).append(grid.others)
-        return {x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c))) for x, c in covered.items()}
+        return {
+            x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c)))
+            for x, c in covered.items()
+        }
 
     @cached_property
     def reached(self) -> dict[str, tuple[float, float]]:
@@ -219,7 +232,11 @@ class Machine:
 
     @cached_property
     def expansions(self) -> dict[str, Expansion]:
-        return {x: a.expansion for x, a in self.axes.items() if a.expansion is not None and a.expansion.rate}
+        return {
+            x: a.expansion
+            for x, a in self.axes.items()
+            if a.expansion is not None and a.expansion.rate
+        }
 
     @cached_property
     def locations(self) -> dict[str, np.ndarray]:
@@ -232,7 +249,9 @@ class Machine:
     @cached_property
     def is_zero(self) -> bool:
         """Whether no correction can ever be needed."""
-        exact = all(t.is_zero for t in self.tables.values()) and not any(grid.rows for grid in self.grids)
+        exact = all(t.is_zero for t in self.tables.values()) and not any(
+            grid.rows for grid in self.grids
+        )
         still = exact and not self.locations and not self.expansions and not self.growth
         return still and not any(e.tables for e in self.effects)
 
@@ -241,7 +260,9 @@ class Machine:
         """(A,) bool: axes whose direction of approach matters."""
         by_effect = {table.letter for e in self.effects for table in e.tables if table.two_way}
         by_effect |= {grid.letter for grid in self.grids if grid.two_way}
-        return np.array([x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters])
+        return np.array(
+            [x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters]
+        )
 
     @cached_property
     def pretravel(self) -> dict[str, float]:
@@ -260,12 +281,16 @@ class Machine:
     def lateral(self) -> float:
         """mm: by how much the sides of all axes together can move the others: straightness and angles measured both ways."""
         tables = [(x, t.half) for x, t in self.every_table]
-        tables += [(grid.letter, (grid.forward - grid.reverse).reshape(6, -1) / 2) for grid in self.grids]
+        tables += [
+            (grid.letter, (grid.forward - grid.reverse).reshape(6, -1) / 2) for grid in self.grids
+        ]
         total = 0.0
         for x, half in tables:
             size = 2 * np.abs(half).max(axis=1)
             size[3 + ROTARY.index(x) if x in ROTARY else along(x)] = 0.0
-            total += float(np.linalg.norm(size[:3]) + np.linalg.norm(size[3:]) * self.bounds.reach(x))
+            total += float(
+                np.linalg.norm(size[:3]) + np.linalg.norm(size[3:]) * self.bounds.reach(x)
+            )
         return total
 
     @cached_property
@@ -288,10 +313,15 @@ class Machine:
             if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
                 continue
             own = XYZ.index(letter)
-            for table in [*self._added.get(letter, ()), *([self.tables[letter]] if letter in self.tables else [])]:
+            for table in [
+                *self._added.get(letter, ()),
+                *([self.tables[letter]] if letter in self.tables else []),
+            ]:
                 result[k] -= 2 * table.half_of(own, position[row])
             for grid in self.grids_of[letter]:
-                result[k] -= 2 * grid.half_of(own, position[row], position[self.letters.index(grid.other)])
+                result[k] -= 2 * grid.half_of(
+                    own, position[row], position[self.letters.index(grid.other)]
+                )
         return result
 
     @cached_property
@@ -302,7 +332,9 @@ class Machine:
 
     def carrying(self, letters: tuple[str, ...]) -> Machine:
         """The same machine with axes that are no slides, carried along: a printer's E."""
-        more = {x: Axis(x, (-np.inf, np.inf), 1e-5, np.zeros(3)) for x in letters if x not in self.axes}
+        more = {
+            x: Axis(x, (-np.inf, np.inf), 1e-5, np.zeros(3)) for x in letters if x not in self.axes
+        }
         return replace(self, axes={**self.axes, **more}) if more else self
 
     def with_tool(self, length: tuple[float, float, float]) -> Machine:
@@ -316,7 +348,9 @@ class Machine:
         for x, axis in self.axes.items():
             if axis.expansion is not None:
                 e = axis.expansion
-                warm = replace(e, scale_at=celsius.get(x, e.scale_at), work_at=celsius.get("work", e.work_at))
+                warm = replace(
+                    e, scale_at=celsius.get(x, e.scale_at), work_at=celsius.get("work", e.work_at)
+                )
                 axes[x] = replace(axis, expansion=warm)
         return replace(self, axes=axes)
 
@@ -344,7 +378,9 @@ class Machine:
     @cached_property
     def arms(self) -> Arms:
         """Axis to the part of its arm that stays and the slide that adds to it, per direction."""
-        return chain_arms(self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()})
+        return chain_arms(
+            self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()}
+        )
 
     @cached_property
     def _leans(self) -> dict[str, list[tuple[int, float]]]:
@@ -369,7 +405,9 @@ class Machine:
         q, each = self._at(position, approach)
         return rotary.carried(self.geometry, each, q)
 
-    def _at(self, position: np.ndarray, approach: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, Parts]]:
+    def _at(
+        self, position: np.ndarray, approach: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, Parts]]:
         """Axis to its position, and to its deviations there."""
         q = {x: position[i] for i, x in enumerate(self.letters)}
         s = {x: approach[i] for i, x in enumerate(self.letters)}
@@ -390,7 +428,9 @@ class Machine:
         own = [(x, table) for x, table in self.tables.items() if not table.is_zero]
         return own + [(x, table) for x, tables in self._added.items() for table in tables]
 
-    def _parts(self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]) -> Parts | None:
+    def _parts(
+        self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]
+    ) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth with temperature."""
         axis = self.axes[letter]
         part: Parts | None = None
@@ -403,11 +443,15 @@ class Machine:
         growth = self.expansions.get(letter)
         if growth is not None:
             more: Parts = [None] * 6
-            more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (q[letter] - growth.fixed)
+            more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (
+                q[letter] - growth.fixed
+            )
             part = _sum(part, more)
         return part
 
-    def contributions(self, position: np.ndarray, approach: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    def contributions(
+        self, position: np.ndarray, approach: np.ndarray
+    ) -> list[tuple[str, np.ndarray]]:
         """Name and (A, N) mm of every part of the deviation by itself: components, squareness, effects."""
         result = []
         bare = {x: axis.bare for x, axis in self.axes.items()}
@@ -421,14 +465,25 @@ class Machine:
             for table in _tables(axis):
                 for i in table.rows:
                     only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
-                    forward, reverse = np.where(only, table.forward, 0.0), np.where(only, table.reverse, 0.0)
+                    forward, reverse = (
+                        np.where(only, table.forward, 0.0),
+                        np.where(only, table.reverse, 0.0),
+                    )
                     one = replace(table, forward=forward, reverse=reverse)
                     by = f" by {table.other}" if isinstance(table, GridTable) else ""
-                    add(f"{COMPONENTS[i]}{x}{by}", x, **({"grids": (one,)} if by else {"table": one}))
+                    add(
+                        f"{COMPONENTS[i]}{x}{by}",
+                        x,
+                        **({"grids": (one,)} if by else {"table": one}),
+                    )
             if x in self.expansions:
                 add(f"heat {x}", x, expansion=axis.expansion)
             for i in map(int, np.flatnonzero(axis.location)):
-                add(f"{(XYZ + ROTARY)[i]}0{x}", x, location=np.where(np.arange(6) == i, axis.location, 0.0))
+                add(
+                    f"{(XYZ + ROTARY)[i]}0{x}",
+                    x,
+                    location=np.where(np.arange(6) == i, axis.location, 0.0),
+                )
         for x, lean in self.square.items():
             for i in map(int, np.flatnonzero(lean)):
                 add(f"{ROTARY[i]}0{x}", square={x: np.where(np.arange(3) == i, lean, 0.0)})

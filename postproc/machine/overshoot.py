@@ -13,7 +13,10 @@ from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.model import Machine
 from postproc.units import UM, URAD
 
-LEAST = {"um": 0.5, "urad": 5.0}  # of the median: less is what few runs scatter by; 5 urad is one second of arc
+LEAST = {
+    "um": 0.5,
+    "urad": 5.0,
+}  # of the median: less is what few runs scatter by; 5 urad is one second of arc
 WAYS_OUT = (
     "play makes a slide lag, and is above zero. Is the file negated (corrections, or read towards - of the axis)? "
     "Are its directions exchanged (--first)? Else the control takes up more backlash than there is: lower it there"
@@ -53,5 +56,7 @@ def of_axis(machine: Machine, letter: str) -> np.ndarray:
 def found(machine: Machine, letters: str = "") -> list[str]:
     """Sentences about the axes of a machine, or about some of them."""
     every = [x for x in machine.letters if not letters or x in letters]
-    said = [sentence(f"E{XYZ[along(x)] if x in LINEAR else x}{x}", of_axis(machine, x)) for x in every]
+    said = [
+        sentence(f"E{XYZ[along(x)] if x in LINEAR else x}{x}", of_axis(machine, x)) for x in every
+    ]
     return [text for text in said if text]

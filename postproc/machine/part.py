@@ -33,11 +33,15 @@ def names(machine: Machine) -> list[str]:
     """What the map holds: EXX, C0Y, backlash:X, heat:Z."""
     found = []
     for x, axis in machine.axes.items():
-        rows = {row for table in [axis.table, *axis.grids] if table is not None for row in table.rows}
+        rows = {
+            row for table in [axis.table, *axis.grids] if table is not None for row in table.rows
+        }
         found += [f"{COMPONENTS[row]}{x}" for row in sorted(rows)]
         found += [f"heat:{x}"] if axis.expansion is not None else []
     found += [f"{'ABC'[i]}0{x}" for x, lean in machine.square.items() for i in np.flatnonzero(lean)]
-    return found + [f"{term.name}:{term.axis}" for term in machine.effects if term.module is not None]
+    return found + [
+        f"{term.name}:{term.axis}" for term in machine.effects if term.module is not None
+    ]
 
 
 def only(machine: Machine, wanted: Iterable[str]) -> Machine:
@@ -64,11 +68,18 @@ def largest_left(machine: Machine, part: Machine) -> float:
     places = []
     for x in machine.letters:
         table = machine.tables.get(x)
-        nodes = np.array(machine.axes[x].travel if x in XYZ else (0.0,)) if table is None else table.nodes
+        nodes = (
+            np.array(machine.axes[x].travel if x in XYZ else (0.0,))
+            if table is None
+            else table.nodes
+        )
         places.append(nodes[np.unique(np.linspace(0, len(nodes) - 1, PLACES).astype(int))])
     grid = np.stack([g.ravel() for g in np.meshgrid(*places, indexing="ij")])
     sides = [np.full_like(grid, s) for s in (-1.0, 1.0)]
-    return max(float(np.linalg.norm(machine.deviation(grid, s) - part.deviation(grid, s), axis=0).max()) for s in sides)
+    return max(
+        float(np.linalg.norm(machine.deviation(grid, s) - part.deviation(grid, s), axis=0).max())
+        for s in sides
+    )
 
 
 def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
@@ -76,7 +87,9 @@ def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     gone = [f"{name}{letter}" for row, name in enumerate(COMPONENTS) if row not in rows and axis.table is not None and row in axis.table.stated]  # fmt: skip
     u = axis.uncertainty
     if u is not None:
-        u = replace(u, table=_table(u.table, rows), stated=tuple(row for row in u.stated if row in rows))
+        u = replace(
+            u, table=_table(u.table, rows), stated=tuple(row for row in u.stated if row in rows)
+        )
     return replace(
         axis, table=None if axis.table is None else _table(axis.table, rows), grids=tuple(_table(g, rows) for g in axis.grids),
         expansion=axis.expansion if f"heat:{letter}" in chosen else None, uncertainty=u,

@@ -66,7 +66,9 @@ def slides_at(machine: Machine, tip: np.ndarray, q: np.ndarray) -> np.ndarray:
     matrix = ways.transpose(2, 0, 1)
     bad = np.flatnonzero(np.abs(np.linalg.det(matrix)) < SINGULAR)
     if len(bad):
-        pose = ", ".join(f"{x} = {q[machine.letters.index(x)][bad[0]]:g}" for x in machine.chain.rotary)
+        pose = ", ".join(
+            f"{x} = {q[machine.letters.index(x)][bad[0]]:g}" for x in machine.chain.rotary
+        )
         raise MachineError(
             f"at {pose} degrees the slides no longer move in directions of their own",
             "the tool tip can not be held there: keep away from this pose",
@@ -97,7 +99,10 @@ class Poses:
         self.lacking = _lacking(machine)
 
     def convert(
-        self, position: np.ndarray, one: tuple[Space | None, np.ndarray], other: tuple[Space | None, np.ndarray]
+        self,
+        position: np.ndarray,
+        one: tuple[Space | None, np.ndarray],
+        other: tuple[Space | None, np.ndarray],
     ) -> np.ndarray:
         """(A,): the place that `position` (A,) of the first space and length is in the second."""
         return into(self.machine, *other, out_of(self.machine, *one, position[:, None]))[:, 0]
@@ -117,7 +122,10 @@ class Poses:
                 pose = position.copy()
                 pose[rows] = np.array(angles) + 360.0 * np.array(turns)
                 travels = [self.machine.axes[x].travel for x in self.rotary]
-                if all(low - 1e-6 <= pose[row] <= high + 1e-6 for row, (low, high) in zip(rows, travels, strict=True)):
+                if all(
+                    low - 1e-6 <= pose[row] <= high + 1e-6
+                    for row, (low, high) in zip(rows, travels, strict=True)
+                ):
                     found.append((np.abs(pose - position)[rows].round(6).tolist(), pose))
         found.sort(key=lambda one: one[0])
         return [pose for _, pose in found]
@@ -131,7 +139,10 @@ class Poses:
             none[self.machine.letters.index(x), k + 1] = 1.0
         there = tips(self.machine, none) - self.machine.tool[:, None]
         turn = there[:, 1:] - there[:, :1]
-        return Space(tuple(turn.ravel().tolist()), (float(there[0, 0]), float(there[1, 0]), float(there[2, 0])))
+        return Space(
+            tuple(turn.ravel().tolist()),
+            (float(there[0, 0]), float(there[1, 0]), float(there[2, 0])),
+        )
 
 
 def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
@@ -146,7 +157,11 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     if len(ways) == 1:
         return _about_to(ways[0], tool, normal)
     first, second = ways
-    along, across, lifted = tool - second * (second @ tool), np.cross(second, tool), second * (second @ tool)
+    along, across, lifted = (
+        tool - second * (second @ tool),
+        np.cross(second, tool),
+        second * (second @ tool),
+    )
     size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
     rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
     if abs(rest) > 1 + ONE:
@@ -171,20 +186,28 @@ def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tupl
 
 def with_length(machine: Machine, length: np.ndarray) -> Machine:
     """The machine with a tool of length (A,) mm."""
-    x, y, z = (float(length[machine.letters.index(x)]) if x in machine.letters else 0.0 for x in XYZ)
+    x, y, z = (
+        float(length[machine.letters.index(x)]) if x in machine.letters else 0.0 for x in XYZ
+    )
     return machine.with_tool((x, y, z)) if x or y or z else machine
 
 
-def out_of(machine: Machine, space: Space | None, length: np.ndarray, place: np.ndarray) -> np.ndarray:
+def out_of(
+    machine: Machine, space: Space | None, length: np.ndarray, place: np.ndarray
+) -> np.ndarray:
     """(A, N) slide positions of places (A, N) that are told in a space, with a tool of length (A,)."""
     if space is None:
         return place
     rows = [machine.letters.index(x) for x in XYZ]
-    tip = turned(space.matrix, place[rows]) + np.array(space.origin)[:, None] + machine.tool[:, None]
+    tip = (
+        turned(space.matrix, place[rows]) + np.array(space.origin)[:, None] + machine.tool[:, None]
+    )
     return slides_at(with_length(machine, length), tip, place)
 
 
-def into(machine: Machine, space: Space | None, length: np.ndarray, slides: np.ndarray) -> np.ndarray:
+def into(
+    machine: Machine, space: Space | None, length: np.ndarray, slides: np.ndarray
+) -> np.ndarray:
     """(A, N) places of a space of slide positions (A, N): the other way round."""
     if space is None:
         return slides
@@ -198,7 +221,9 @@ def into(machine: Machine, space: Space | None, length: np.ndarray, slides: np.n
 def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """(3, N): a rotation (3, 3) of vectors (3, N), each in the same way however many there are: a product of matrices
     would round by their number, and output must not depend on how the input was cut."""
-    return np.stack([row[0] * vectors[0] + row[1] * vectors[1] + row[2] * vectors[2] for row in matrix])
+    return np.stack(
+        [row[0] * vectors[0] + row[1] * vectors[1] + row[2] * vectors[2] for row in matrix]
+    )
 
 
 def _lacking(machine: Machine) -> tuple[str, str] | None:

@@ -19,7 +19,9 @@ import numpy as np
 from postproc.errors import MachineError
 from postproc.machine.chain import ROTARY, XYZ, Chain, Parts
 
-SINGULAR = 0.1  # determinant of the slides' directions: below, one slide does nearly what another does
+SINGULAR = (
+    0.1  # determinant of the slides' directions: below, one slide does nearly what another does
+)
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,9 @@ class Geometry:
     optic: dict[str, str]
 
 
-def tip_deviation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> list[np.ndarray]:
+def tip_deviation(
+    g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
+) -> list[np.ndarray]:
     """Three (N,) columns: mm by which the slides X, Y, Z seem to be off. position: axis to (N,) mm or degrees.
 
     Raises MachineError at a pose where the slides' directions do not span what must be corrected.
@@ -44,12 +48,16 @@ def tip_deviation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.n
     return _along_slides(g.chain, off, position)
 
 
-def orientation(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> np.ndarray:
+def orientation(
+    g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
+) -> np.ndarray:
     """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
     return carried(g, parts, position)[1]
 
 
-def carried(g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def carried(
+    g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """(3, N) mm deviation of the tip and (3, N) rad of the tool, in the workpiece's frame."""
     n = len(next(iter(position.values())))
     tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)
@@ -125,7 +133,9 @@ def _turned(turn: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return np.einsum("ijn,jn->in", turn, vectors)
 
 
-def _along_slides(chain: Chain, off: np.ndarray, position: dict[str, np.ndarray]) -> list[np.ndarray]:
+def _along_slides(
+    chain: Chain, off: np.ndarray, position: dict[str, np.ndarray]
+) -> list[np.ndarray]:
     """A deviation of the workpiece's frame, told along the slides that the machine has."""
     n = off.shape[1]
     before = np.repeat(np.eye(3)[:, :, None], n, axis=2)
@@ -134,8 +144,12 @@ def _along_slides(chain: Chain, off: np.ndarray, position: dict[str, np.ndarray]
     between = False  # whether a rotary axis lies between two slides
     for letter in chain.axes:
         if letter in ROTARY:
-            before = np.einsum("ijn,jkn->ikn", before, rotation(letter, np.radians(position[letter])))
-            between |= bool(slides) and any(x in XYZ for x in chain.axes[chain.axes.index(letter) :])
+            before = np.einsum(
+                "ijn,jkn->ikn", before, rotation(letter, np.radians(position[letter]))
+            )
+            between |= bool(slides) and any(
+                x in XYZ for x in chain.axes[chain.axes.index(letter) :]
+            )
         else:
             slides.append(letter)
             directions.append(before[:, XYZ.index(letter)])

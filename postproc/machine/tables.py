@@ -48,7 +48,9 @@ class AxisTable:
     @cached_property
     def slopes(self) -> np.ndarray:
         """(6, 2, K - 1) slopes between nodes, forward and reverse; mm/mm and rad/mm."""
-        return np.stack([np.diff(self.forward), np.diff(self.reverse)], axis=1) / np.diff(self.nodes)
+        return np.stack([np.diff(self.forward), np.diff(self.reverse)], axis=1) / np.diff(
+            self.nodes
+        )
 
     def slope_range(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(6, N) how much the slope of each component differs, and (6, N) its largest size, between low and high (N,) mm."""
@@ -59,7 +61,10 @@ class AxisTable:
             np.minimum(least, slope, out=least)
             np.maximum(most, slope, out=most)
         held = (low < self.nodes[0]) | (high > self.nodes[-1])  # flat beyond the ends
-        least[..., held], most[..., held] = np.minimum(least[..., held], 0.0), np.maximum(most[..., held], 0.0)
+        least[..., held], most[..., held] = (
+            np.minimum(least[..., held], 0.0),
+            np.maximum(most[..., held], 0.0),
+        )
         return (most - least).max(axis=1), np.maximum(np.abs(least), np.abs(most)).max(axis=1)
 
     @cached_property
@@ -74,10 +79,15 @@ class AxisTable:
         return float(gaps[0]) if np.allclose(gaps, gaps[0], rtol=0, atol=1e-9) else 0.0
 
     @cached_property
-    def _bins(self) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[tuple[np.ndarray, np.ndarray] | None]]:
+    def _bins(
+        self,
+    ) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[tuple[np.ndarray, np.ndarray] | None]]:
         """Per live component value and rise at each interval's lower node, of the mean and, if two-way, the half."""
         mean = [(self.mean[i, :-1].copy(), np.diff(self.mean[i])) for i in self.rows]
-        half = [(self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None for i in self.rows]
+        half = [
+            (self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None
+            for i in self.rows
+        ]
         return mean, half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -185,7 +195,9 @@ class GridTable:
         area = np.diff(self.nodes)[:, None] * np.diff(self.others)
         return (np.abs(both) / area).max(axis=(0, 2, 3))
 
-    def evaluate(self, position: np.ndarray, other: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
+    def evaluate(
+        self, position: np.ndarray, other: np.ndarray, approach: np.ndarray
+    ) -> list[np.ndarray | None]:
         """Six (N,) columns, None for a component that is zero everywhere."""
         result: list[np.ndarray | None] = [None] * 6
         i, u = _interval(self.nodes, position)
@@ -214,7 +226,9 @@ def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.n
     return at, (inside - nodes[at]) / (nodes[at + 1] - nodes[at])
 
 
-def _bilinear(value: np.ndarray, i: np.ndarray, j: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _bilinear(
+    value: np.ndarray, i: np.ndarray, j: np.ndarray, u: np.ndarray, v: np.ndarray
+) -> np.ndarray:
     low = value[i, j] + (value[i + 1, j] - value[i, j]) * u
     high = value[i, j + 1] + (value[i + 1, j + 1] - value[i, j + 1]) * u
     return low + (high - low) * v

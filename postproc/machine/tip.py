@@ -26,7 +26,11 @@ from postproc.spaces import Space
 
 SOFT = 0.05  # rad of the tool per rad of an axis: 2.9 degrees beside a pole
 MOST_PARTS = 20_000
-SAMPLES = ((40.0, 9), (160.0, 33), (np.inf, 129))  # degrees that a stroke turns at most, and places looked at on it
+SAMPLES = (
+    (40.0, 9),
+    (160.0, 33),
+    (np.inf, 129),
+)  # degrees that a stroke turns at most, and places looked at on it
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,11 @@ class TipMachine(Machine):
     def corrected(self) -> tuple[int, ...]:
         """Rows of the axes that a correction can move."""
         rotary = self.chain.rotary if self.oriented else ()
-        return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes and (x in XYZ or x in rotary))
+        return tuple(
+            i
+            for i, x in enumerate(self.letters)
+            if x in self.chain.axes and (x in XYZ or x in rotary)
+        )
 
     @cached_property
     def is_zero(self) -> bool:
@@ -79,7 +87,9 @@ class TipMachine(Machine):
         off, lean = self.base.carried(slides, approach)
         result = np.zeros(position.shape)
         if self.oriented:
-            result[[self.letters.index(x) for x in self.chain.rotary]] = np.degrees(self._turns(slides, lean))
+            result[[self.letters.index(x) for x in self.chain.rotary]] = np.degrees(
+                self._turns(slides, lean)
+            )
         rows = [self.letters.index(x) for x in XYZ]
         result[rows] = poses.turned(self.space.matrix.T, off)
         return result
@@ -100,7 +110,9 @@ def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return across
 
 
-def seen_by_tip(machine: Machine, length: np.ndarray, space: Space | None, oriented: bool) -> Machine:
+def seen_by_tip(
+    machine: Machine, length: np.ndarray, space: Space | None, oriented: bool
+) -> Machine:
     """The machine with a tool of length (A,) mm, as motions of a space need it; without a space it is the machine itself.
     In a space no axis has a table, a travel or a side of its own: those are the slides'."""
     base = poses.with_length(machine, length)
@@ -110,7 +122,9 @@ def seen_by_tip(machine: Machine, length: np.ndarray, space: Space | None, orien
     travel = {x: (-np.inf, np.inf) if x in XYZ else a.travel for x, a in base.axes.items()}
     axes = {x: replace(a.bare, travel=travel[x], uncertainty=None) for x, a in base.axes.items()}
     given |= {"axes": axes, "square": {}, "effects": ()}
-    return TipMachine(**given, base=base, anchor=machine.tool, space=space, oriented=oriented and space.held)
+    return TipMachine(
+        **given, base=base, anchor=machine.tool, space=space, oriented=oriented and space.held
+    )
 
 
 def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) -> np.ndarray:
@@ -138,7 +152,12 @@ class TipBounds(Bounds):
     def steepest(self) -> float:
         """mm/mm: bound of the deviation's change over the way; a degree takes the slides along by its arm."""
         arm = max(self._base.reach(x) for x in self.machine.chain.axes)
-        return min(self._base.steepest * (1 + float(np.radians(arm))) / (SOFT if self.machine.oriented else 1.0), 0.5)
+        return min(
+            self._base.steepest
+            * (1 + float(np.radians(arm)))
+            / (SOFT if self.machine.oriented else 1.0),
+            0.5,
+        )
 
     @property
     def second_order(self) -> float:
@@ -176,9 +195,9 @@ class TipBounds(Bounds):
         every = np.zeros((2, len(start), n))
         every[:, list(machine.chained)] = slides.min(axis=2), slides.max(axis=2)
         kink, steep = self._base.local(every[0], every[1])
-        bend = np.abs(np.diff(off, 2, axis=2)).max(axis=(0, 2)) + steep * np.abs(np.diff(slides, 2, axis=2)).max(
-            axis=(0, 2)
-        )
+        bend = np.abs(np.diff(off, 2, axis=2)).max(axis=(0, 2)) + steep * np.abs(
+            np.diff(slides, 2, axis=2)
+        ).max(axis=(0, 2))
         smooth = self._base.bend(every[1] - every[0]) + bend * (count - 1) ** 2 / 8
         wanted = np.maximum(way * kink / (4 * slack), np.sqrt(smooth / slack))
         return np.clip(np.ceil(wanted), 1, MOST_PARTS).astype(np.int64)

@@ -38,13 +38,17 @@ class TomlFile:
                 if f"{section}.{key}".lstrip(".") == here:
                     return number
             elif (
-                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line) and here == section and (count == index or not section)
+                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line)
+                and here == section
+                and (count == index or not section)
             ):
                 return number
         outer, _, name = section.rpartition(".")
         return fallback or (self.line(outer, name) if outer else 1)
 
-    def fault(self, section: str, key: str, message: str, advice: str = "", index: int = 0) -> MachineError:
+    def fault(
+        self, section: str, key: str, message: str, advice: str = "", index: int = 0
+    ) -> MachineError:
         return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))
 
     def table(self, key: str) -> dict[str, Any]:
@@ -59,21 +63,37 @@ class TomlFile:
             if key not in known:
                 where = f"[{section or 'machine'}]"
                 raise self.fault(
-                    section, key, f"{key!r} is not a key of {where}", f"keys: {', '.join(sorted(known))}", index
+                    section,
+                    key,
+                    f"{key!r} is not a key of {where}",
+                    f"keys: {', '.join(sorted(known))}",
+                    index,
                 )
 
     def number(
-        self, section: str, data: dict, key: str, default: float | None = None, at: str = "", index: int = 0
+        self,
+        section: str,
+        data: dict,
+        key: str,
+        default: float | None = None,
+        at: str = "",
+        index: int = 0,
     ) -> float:
         """A finite number; `at`: the key whose line to name, where this one stands inside a table of its own."""
         value = data.get(key, default)
         if value is None:
             raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, (int, float))
+            or not math.isfinite(value)
+        ):
             raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
         return float(value)
 
-    def string(self, section: str, data: dict, key: str, default: str | None = None, index: int = 0) -> str:
+    def string(
+        self, section: str, data: dict, key: str, default: str | None = None, index: int = 0
+    ) -> str:
         value = data.get(key, default)
         if not isinstance(value, str):
             message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"

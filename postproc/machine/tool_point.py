@@ -33,11 +33,15 @@ def read_tool_point(toml: TomlFile) -> ToolPoint:
                          'the machine\'s: "zero", or "call", as they stand when the mode is called')  # fmt: skip
     start = data.get("at_start", False)
     if not isinstance(start, bool):
-        raise toml.fault("tool_point", "at_start", f"at_start = {start!r} is neither true nor false")
+        raise toml.fault(
+            "tool_point", "at_start", f"at_start = {start!r} is neither true nor false"
+        )
     codes: dict[int, bool] = {}
     for key in ("on", "off"):
         for word in data.get(key, []) if isinstance(data.get(key, []), list) else [data[key]]:
             if not isinstance(word, str) or not re.fullmatch(r"M\d{1,4}", word):
-                raise toml.fault("tool_point", key, f"{key} = {data[key]!r}", f'M codes, like {key} = ["M428"]')
+                raise toml.fault(
+                    "tool_point", key, f"{key} = {data[key]!r}", f'M codes, like {key} = ["M428"]'
+                )
             codes[int(word[1:])] = key == "on"
     return ToolPoint(**frames, codes=codes, at_start=start)

@@ -66,7 +66,9 @@ class AlongPath:
         self.with_tool = {(0.0, 0.0, 0.0): self.known}
         self.largest, self.line = 0.0, 0
 
-    def see(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray, line: np.ndarray) -> None:
+    def see(
+        self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray, line: np.ndarray
+    ) -> None:
         """Places (A, N) mm, the tool's length there (A, N) mm, and the line of each. Of equal ones
         the first line counts, in whatever portions they come."""
         if not len(line) or not self.known.parts:
@@ -80,7 +82,9 @@ class AlongPath:
     def at(self, position: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
         """(N,) mm: U at places, as in `see`."""
         u = np.zeros(position.shape[1])
-        lengths, which = np.unique(tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True)
+        lengths, which = np.unique(
+            tool if self.known.turns else 0.0 * tool, axis=1, return_inverse=True
+        )
         for k, length in enumerate(lengths.T):
             of = which.ravel() == k
             u[of] = self._with(length).length(position[:, of], approach[:, of])
@@ -99,7 +103,9 @@ class AlongPath:
             return "the map's own uncertainty is not stated"
         if not self.line:
             return "the map's own uncertainty is stated, and no place of the path is known"
-        says = f"the map itself is known to +- {micrometres(self.largest)} um (95 %, line {self.line})"
+        says = (
+            f"the map itself is known to +- {micrometres(self.largest)} um (95 %, line {self.line})"
+        )
         return says + unstated(self.known.missing)
 
 
@@ -124,7 +130,9 @@ def _parts(machine: Machine) -> dict[str, Machine]:
         table = axis.uncertainty.table
         for i in axis.uncertainty.stated:
             only = (np.arange(6) == i)[:, None]
-            forward, reverse = (np.where(only, values, 0.0) for values in (table.forward, table.reverse))
+            forward, reverse = (
+                np.where(only, values, 0.0) for values in (table.forward, table.reverse)
+            )
             alone = replace(bare[x], table=replace(table, forward=forward, reverse=reverse))
             parts[f"{COMPONENTS[i]}{x}"] = replace(nothing, axes={**bare, x: alone})
     for name, angle in machine.square_u.items():
@@ -141,16 +149,28 @@ def _errors(machine: Machine) -> list[str]:
     it. An effect without any U stands by its name alone."""
     names: list[str] = []
     for x, axis in machine.axes.items():
-        names += [f"{COMPONENTS[i]}{x}" for i in (axis.table.rows if axis.table is not None else ())]
+        names += [
+            f"{COMPONENTS[i]}{x}" for i in (axis.table.rows if axis.table is not None else ())
+        ]
         names += [f"{COMPONENTS[i]}{x} by {grid.other}" for grid in axis.grids for i in grid.rows]
         names += [f"{(XYZ + ROTARY)[i]}0{x}" for i in map(int, np.flatnonzero(axis.location))]
         names += [f"heat {x}"] if x in machine.expansions else []
-    names += [f"{ROTARY[i]}0{x}" for x, lean in machine.square.items() for i in map(int, np.flatnonzero(lean))]
-    unsaid = [k for k, term in enumerate(machine.effects) if (term.tables or term.grids) and not term.spread]
+    names += [
+        f"{ROTARY[i]}0{x}"
+        for x, lean in machine.square.items()
+        for i in map(int, np.flatnonzero(lean))
+    ]
+    unsaid = [
+        k
+        for k, term in enumerate(machine.effects)
+        if (term.tables or term.grids) and not term.spread
+    ]
     return names + [_named(machine, k) for k in unsaid]
 
 
 def _named(machine: Machine, k: int) -> str:
     """The k-th effect: its name and axis, numbered where there are two of them."""
     names = [f"{term.name} {term.axis}".strip() for term in machine.effects]
-    return names[k] if names.count(names[k]) == 1 else f"{names[k]} #{names[: k + 1].count(names[k])}"
+    return (
+        names[k] if names.count(names[k]) == 1 else f"{names[k]} #{names[: k + 1].count(names[k])}"
+    )

@@ -41,15 +41,21 @@ class VolumetricMap:
         """The mean of both directions."""
         axes = {x: replace(t, forward=t.mean, reverse=t.mean) for x, t in self.axes.items()}
         means = [(g, (g.forward + g.reverse) / 2) for g in self.grids]
-        return replace(self, axes=axes, grids=tuple(replace(g, forward=m, reverse=m) for g, m in means))
+        return replace(
+            self, axes=axes, grids=tuple(replace(g, forward=m, reverse=m) for g, m in means)
+        )
 
-    def machine(self, travel: dict[str, tuple[float, float]] | None = None, name: str = "map") -> Machine:
+    def machine(
+        self, travel: dict[str, tuple[float, float]] | None = None, name: str = "map"
+    ) -> Machine:
         """The machine of this map: measured at zero, tool length zero. travel: mm, else as far as the tables go."""
         axes = {}
         for x in sorted(self.chain):
             table = self.axes.get(x)
             grids = tuple(g for g in self.grids if g.letter == x)
-            reach = [t.nodes for t in (table, *grids) if t is not None] + [g.others for g in self.grids if g.other == x]
+            reach = [t.nodes for t in (table, *grids) if t is not None] + [
+                g.others for g in self.grids if g.other == x
+            ]
             ends = (min(n[0] for n in reach), max(n[-1] for n in reach)) if reach else (-1.0, 1.0)
             low, high = (travel or {}).get(x, ends)
             axes[x] = Axis(x, (float(low), float(high)), 1e-4, np.zeros(3), table, grids=grids)
@@ -90,7 +96,8 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
                 continue
             shape = (-1,) + (1,) * (table.forward.ndim - 2)
             forward, reverse = (
-                _moved(v, offset, own, x, table.nodes.reshape(shape)) for v in (table.forward, table.reverse)
+                _moved(v, offset, own, x, table.nodes.reshape(shape))
+                for v in (table.forward, table.reverse)
             )
             if isinstance(table, GridTable):
                 grids.append(replace(table, forward=forward, reverse=reverse))
@@ -98,7 +105,12 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
                 axes[x] = replace(table, forward=forward, reverse=reverse)
             if own:
                 _add(left, _bend(table, x))
-    square = {f"{ROTARY[i]}0{x}": float(a) for x, v in machine.square.items() for i, a in enumerate(v) if a}
+    square = {
+        f"{ROTARY[i]}0{x}": float(a)
+        for x, v in machine.square.items()
+        for i, a in enumerate(v)
+        if a
+    }
     notices = [f"growth of {x} with temperature is not written" for x in machine.expansions]
     notices += [f"effect {term.name} of {term.axis} is not written" for term in machine.effects]
     if machine.tool.any() and machine.turns:
@@ -107,7 +119,9 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
             f"the tool of the machine's file ({at} mm) is part of the translations: a longer one counts from there"
         )
     chain = machine.chain
-    return VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)), left
+    return VolumetricMap(
+        axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)
+    ), left
 
 
 def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
@@ -120,13 +134,17 @@ def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
         arm = [max(abs(t) for t in machine.axes[x].travel) for x in machine.chain.arm(table.letter)]
         reach = float(np.linalg.norm(arm)) if arm else 0.0
         sizes = {
-            f"{COMPONENTS[i]}{table.letter}": float(h * (1.0 if i < 3 else reach)) for i, h in enumerate(half) if h
+            f"{COMPONENTS[i]}{table.letter}": float(h * (1.0 if i < 3 else reach))
+            for i, h in enumerate(half)
+            if h
         }
         _add(left, sizes)
     return left
 
 
-def merged(letter: str, components: Iterable[tuple[int, np.ndarray, np.ndarray, np.ndarray]]) -> AxisTable:
+def merged(
+    letter: str, components: Iterable[tuple[int, np.ndarray, np.ndarray, np.ndarray]]
+) -> AxisTable:
     """One axis' table from components with nodes of their own: (row, nodes (K,) mm, forward, reverse (K,)) each."""
     parts = list(components)
     nodes = np.unique(np.concatenate([nodes for _, nodes, _, _ in parts]))
@@ -136,7 +154,9 @@ def merged(letter: str, components: Iterable[tuple[int, np.ndarray, np.ndarray, 
     return AxisTable(letter, nodes, forward, reverse)
 
 
-def _moved(value: np.ndarray, offset: np.ndarray, own: int, letter: str, nodes: np.ndarray) -> np.ndarray:
+def _moved(
+    value: np.ndarray, offset: np.ndarray, own: int, letter: str, nodes: np.ndarray
+) -> np.ndarray:
     """(6, K) or (6, K, L): rotations unchanged, translations with rotation x offset added."""
     arm: list[np.ndarray | float] = [float(a) for a in offset]
     arm[XYZ.index(letter)] = arm[XYZ.index(letter)] + own * nodes

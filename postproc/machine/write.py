@@ -30,26 +30,39 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
     lines += [entry(key, plain[key], comments.get(key, "")) for key in order]
     sections = [k for k in data if _is_section(data[k])]
-    for key in sorted(sections, key=lambda k: SECTIONS.index(k) if k in SECTIONS else len(SECTIONS)):
+    for key in sorted(
+        sections, key=lambda k: SECTIONS.index(k) if k in SECTIONS else len(SECTIONS)
+    ):
         value = data[key]
         if isinstance(value, list):
             for part in value:
                 lines += ["", f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())]
             continue
-        below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
+        below = {
+            k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)
+        }
         if key != "axes":
-            lines += ["", *_section(key, {k: part for k, part in value.items() if k not in below}, comments)]
+            lines += [
+                "",
+                *_section(key, {k: part for k, part in value.items() if k not in below}, comments),
+            ]
         for name, part in below.items():
             lines += ["", *_section(f"{key}.{_key(name)}", part, comments)]
     return "\n".join(lines) + "\n"
 
 
-def axis_table(letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()) -> str:
+def axis_table(
+    letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()
+) -> str:
     """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit; comments: lines above."""
     position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
     lines = [f"# {_comment(c)}" for c in comments] + [",".join([position, *columns])]
     for k, node in enumerate(nodes):
-        lines.append(",".join([number(float(node), 6), *(number(float(c[k]), DECIMALS) for c in columns.values())]))
+        lines.append(
+            ",".join(
+                [number(float(node), 6), *(number(float(c[k]), DECIMALS) for c in columns.values())]
+            )
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -64,7 +77,9 @@ def runs_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterabl
         for name in names:
             value = row.get(name)
             if isinstance(value, float):
-                cells.append("" if np.isnan(value) else number(value, 6 if name == position else DECIMALS))
+                cells.append(
+                    "" if np.isnan(value) else number(value, 6 if name == position else DECIMALS)
+                )
             else:
                 cells.append("" if value is None else str(value))
         lines.append(",".join(cells))
@@ -79,11 +94,15 @@ def number(value: float, decimals: int) -> str:
 
 
 def _is_section(value: Any) -> bool:
-    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and isinstance(value[0], Mapping))
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
+    )
 
 
 def _section(name: str, data: Mapping[str, Any], comments: Mapping[str, str]) -> list[str]:
-    return [f"[{name}]"] + [entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()]
+    return [f"[{name}]"] + [
+        entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()
+    ]
 
 
 def entry(key: str, value: Any, comment: str = "") -> str:

@@ -32,7 +32,9 @@ class Circle:
     alone: np.ndarray
 
 
-def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str, np.ndarray]) -> Arcs:
+def arcs_of(
+    batch: Batch, places: Places, circle: Circle, centre_words: dict[str, np.ndarray]
+) -> Arcs:
     """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only where it is corrected."""
     arc = ((circle.code == CLOCKWISE) | (circle.code == COUNTER)).nonzero()[0]
     if not len(arc):
@@ -77,7 +79,9 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     centre_word[2] = word["R"]
     both = (centre_word[2] >= 0) & (np.maximum(centre_word[0], centre_word[1]) >= 0)
     batch.blame(
-        circle.block[arc][both], "an arc with a centre and with R", "controls disagree on which one holds: keep one"
+        circle.block[arc][both],
+        "an arc with a centre and with R",
+        "controls disagree on which one holds: keep one",
     )
     good = first >= 0
     row_a, row_b = np.maximum(first, 0), np.maximum(second, 0)
@@ -101,20 +105,30 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
         written = (centre_word[k] >= 0).nonzero()[0]
         value[k, written] = batch.ticks(centre_word[k, written], unit[written])
     by_radius = centre_word[2] >= 0
-    written = words.letter[np.maximum(centre_word[:2], 0)] if len(words.letter) else np.zeros((2, n), np.uint8)
+    written = (
+        words.letter[np.maximum(centre_word[:2], 0)]
+        if len(words.letter)
+        else np.zeros((2, n), np.uint8)
+    )
     by_letter = (centre_word[:2] >= 0) & (written >= RELATIVE)
     stated = np.where(by_letter, written >= ABSOLUTE, circle.absolute[arc])
     absolute = stated & ~by_radius
     origin = np.stack([places.origin[row_a, arc], places.origin[row_b, arc]])
     one = np.where(circle.absolute[arc], centre_word[:2].min(axis=0), centre_word[:2].max(axis=0))
     missing = ~by_radius & (one < 0)
-    batch.blame(blocks[missing & good], "an arc without its centre words", "write both of I J K of the plane, or R")
+    batch.blame(
+        blocks[missing & good],
+        "an arc without its centre words",
+        "write both of I J K of the plane, or R",
+    )
     centre = np.where(absolute, value[:2] + origin, start + value[:2]) / TICKS_PER_MM
     start_mm, end_mm = start / TICKS_PER_MM, end / TICKS_PER_MM
     if by_radius.any():
         centre = np.where(
             by_radius,
-            _centre_by_radius(batch, blocks, by_radius, start_mm, end_mm, value[2] / TICKS_PER_MM, counter),
+            _centre_by_radius(
+                batch, blocks, by_radius, start_mm, end_mm, value[2] / TICKS_PER_MM, counter
+            ),
             centre,
         )
     arm, arm_end = start_mm - centre, end_mm - centre
@@ -123,7 +137,9 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
     sweep = np.arctan2(arm_end[1], arm_end[0]) - angle
     same = (start == end).all(axis=0)
     sweep = np.where(
-        counter, np.where(sweep <= 0, sweep + 2 * np.pi, sweep), np.where(sweep >= 0, sweep - 2 * np.pi, sweep)
+        counter,
+        np.where(sweep <= 0, sweep + 2 * np.pi, sweep),
+        np.where(sweep >= 0, sweep - 2 * np.pi, sweep),
     )
     sweep = np.where(same, np.where(counter, 2 * np.pi, -2 * np.pi), sweep)
     sweep = _turns(batch, circle, arc, sweep)
@@ -138,7 +154,21 @@ def arcs_of(batch: Batch, places: Places, circle: Circle, centre_words: dict[str
 def _empty() -> Arcs:
     i, f = np.zeros(0, np.int64), np.zeros(0)
     two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
-    return Arcs(i, i, i, two, f, f, f, f, two.astype(np.int64), three, two.astype(bool), two.astype(np.int64), i)
+    return Arcs(
+        i,
+        i,
+        i,
+        two,
+        f,
+        f,
+        f,
+        f,
+        two.astype(np.int64),
+        three,
+        two.astype(bool),
+        two.astype(np.int64),
+        i,
+    )
 
 
 def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
@@ -176,7 +206,9 @@ def _turns(batch: Batch, circle: Circle, arc, sweep):
     turns = np.where(has, batch.numbers(np.maximum(of, 0)), float(least))
     wrong = (turns < least) | (turns != np.floor(turns))
     batch.blame(
-        circle.block[arc][wrong], "the turns of an arc are not a whole number", f"write {least}, {least + 1}, ..."
+        circle.block[arc][wrong],
+        "the turns of an arc are not a whole number",
+        f"write {least}, {least + 1}, ...",
     )
     many = (turns > MOST_TURNS).nonzero()[0]
     if len(many):
@@ -196,7 +228,9 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
     inch = spread(batch.held("units"), batch.n)[blocks] == 200
     more = np.where(inch, d.arc_tolerance_inch, 1.0)
     limit = d.arc_tolerance_mm * more
-    wrong = (miss > d.arc_tolerance_most_mm * more) | ((miss > limit) & (miss > d.arc_tolerance_relative * largest))
+    wrong = (miss > d.arc_tolerance_most_mm * more) | (
+        (miss > limit) & (miss > d.arc_tolerance_relative * largest)
+    )
     zero = (np.minimum(radius, radius_end) < d.radius_tolerance_mm) & good
     batch.blame(blocks[zero], "an arc of radius 0", "check I J K")
     bad = (wrong & good & ~zero).nonzero()[0]

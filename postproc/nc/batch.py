@@ -46,7 +46,11 @@ def _scales(units, least: float, linear: bool):
     # A control with 0.0001 mm has 0.00001 inch.
     fine = round(least / 10 * TICKS_PER_INCH)
     if isinstance(units, int):
-        return (np.int64(TICKS_PER_INCH), np.int64(fine)) if units == 200 else (np.int64(TICKS_PER_MM), np.int64(grid))
+        return (
+            (np.int64(TICKS_PER_INCH), np.int64(fine))
+            if units == 200
+            else (np.int64(TICKS_PER_MM), np.int64(grid))
+        )
     return np.where(units == 200, TICKS_PER_INCH, TICKS_PER_MM), np.where(units == 200, fine, grid)
 
 
@@ -54,13 +58,19 @@ class Batch:
     """The columns of one batch while they are worked out."""
 
     def __init__(self, interpreter: Interpreter, words: Words, state: ModalState):
-        self.dialect, self.setup, self.rows = interpreter.dialect, interpreter.setup, interpreter.rows
+        self.dialect, self.setup, self.rows = (
+            interpreter.dialect,
+            interpreter.setup,
+            interpreter.rows,
+        )
         self.interpreter, self.words, self.state = interpreter, words, state
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
         present = sorted(set(words.letter.tobytes()))
-        self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}  # letter to its words
+        self.places = {
+            chr(c): (words.letter == c).nonzero()[0] for c in present
+        }  # letter to its words
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
@@ -73,11 +83,15 @@ class Batch:
         self.loses = np.zeros(self.n, bool)  # (B,) sends axes to places that are not known
         self.foreign = np.zeros(self.n, bool)  # (B,) moves, or may, in a way that is not followed
         self.machine = np.zeros(self.n, bool)  # (B,) G53
-        self.offset = np.zeros((len(self.rows), 1), np.int64)  # (A, B) or (A, 1) ticks, zero of absolute words
+        self.offset = np.zeros(
+            (len(self.rows), 1), np.int64
+        )  # (A, B) or (A, 1) ticks, zero of absolute words
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
         self.tool_after, self.next_tool = state.tool, state.next_tool
         self.beside = state.beside
-        self.beside_missing: list[tuple[int, int]] = []  # block and number of tools that no table states
+        self.beside_missing: list[
+            tuple[int, int]
+        ] = []  # block and number of tools that no table states
         self.cycle: InCycle | None = None
         self.presets = no_presets()
         self.zero_known = True
@@ -87,7 +101,9 @@ class Batch:
 
     def fault(self, word: int, message: str, advice: str = "") -> BlockFault:
         w = self.words
-        return BlockFault(int(w.block[word]), message, advice, int(w.start[word]), int(w.stop[word]))
+        return BlockFault(
+            int(w.block[word]), message, advice, int(w.start[word]), int(w.stop[word])
+        )
 
     def _live(self) -> np.ndarray:
         """(B,) bool: blocks that the control reads; none after the end of the program, none that block delete drops."""
@@ -100,7 +116,9 @@ class Batch:
             return live
         for place in self.places.get("M", ())[:] if not self.ended else ():
             number = w.mantissa[place]
-            last = number in self.dialect.ends or (self.begins_again(place) and not w.skip[w.block[place]])
+            last = number in self.dialect.ends or (
+                self.begins_again(place) and not w.skip[w.block[place]]
+            )
             if last and w.decimals[place] == 0 and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
@@ -127,7 +145,9 @@ class Batch:
         twice = (block[1:] == block[:-1]).nonzero()[0]
         if len(twice):
             raise self.fault(
-                place[twice[0] + 1], f"two {letter} words in one block", "which one the control obeys differs: keep one"
+                place[twice[0] + 1],
+                f"two {letter} words in one block",
+                "which one the control obeys differs: keep one",
             )
         return place
 
@@ -140,7 +160,9 @@ class Batch:
         block = self.words.block[place]
         twice = (block[1:] == block[:-1]).nonzero()[0]
         if len(twice):
-            raise self.fault(place[twice[0] + 1], f"two words for {letters[0]} in one block", "keep one")
+            raise self.fault(
+                place[twice[0] + 1], f"two words for {letters[0]} in one block", "keep one"
+            )
         return place
 
     def numbers(self, place: np.ndarray) -> np.ndarray:
@@ -151,7 +173,9 @@ class Batch:
         """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the tick beyond."""
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
         scale = np.asarray(scale, np.int64)
-        if scale.size == 1:  # one unit for all: look the ticks of a last digit up by the number of decimals
+        if (
+            scale.size == 1
+        ):  # one unit for all: look the ticks of a last digit up by the number of decimals
             per = (scale // POWERS[:10])[np.minimum(decimals, 9)]
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
@@ -159,10 +183,14 @@ class Batch:
         if len(far):
             far = far[np.minimum(decimals[far], 9) == decimals[far]]
         if len(far):
-            text = self.words.text[self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]].decode(
-                "ascii", "replace"
+            text = self.words.text[
+                self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]
+            ].decode("ascii", "replace")
+            raise self.fault(
+                place[far[0]],
+                f"{text} is beyond {LARGEST_WORD_MM:g} mm",
+                "is a decimal point missing?",
             )
-            raise self.fault(place[far[0]], f"{text} is beyond {LARGEST_WORD_MM:g} mm", "is a decimal point missing?")
         value = mantissa * per
         for i in (decimals > 9).nonzero()[0] if len(decimals) else ():
             over = 10 ** int(decimals[i])
@@ -207,15 +235,21 @@ class Batch:
             twice = (block[of][1:] == block[of][:-1]).nonzero()[0]
             if len(twice) and self.dialect.one_code_per_group:
                 raise self.fault(
-                    place[of][twice[0] + 1], f"two codes of the modal group '{name}' in one block", "keep one"
+                    place[of][twice[0] + 1],
+                    f"two codes of the modal group '{name}' in one block",
+                    "keep one",
                 )
             if name == "motion":
-                written = of & (self.dialect.meant[written_codes(w, place)] == number)  # G80 names no other code
+                written = of & (
+                    self.dialect.meant[written_codes(w, place)] == number
+                )  # G80 names no other code
                 self.code_word[block[written]] = place[written]
             elif name == "cycle":
                 tap = of & self.dialect.is_hole[np.maximum(number, 0)]
                 self.code_word[block[tap]] = place[tap]
-        if "cycle" in self.dialect.groups:  # G0 to G3, and G80 of any group, end a cycle of a group of its own
+        if (
+            "cycle" in self.dialect.groups
+        ):  # G0 to G3, and G80 of any group, end a cycle of a group of its own
             cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
             ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
             ends[block[was == 800]] = True
@@ -225,7 +259,9 @@ class Batch:
         if self.dialect.carried:
             self._carried_mode()
 
-    def _back_from_cycles(self, number: np.ndarray, block: np.ndarray, of: np.ndarray) -> np.ndarray:
+    def _back_from_cycles(
+        self, number: np.ndarray, block: np.ndarray, of: np.ndarray
+    ) -> np.ndarray:
         """(K,) the numbers, G80 as the code of G0 to G3 that holds behind it, on controls that have cycles in a group of their
         own: "group 01 G codes are not affected by a canned cycle" (Fanuc B-64304EN-2, "Canned cycle for drilling")."""
         if self.dialect.language != "fanuc":
@@ -292,7 +328,9 @@ class Batch:
 
     def unit_scale(self, letter: str):
         """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
-        return _scales(self.held("units"), self.setup.least_increment.get(letter, 1e-4), letter in LINEAR)
+        return _scales(
+            self.held("units"), self.setup.least_increment.get(letter, 1e-4), letter in LINEAR
+        )
 
     def halves(self, letter: str):
         """(B,) or number: 2 where words of this axis are diameters, else 1."""
@@ -303,6 +341,10 @@ class Batch:
             default = 2 if letter in self.setup.diameter else 1
             if DIAM90 in self.dialect.by_number:
                 by_distance = np.where(self.held("distance") == 910, 1, 2)
-                return np.where(mode == DIAM90, by_distance, np.where(mode == 70, 2, np.where(mode == 80, 1, default)))
+                return np.where(
+                    mode == DIAM90,
+                    by_distance,
+                    np.where(mode == 70, 2, np.where(mode == 80, 1, default)),
+                )
             return np.where(mode == 70, 2, np.where(mode == 80, 1, default))
         return np.int64(2 if letter in self.setup.diameter else 1)

@@ -25,15 +25,36 @@ from postproc.units import MM_PER_INCH
 LEFT, DYNAMIC = (410, 411), (411, 421)
 # Where the point that the control drives lies from the centre of the nose, in radii along Z and X (G18), by the number
 # of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and latheorigin_x; Fanuc: imaginary tool nose.
-LINUXCNC_NOSE = {1: (1, -1), 2: (-1, -1), 3: (-1, 1), 4: (1, 1), 5: (1, 0), 6: (0, -1), 7: (-1, 0), 8: (0, 1)}
-FANUC_NOSE = {1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1), 5: (1, 0), 6: (0, 1), 7: (-1, 0), 8: (0, -1)}
+LINUXCNC_NOSE = {
+    1: (1, -1),
+    2: (-1, -1),
+    3: (-1, 1),
+    4: (1, 1),
+    5: (1, 0),
+    6: (0, -1),
+    7: (-1, 0),
+    8: (0, 1),
+}
+FANUC_NOSE = {
+    1: (1, 1),
+    2: (-1, 1),
+    3: (-1, -1),
+    4: (1, -1),
+    5: (1, 0),
+    6: (0, 1),
+    7: (-1, 0),
+    8: (0, -1),
+}
 
 
 def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     """Motions' columns cutter, plane, radius and nose, at the moving blocks. Sets `b.beside` to what the next batch needs."""
     n, held = len(block), b.held("cutter")
     named = (
-        "cutter" in b.given or "D" in b.places or b.beside.on or b.state.codes.get("cutter", NONE) in b.dialect.beside
+        "cutter" in b.given
+        or "D" in b.places
+        or b.beside.on
+        or b.state.codes.get("cutter", NONE) in b.dialect.beside
     )
     if not b.dialect.beside or not named:
         return {
@@ -71,7 +92,11 @@ def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     given = b.given.get("cutter")
     begins = np.flatnonzero(np.isin(given, b.dialect.beside)).tolist() if given is not None else []
     named = b.places.get("D", np.zeros(0, np.int64))
-    offsets = dict(zip(b.words.block[named].tolist(), b.numbers(named).tolist(), strict=True)) if len(named) else {}
+    offsets = (
+        dict(zip(b.words.block[named].tolist(), b.numbers(named).tolist(), strict=True))
+        if len(named)
+        else {}
+    )
     state, edges, seen = b.state.beside, [0], [b.state.beside]
     for block in sorted({*begins, *offsets}):
         code = int(given[block]) if given is not None and block in begins else NONE
@@ -102,7 +127,10 @@ def _from(b: Batch, state: Beside, block: int, code: int, d: float | None) -> Be
 
 def by_tool(b: Batch) -> bool:
     """Whether D names a tool, as in LinuxCNC."""
-    return any(number in b.dialect.by_number and b.dialect.by_number[number].does == "cutter" for number in DYNAMIC)
+    return any(
+        number in b.dialect.by_number and b.dialect.by_number[number].does == "cutter"
+        for number in DYNAMIC
+    )
 
 
 def _by_offset(b: Batch) -> bool:
@@ -148,7 +176,9 @@ def _tool(b: Batch, block: int) -> int:
     """The tool in the spindle at a block: the last T when the last M6 came."""
     w = b.words
     change = b.places.get("M", np.zeros(0, np.int64))
-    change = change[(w.mantissa[change] == 6) & (w.decimals[change] == 0) & (w.block[change] <= block)]
+    change = change[
+        (w.mantissa[change] == 6) & (w.decimals[change] == 0) & (w.block[change] <= block)
+    ]
     if not len(change):
         return b.state.tool_number
     tool = b.places.get("T", np.zeros(0, np.int64))

@@ -58,7 +58,9 @@ def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
             message = f"the corrected contour can not be followed by its tool: {gouge}"
             raise BlockFault(int(motions.block[i]), message, LIMIT) from None
         if corrected.backwards and not nominal.backwards:
-            raise BlockFault(int(motions.block[i]), "the corrected contour runs backwards behind a corner", LIMIT)
+            raise BlockFault(
+                int(motions.block[i]), "the corrected contour runs backwards behind a corner", LIMIT
+            )
         c = Contours() if leaves else c
     return c
 
@@ -82,5 +84,8 @@ def _block(motions: Motions, pieces: Pieces, k: int) -> Block:
         rows = [int(arcs.first[arc]), int(arcs.second[arc])]
         first, second = ((pieces.start[rows, k] + pieces.centre[:, k]) / TICKS_PER_MM).tolist()
         sweep = float(arcs.sweep[arc] * pieces.share[k])
-        block.centre, block.turns = (first, second), int(np.sign(sweep)) * max(ceil(abs(sweep) / (2 * pi) - 1e-9), 1)
+        block.centre, block.turns = (
+            (first, second),
+            int(np.sign(sweep)) * max(ceil(abs(sweep) / (2 * pi) - 1e-9), 1),
+        )
     return block

@@ -27,10 +27,18 @@ ADVICE = "LinuxCNC stops there: change the program"
 def refuse_beside(b: Batch, motions: Motions) -> Motions:
     """The motions with a reason from the first block on that LinuxCNC refuses. Sets `b.beside`."""
     if not by_tool(b) or not (
-        b.state.beside.on or b.state.beside.fault or b.beside.on or motions.cutter.any() or "cutter" in b.given
+        b.state.beside.on
+        or b.state.beside.fault
+        or b.beside.on
+        or motions.cutter.any()
+        or "cutter" in b.given
     ):
         return motions
-    found = [(-1, b.state.beside.fault)] if b.state.beside.fault else [*_codes(b), *_motions(b, motions)]
+    found = (
+        [(-1, b.state.beside.fault)]
+        if b.state.beside.fault
+        else [*_codes(b), *_motions(b, motions)]
+    )
     b.beside = replace(b.beside, shifted=None) if found else b.beside
     gouge = None if found else _gouge(b, motions)
     found += [gouge] if gouge else []
@@ -45,7 +53,9 @@ def refuse_beside(b: Batch, motions: Motions) -> Motions:
 def _codes(b: Batch) -> list[tuple[int, str]]:
     """Block and sentence of codes that may not stand there."""
     held, plane = spread(b.held("cutter"), b.n), spread(b.held("plane"), b.n)
-    before = np.isin(np.concatenate([[b.state.codes.get("cutter", NONE)], held[:-1]]), b.dialect.beside)
+    before = np.isin(
+        np.concatenate([[b.state.codes.get("cutter", NONE)], held[:-1]]), b.dialect.beside
+    )
     plane_before = np.concatenate([[b.state.codes.get("plane", NONE)], plane[:-1]])
     given = b.given.get("cutter", np.full(b.n, NONE))
     begins = np.isin(given, b.dialect.beside)
@@ -60,25 +70,40 @@ def _codes(b: Batch) -> list[tuple[int, str]]:
         (begins & before, "cutter radius compensation is turned on while it is on"),
         (begins & (plane == 190), "cutter radius compensation in the plane YZ"),
         (begins & np.isin(given, DYNAMIC) & ~diameter, "G41.1 or G42.1 without D"),
-        (before & (plane != plane_before), "the plane changes while cutter radius compensation is on"),
-        (before & (work != work_before), "the work offset changes while cutter radius compensation is on"),
+        (
+            before & (plane != plane_before),
+            "the plane changes while cutter radius compensation is on",
+        ),
+        (
+            before & (work != work_before),
+            "the work offset changes while cutter radius compensation is on",
+        ),
         (before & b.machine, "G53 while cutter radius compensation is on"),
         (before & sent, "G28 or G30 while cutter radius compensation is on"),
     )
     found = [(int(np.argmax(where)), message) for where, message in wrong if where.any()]
-    return found + [(block, f"tool {number} of D is not in the tool table") for block, number in b.beside_missing]
+    return found + [
+        (block, f"tool {number} of D is not in the tool table")
+        for block, number in b.beside_missing
+    ]
 
 
 def _motions(b: Batch, motions: Motions) -> list[tuple[int, str]]:
     """The same for motions."""
-    ends = (motions.cutter == ENTRY) & (motions.radius == 0) & (np.isin(motions.code, (CLOCKWISE, COUNTER)))
+    ends = (
+        (motions.cutter == ENTRY)
+        & (motions.radius == 0)
+        & (np.isin(motions.code, (CLOCKWISE, COUNTER)))
+    )
     ends &= spread(b.held("cutter"), b.n)[motions.block] == 400
     drills = (motions.cutter != FREE) & (motions.code == HOLE)
     wrong = (
         (ends, "the move just behind cutter radius compensation is an arc"),
         (drills, "a drilling cycle with cutter radius compensation on"),
     )
-    return [(int(motions.block[np.argmax(where)]), message) for where, message in wrong if where.any()]
+    return [
+        (int(motions.block[np.argmax(where)]), message) for where, message in wrong if where.any()
+    ]
 
 
 def _gouge(b: Batch, motions: Motions) -> tuple[int, str] | None:
@@ -114,7 +139,14 @@ def begun(motions: Motions, i: int) -> Shifted | None:
     radius = float(motions.radius[i])
     known = motions.start_known[:, i].all() and motions.target_known[:, i].all()
     arc = motions.code[i] in (CLOCKWISE, COUNTER)
-    if not radius or not np.isfinite(radius) or arc or not known or (motions.plane[:, i] < 0).any() or motions.alone[i]:
+    if (
+        not radius
+        or not np.isfinite(radius)
+        or arc
+        or not known
+        or (motions.plane[:, i] < 0).any()
+        or motions.alone[i]
+    ):
         return None
     (first, second), (along, across) = motions.plane[:, i].tolist(), motions.nose[:, i].tolist()
     return Shifted((first, second), abs(radius), LEFT if radius > 0 else RIGHT, (along, across))

@@ -39,7 +39,9 @@ def centre_words(b: Batch) -> None:
         _further_centres(b, later, k)
 
 
-def _radii(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray) -> None:
+def _radii(
+    b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray
+) -> None:
     """R words: their numbers in the blocks that have them, none where a piece needs a centre, new ones behind."""
     word = b.m.arcs.words[2, arc]
     gone = (word >= 0) & (b.p.radius[piece] == 0)
@@ -53,7 +55,9 @@ def _radii(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later
     number, decimals = _radius_number(b, later, b.p.arc[later])
     motion = b.p.motion[later]
     at = b.behind()[motion]
-    b.splice.numbers(at, at, b.rank(later) + 30, number, decimals, _spelling(b, motion, b.p.arc[later]))
+    b.splice.numbers(
+        at, at, b.rank(later) + 30, number, decimals, _spelling(b, motion, b.p.arc[later])
+    )
 
 
 def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,7 +93,9 @@ def _centres(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: 
     decimals = _centre_decimals(b, arc, k, word)
     number = counts(wanted, np.full(len(arc), 1), decimals, _unit(b, arc, k))
     own = np.minimum(np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0), MOST_DECIMALS)
-    stands = np.where(word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0)
+    stands = np.where(
+        word >= 0, w.mantissa[np.maximum(word, 0)] * 10 ** np.maximum(decimals - own, 0), 0
+    )
     replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
     b.splice.numbers(
         w.number[word[replace]],
@@ -125,7 +131,11 @@ def _centre(b: Batch, piece, arc, k):
 
 def _by_letter(b: Batch, word) -> np.ndarray:
     """(K,) bool: words whose own spelling says whether they are absolute."""
-    return (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE) if len(b.w.letter) else word >= 0
+    return (
+        (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE)
+        if len(b.w.letter)
+        else word >= 0
+    )
 
 
 def _unit(b: Batch, arc, k):
@@ -164,7 +174,9 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
 
 def _outside_plane(b: Batch, motion: np.ndarray) -> None:
     """Centre words outside of the plane, in what became a chord: no control takes them there."""
-    place = (np.isin(b.w.letter, [ord(x) for x in "IJK"]) & np.isin(b.w.block, b.m.block[motion])).nonzero()[0]
+    place = (
+        np.isin(b.w.letter, [ord(x) for x in "IJK"]) & np.isin(b.w.block, b.m.block[motion])
+    ).nonzero()[0]
     place = place[~np.isin(place, b.m.arcs.words)]
     b.delete(place, np.searchsorted(b.m.block, b.w.block[place]))
 

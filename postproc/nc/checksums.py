@@ -101,11 +101,15 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     if RESET.search(code) and begun:
         again = LATER_NUMBER.search(code, number.end() if number else 0)
         count = again[1] if again else number[2] if number else None
-        return _sealed(line, code, code, mark, tail), Numbering(int(count), 0) if count is not None else state
+        return _sealed(line, code, code, mark, tail), Numbering(
+            int(count), 0
+        ) if count is not None else state
     if number is not None and begun:
         own = int(number[2])
         last = own + state.shift
-        new = code if not state.shift else number[1] + _digits(last, number[2]) + code[number.end() :]
+        new = (
+            code if not state.shift else number[1] + _digits(last, number[2]) + code[number.end() :]
+        )
         return _sealed(line, code, new, mark, tail), Numbering(last, state.shift)
     if mark or state.last is None:
         return _sealed(line, code, code, mark, tail), state
@@ -117,7 +121,9 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     return code + b"*%d" % _xor(code) + tail, Numbering(last, state.shift + 1)
 
 
-def _sealed(line: bytes, code: bytes, new: bytes, mark: re.Match[bytes] | None, tail: bytes) -> bytes:
+def _sealed(
+    line: bytes, code: bytes, new: bytes, mark: re.Match[bytes] | None, tail: bytes
+) -> bytes:
     """The line with `new` in place of `code`, and a checksum that fits where it has one."""
     if not mark:
         return line if new == code else new + tail
@@ -129,7 +135,9 @@ def _sealed(line: bytes, code: bytes, new: bytes, mark: re.Match[bytes] | None, 
 
 def _digits(value: int, like: bytes) -> bytes:
     """A number with as many leading zeros as it had."""
-    return b"%0*d" % (len(like), value) if like.startswith(b"0") and len(like) > 1 else b"%d" % value
+    return (
+        b"%0*d" % (len(like), value) if like.startswith(b"0") and len(like) > 1 else b"%d" % value
+    )
 
 
 def _marks(text: bytes) -> Iterator[tuple[int, int, int]]:

@@ -48,7 +48,9 @@ CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool
 STAY_KEYS = (
     "thread cycle",
 )  # passes in step with the spindle: they stay as they are, uncorrected, and end where they began
-QUIET_KEYS = ("words",)  # the axis words are data (limits, a pole): nothing moves, every place stays known
+QUIET_KEYS = (
+    "words",
+)  # the axis words are data (limits, a pole): nothing moves, every place stays known
 DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *QUIET_KEYS)
 
 
@@ -64,23 +66,23 @@ def code_number(word: str) -> int:
 # Sentences of refusal: what is wrong, a colon, the way out.
 EXPAND = "--expand writes it out as plain blocks"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
-RADIUS_CYCLE = (
-    "its motions are worked out by the control: --expand writes it out under G8; under G7 releases differ on I J K"
-)
+RADIUS_CYCLE = "its motions are worked out by the control: --expand writes it out under G8; under G7 releases differ on I J K"
 THREADING = "it goes in step with the spindle and stays as it is: let the CAM program write its passes as G32 or G33"
 FRAME = f"it turns, mirrors, scales or bends the coordinates: {EXPAND}"
 SPLINE = "corrected points do not lie on such a curve: --expand writes it out as straight lines"
 CALL = f"the same text runs at several places: {EXPAND}"
 LENGTH = "tool lengths come with the T word here: program with G49"
-CUTTER = "it leads the tool beside the words by a radius: let the CAM program write the tool centre path"
-WRITE_OUT = "its motions are the control's own: let the CAM program write it out as G0, G1, G2 and G3"
+CUTTER = (
+    "it leads the tool beside the words by a radius: let the CAM program write the tool centre path"
+)
+WRITE_OUT = (
+    "its motions are the control's own: let the CAM program write it out as G0, G1, G2 and G3"
+)
 PROBE = "where it ends is known at the machine alone: keep measuring in a program of its own"
 CURVE = "corrected points do not lie on such a curve: let the CAM program write lines and arcs"
 TRANSFORM = "the control makes other motions of the words: let the CAM program write the motions of the axes themselves"
 TILTED = "the words are coordinates of a tilted plane: let the CAM program write coordinates of the machine's own axes"
-TOOL_POINT = (
-    "the control swings the slides about the tool tip: let the CAM program write the places of the axes themselves"
-)
+TOOL_POINT = "the control swings the slides about the tool tip: let the CAM program write the places of the axes themselves"
 DIRECTION = "its I J K are the tool's direction: --expand writes the rotary axes, under G43.4"
 ITSELF = "the control moves an axis by itself: write its motion out, or take it out"
 CORNER = "it changes the contour before it: write the corner out"
@@ -91,10 +93,22 @@ RESTORED = "modes come back from where they were kept: write the codes out"
 BROUGHT_BACK = "modes come back from where they were kept: --expand writes the codes out"
 
 END_OF_PROGRAM = (2, 30)  # M codes after which the control reads no further
-CALLS = {97: "local subprogram", 98: "subprogram call", 99: "end of subprogram, or again from the top"}
+CALLS = {
+    97: "local subprogram",
+    98: "subprogram call",
+    99: "end of subprogram, or again from the top",
+}
 SPINDLE_AND_COOLANT = {
     0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise", 4: "spindle counter-clockwise",
     5: "spindle stop", 6: "tool change", 7: "mist coolant", 8: "coolant", 9: "coolant off", 19: "orient the spindle",
     30: "end of program, rewind", 48: "overrides on", 49: "overrides off", 60: "pallet change and stop",
 }  # fmt: skip
-AFTER_MOTION = (0, 1, 2, 30, 60, 5, 9)  # M codes that a control executes when the block's motion is done
+AFTER_MOTION = (
+    0,
+    1,
+    2,
+    30,
+    60,
+    5,
+    9,
+)  # M codes that a control executes when the block's motion is done

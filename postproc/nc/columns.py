@@ -26,7 +26,11 @@ def spread(column, n: int) -> np.ndarray:
 def changes(column) -> np.ndarray:
     """Indices at which a column takes another value, the first one among them."""
     column = np.asarray(column).ravel()
-    return np.concatenate([[0], (column[1:] != column[:-1]).nonzero()[0] + 1]) if len(column) else np.zeros(0, np.int64)
+    return (
+        np.concatenate([[0], (column[1:] != column[:-1]).nonzero()[0] + 1])
+        if len(column)
+        else np.zeros(0, np.int64)
+    )
 
 
 def begins(column: np.ndarray) -> np.ndarray:

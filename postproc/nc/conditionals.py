@@ -25,7 +25,9 @@ def conditionals(b: Batch) -> None:
     """Look for lines inside conditions, and what they do; sets b.condition for the next batch."""
     text, held = b.words.text, b.state.codes.get(GROUP, NONE)
     starts, stops = b.words.block_start, b.words.block_stop
-    if held == NONE and (not b.n or not re.search(rb"(?i)\b(?:if|while)\b", text[starts[0] : stops[-1]])):
+    if held == NONE and (
+        not b.n or not re.search(rb"(?i)\b(?:if|while)\b", text[starts[0] : stops[-1]])
+    ):
         return
     inside = np.zeros(b.n, bool)
     for block, (start, stop) in enumerate(zip(starts.tolist(), stops.tolist(), strict=True)):
@@ -50,7 +52,13 @@ def _judge(b: Batch, inside: np.ndarray) -> None:
         moved |= inside & (column != NONE)
     for block in b.single.values():
         b.loses[block[inside[block]]] = True
-    b.single = {number: block[~inside[block]] for number, block in b.single.items() if not inside[block].all()}
+    b.single = {
+        number: block[~inside[block]]
+        for number, block in b.single.items()
+        if not inside[block].all()
+    }
     b.loses |= inside & b.taken
     b.foreign |= moved
-    b.blame(np.flatnonzero(moved), "a line that moves, or changes modes, inside if or while", WAY_OUT)
+    b.blame(
+        np.flatnonzero(moved), "a line that moves, or changes modes, inside if or while", WAY_OUT
+    )

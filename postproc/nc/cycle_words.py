@@ -26,7 +26,9 @@ def hole_words(b: Batch) -> None:
     use = p.corrected[piece]
     for k in np.flatnonzero(use):
         row, motion, word = int(holes.axis[k]), int(holes.motion[k]), int(holes.word[k])
-        beside = int(p.start[row, piece[k]] - m.start[row, motion]) if m.incremental[row, motion] else 0
+        beside = (
+            int(p.start[row, piece[k]] - m.start[row, motion]) if m.incremental[row, motion] else 0
+        )
         ticks = (
             int(p.bottom[piece[k]] - holes.zero[k]) - beside
         )  # under G91 R lies as much beside its place as the axis
@@ -39,7 +41,9 @@ def hole_words(b: Batch) -> None:
         value = counts(np.array([ticks]), m.scale[row, [motion]], decimals)
         b.touched[motion] = True
         if word >= 0:
-            b.splice.numbers(w.number[[word]], w.stop[[word]], np.zeros(1, np.int64), value, decimals)
+            b.splice.numbers(
+                w.number[[word]], w.stop[[word]], np.zeros(1, np.int64), value, decimals
+            )
             continue
         prefix = np.array([[ord(" ") if b.spaced[motion] else 0, ord(b.axes[row])]], np.uint8)
         at = b.at[[motion]]

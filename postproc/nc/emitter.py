@@ -54,11 +54,16 @@ class Emitter:
     def __init__(self, dialect: Dialect, setup: Setup, marker: str):
         self.dialect, self.setup, self.marker = dialect, setup, marker
 
-    def run(self, words: Words, motions: Motions, pieces: Pieces, state: Written) -> tuple[bytes, Written, int, int]:
+    def run(
+        self, words: Words, motions: Motions, pieces: Pieces, state: Written
+    ) -> tuple[bytes, Written, int, int]:
         """Text of a batch, the next state, and how many blocks were changed and added."""
         first = words.text.find(b"\n")
         if not state.newline and first >= 0:  # the program's first line says it for all
-            state = replace(state, newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n")
+            state = replace(
+                state,
+                newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n",
+            )
         if not len(motions):
             if not len(motions.presets) or not any(state.shift):
                 return words.text, state, 0, 0
@@ -69,7 +74,9 @@ class Emitter:
 
 
 class Batch:
-    def __init__(self, emitter: Emitter, words: Words, motions: Motions, pieces: Pieces, state: Written):
+    def __init__(
+        self, emitter: Emitter, words: Words, motions: Motions, pieces: Pieces, state: Written
+    ):
         self.e, self.w, self.m, self.p, self.state = emitter, words, motions, pieces, state
         self.splice = Splice(words.text)
         self.axes = emitter.setup.axes
@@ -79,7 +86,9 @@ class Batch:
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
         self.bottom = state.bottom
-        self.spelled = emitter.dialect.grammar.is_respelled  # whether words may carry letters of other spellings
+        self.spelled = (
+            emitter.dialect.grammar.is_respelled
+        )  # whether words may carry letters of other spellings
         self.several = ~(self.first & self.final)
         self.layout()
 
@@ -99,18 +108,24 @@ class Batch:
             thread_words(self)
             self.frames_of_blocks((~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
-        state = replace(self.state, code=self._last_code(), shift=shift, bottom=self.bottom, feed=feed)
+        state = replace(
+            self.state, code=self._last_code(), shift=shift, bottom=self.bottom, feed=feed
+        )
         touched = self.touched.nonzero()[0]
         if len(touched) and not state.marked and self.e.marker:
             at = self.w.text.rfind(b"\n", 0, int(self.w.block_start[self.m.block[touched[0]]])) + 1
-            self.splice.texts([at], [at], [-1], [self.e.marker.encode() + (self.state.newline or b"\n")])
+            self.splice.texts(
+                [at], [at], [-1], [self.e.marker.encode() + (self.state.newline or b"\n")]
+            )
             state = replace(state, marked=True)
         return self.splice.result(), state, len(touched), added
 
     def _shift(self) -> np.ndarray:
         """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last."""
         first = self.state.shift or (0,) * len(self.axes)
-        return np.concatenate([np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1)
+        return np.concatenate(
+            [np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1
+        )
 
     def layout(self) -> None:
         """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,
@@ -136,12 +151,22 @@ class Batch:
         fallback = w.block_stop[m.block]
         if n and not some.all():  # behind the block's last word, before a comment
             last_word = np.searchsorted(w.block, m.block, side="right") - 1
-            fallback = np.where(w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback)
+            fallback = np.where(
+                w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback
+            )
         self.head = np.where(some, w.start[np.minimum(first, n - 1)], fallback) if n else fallback
-        self.at = np.where(some, self.tail(np.minimum(np.maximum(last, 0), n - 1)), fallback) if n else fallback
+        self.at = (
+            np.where(some, self.tail(np.minimum(np.maximum(last, 0), n - 1)), fallback)
+            if n
+            else fallback
+        )
         blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
-        self.spaced = blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
-        self.spaced |= self.e.dialect.grammar.assigns  # G64X=5 would be read as no code and its word
+        self.spaced = (
+            blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
+        )
+        self.spaced |= (
+            self.e.dialect.grammar.assigns
+        )  # G64X=5 would be read as no code and its word
 
     # -- G words -------------------------------------------------------------------------------------------------------
 
@@ -152,21 +177,29 @@ class Batch:
         last_code[last_code == FOREIGN] = -1  # what it leaves in force is the program's own affair
         before = np.empty_like(last_code)
         before[0], before[1:] = self.state.code, last_code[:-1]
-        before = np.where(m.renamed | (before < 0), m.code, before)  # the program named its code anew since
+        before = np.where(
+            m.renamed | (before < 0), m.code, before
+        )  # the program named its code anew since
         explicit, followed = m.code_word >= 0, m.code != FOREIGN
         change = (explicit & (first_code != m.code) & followed).nonzero()[0]
         if len(change):
             word = m.code_word[change]
             self.splice.texts(
-                self.w.number[word], self.w.stop[word], np.zeros(len(word)), [b"%d" % c for c in first_code[change]]
+                self.w.number[word],
+                self.w.stop[word],
+                np.zeros(len(word)),
+                [b"%d" % c for c in first_code[change]],
             )
             self.touched[change] = True
         insert = (~explicit & (first_code != before) & followed).nonzero()[0]
         if len(insert):
             texts = [
-                b"G%d" % c + (b" " if s else b"") for c, s in zip(first_code[insert], self.spaced[insert], strict=True)
+                b"G%d" % c + (b" " if s else b"")
+                for c, s in zip(first_code[insert], self.spaced[insert], strict=True)
             ]
-            self.splice.texts(self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts)
+            self.splice.texts(
+                self.head[insert], self.head[insert], np.full(len(insert), INSERT_CODE), texts
+            )
             self.touched[insert] = True
         # Pieces behind the first name their code when it differs from the piece before.
         code = p.code.astype(np.int64)
@@ -197,7 +230,11 @@ class Batch:
     def _by_letter(self, row: int, motion: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
         word = self.m.word[row, motion]
-        return (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE) if len(self.w.letter) else word >= 0
+        return (
+            (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE)
+            if len(self.w.letter)
+            else word >= 0
+        )
 
     def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""
@@ -210,7 +247,9 @@ class Batch:
         """(K,) as many decimals as new words need: more than the least increment's where the nominal place has more."""
         ticks, scale = self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]]
         for _ in range(MOST_DECIMALS):
-            decimals = decimals + ((ticks % (scale // POWERS[decimals]) != 0) & (decimals < MOST_DECIMALS))
+            decimals = decimals + (
+                (ticks % (scale // POWERS[decimals]) != 0) & (decimals < MOST_DECIMALS)
+            )
         return decimals
 
     def axis_words(self) -> None:
@@ -255,7 +294,9 @@ class Batch:
         decimals = self._enough(row, write, self.decimals(row, motion))
         start = np.where(self.first[write], self.at[motion], self.behind()[motion])
         prefix = np.zeros((len(write), 6 if self.spelled else 2), np.uint8)
-        prefix[:, 0] = np.where(self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0)
+        prefix[:, 0] = np.where(
+            self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0
+        )
         prefix[:, 1] = self._letters(row, letter, motion)
         rank = np.where(self.first[write], INSERT_WORD + row, self.rank(write) + 10 + row)
         place = self._as_place(row, motion)
@@ -270,7 +311,9 @@ class Batch:
         m = self.m
         if not self.spelled:
             return np.zeros(len(motion), bool)
-        place: np.ndarray = m.relative[motion] & (m.word[row, motion] < 0) & ~m.incremental[row, motion]
+        place: np.ndarray = (
+            m.relative[motion] & (m.word[row, motion] < 0) & ~m.incremental[row, motion]
+        )
         return place
 
     def _in_plane(self, row: int, piece: np.ndarray) -> np.ndarray:
@@ -291,10 +334,14 @@ class Batch:
         kept = np.minimum(own, decimals)
         return w.mantissa[word] // 10 ** (own - kept) * POWERS[decimals - kept]
 
-    def _replace(self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray) -> None:
+    def _replace(
+        self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray
+    ) -> None:
         if not where.all():
             word, value, decimals = word[where], value[where], decimals[where]
-        self.splice.numbers(self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals)
+        self.splice.numbers(
+            self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals
+        )
 
     def _letters(self, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
         """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has one."""
@@ -310,7 +357,11 @@ class Batch:
         """(K,) order of pieces behind one block."""
         begin = self.first.nonzero()[0]
         count = np.cumsum(self.first) - 1
-        base = np.where(self.w.block_stop[self.m.block[self.p.motion[piece]]] < len(self.w.text), AFTER, AFTER_END)
+        base = np.where(
+            self.w.block_stop[self.m.block[self.p.motion[piece]]] < len(self.w.text),
+            AFTER,
+            AFTER_END,
+        )
         return base + (piece - begin[count[piece]]) * 1000
 
     def behind(self) -> np.ndarray:
@@ -352,7 +403,10 @@ class Batch:
         cut = np.zeros(w.blocks, bool)
         cut[m.block[self.p.motion[self.several]]] = True
         late = (
-            (w.letter == ord("M")) & cut[w.block] & np.isin(w.mantissa, codes.AFTER_MOTION) & (w.decimals == 0)
+            (w.letter == ord("M"))
+            & cut[w.block]
+            & np.isin(w.mantissa, codes.AFTER_MOTION)
+            & (w.decimals == 0)
         ).nonzero()[0]
         for word in late:
             motion = int(np.searchsorted(m.block, w.block[word]))
@@ -363,7 +417,10 @@ class Batch:
             self.splice.texts([start], [w.stop[word]], [0], [b""])
             at = int(self.behind()[motion])
             self.splice.texts(
-                [at], [at], [int(self.rank(np.array([last]))[0]) + 60], [(b" " if self.spaced[motion] else b"") + text]
+                [at],
+                [at],
+                [int(self.rank(np.array([last]))[0]) + 60],
+                [(b" " if self.spaced[motion] else b"") + text],
             )
 
     def frames_of_blocks(self, added: np.ndarray) -> None:
@@ -374,10 +431,14 @@ class Batch:
         stop, rank, at = w.block_stop[block], self.rank(added), self.behind()[motion]
         end = self.byte[stop]
         marks = [ord(mark) for mark in (";", self.e.dialect.block_end) if mark]
-        line = (stop < len(w.text)) & ~np.isin(end, marks)  # it ends with its line, as nearly all do
+        line = (stop < len(w.text)) & ~np.isin(
+            end, marks
+        )  # it ends with its line, as nearly all do
         returns = (self.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
         skip, code = w.skip[block], np.where(self.names_code[added], p.code[added], -1)
-        lead_of = [(b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)]
+        lead_of = [
+            (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
+        ]
         kind = 2 * code + skip
         for k in sorted(set(kind[line].tolist())):
             which = line & (kind == k)

@@ -9,9 +9,7 @@ ADVICE_EXPRESSION = (
     "variables, expressions, O-words and macro statements run with --expand, which writes them out as plain blocks; "
     "or is it for another control? --dialect"
 )
-ADVICE_POLAR = (
-    "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another control? --dialect"
-)
+ADVICE_POLAR = "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another control? --dialect"
 ADVICE_NO_LANGUAGE = (
     "variables, expressions, O-words and macro statements of this control are not run: let the CAM program write plain "
     "blocks; or is it for another control? --dialect"
@@ -25,7 +23,9 @@ STATEMENT_WORD = re.compile(
     rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>", re.IGNORECASE,
 )  # fmt: skip
-LETTER_O = re.compile(rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)")
+LETTER_O = re.compile(
+    rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)"
+)
 POLAR = re.compile(rb"[@^][ \t]*[-+.0-9]")
 CORNER = re.compile(rb",[ \t]*[RCArca]")
 COMMA = re.compile(rb"[0-9],[0-9]")
@@ -65,7 +65,10 @@ def bare(code: bytes, offset: int) -> tuple[str, str]:
     """A letter without a number."""
     word = STATEMENT_WORD.match(code, offset)
     if word:
-        return f"{word[0].decode('ascii').strip()!r} is a statement, not a plain block", ADVICE_EXPRESSION
+        return (
+            f"{word[0].decode('ascii').strip()!r} is a statement, not a plain block",
+            ADVICE_EXPRESSION,
+        )
     return f"the letter {chr(code[offset])} has no number", advice_at(code, offset)
 
 
@@ -85,7 +88,9 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
     if slash:
         return (
             "'/' is block delete only as the first character of a block, without a number",
-            "put it first, or take it out" if not STATEMENT.search(line_at(code, offset)) else ADVICE_EXPRESSION,
+            "put it first, or take it out"
+            if not STATEMENT.search(line_at(code, offset))
+            else ADVICE_EXPRESSION,
         )
     if in_number:
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
@@ -99,13 +104,22 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
     if character == ")":
         return "')' closes a comment that was not opened", "open it with '(' or take it out"
     if text[:3] == b"\xef\xbb\xbf" and offset < 3:
-        return "the program begins with a byte order mark (UTF-8)", "save it as plain ASCII, or UTF-8 without the mark"
+        return (
+            "the program begins with a byte order mark (UTF-8)",
+            "save it as plain ASCII, or UTF-8 without the mark",
+        )
     if (text[:2] in (b"\xff\xfe", b"\xfe\xff") and offset < 4) or (
         b"\0" in text[offset : offset + 2] and text[1::2][:8].count(0) > 6
     ):
         return "the program is stored as UTF-16, two bytes a character", "save it as plain ASCII"
     if byte < 32:
-        return f"byte {byte} is not text: this looks like a binary file", "give the NC program itself"
+        return (
+            f"byte {byte} is not text: this looks like a binary file",
+            "give the NC program itself",
+        )
     if byte > 126:
-        return f"byte {text[offset]} is not ASCII", "outside comments a program is plain ASCII; save it as such"
+        return (
+            f"byte {text[offset]} is not ASCII",
+            "outside comments a program is plain ASCII; save it as such",
+        )
     return f"{character!r} is not part of a plain NC block", advice_at(code, offset)

@@ -55,7 +55,9 @@ def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
     m = b.m
     if not (rows[1] or rows[2]):
         return np.zeros(len(m), bool)
-    moves = (m.target != m.start)[rows[1] + rows[2]].any(axis=0) & (m.start_known & m.target_known).all(axis=0)
+    moves = (m.target != m.start)[rows[1] + rows[2]].any(axis=0) & (
+        m.start_known & m.target_known
+    ).all(axis=0)
     return moves & (m.code == FEED) & ~m.inverse & b.p.corrected[b.first]
 
 
@@ -67,7 +69,12 @@ def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     motion = p.motion[which]
     nominal, kind = _along(b, rows, m.start[:, motion], m.target[:, motion], motion)
     written, now = _along(b, rows, p.start[:, which], p.end[:, which], motion)
-    ratio = np.divide(written, nominal * p.share[which], out=np.ones(len(which)), where=(nominal > 0) & (written > 0))
+    ratio = np.divide(
+        written,
+        nominal * p.share[which],
+        out=np.ones(len(which)),
+        where=(nominal > 0) & (written > 0),
+    )
     other = (kind != now) | (np.abs(ratio - 1.0) > SAME)
     for k in (other & ~(m.feed[motion] > 0)).nonzero()[0][:1]:
         raise BlockFault(
@@ -82,8 +89,12 @@ def _along(b: Batch, rows: list[list[int]], start: np.ndarray, end: np.ndarray, 
     """(K,) the way that F is along, in mm, inches or degrees, and (K,) which of GROUPS that is."""
     linear = rows[0] + rows[1]
     inch = (b.m.scale[linear][:, motion] % TICKS_PER_INCH == 0).any(axis=0)
-    unit = np.stack([np.where(inch, TICKS_PER_INCH, TICKS_PER_MM)] * 2 + [np.full(len(motion), TICKS_PER_MM)])
-    ways = np.stack([np.sqrt((((end - start)[group] / TICKS_PER_MM) ** 2).sum(axis=0)) for group in rows])
+    unit = np.stack(
+        [np.where(inch, TICKS_PER_INCH, TICKS_PER_MM)] * 2 + [np.full(len(motion), TICKS_PER_MM)]
+    )
+    ways = np.stack(
+        [np.sqrt((((end - start)[group] / TICKS_PER_MM) ** 2).sum(axis=0)) for group in rows]
+    )
     kind = np.argmax(ways > 0, axis=0)
     own = (kind, np.arange(len(motion)))
     return ways[own] * (TICKS_PER_MM / unit[own]), kind
@@ -91,10 +102,17 @@ def _along(b: Batch, rows: list[list[int]], start: np.ndarray, end: np.ndarray, 
 
 def _write(b: Batch, i: int, k: int, value: float) -> None:
     """F into piece k of motion i."""
-    word, number = b.m.feed_word[i], np.format_float_positional(value, 7, fractional=False, trim="-").encode()
+    word, number = (
+        b.m.feed_word[i],
+        np.format_float_positional(value, 7, fractional=False, trim="-").encode(),
+    )
     if b.first[k] and word >= 0:
         b.splice.texts([b.w.number[word]], [b.w.stop[word]], [0], [number])
     else:
-        at, rank = (b.at[i], INSERT_WORD + 50) if b.first[k] else (b.behind()[i], b.rank(np.array([k]))[0] + 50)
+        at, rank = (
+            (b.at[i], INSERT_WORD + 50)
+            if b.first[k]
+            else (b.behind()[i], b.rank(np.array([k]))[0] + 50)
+        )
         b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[i] else b"F") + number])
     b.touched[i] = True

@@ -54,7 +54,12 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         length_by(b, letter, int(number_of(b, letter) or 0))
     elif letter == "D" and number_of(b, "T") is not None:
         length_by(b, letter, 1 if number_of(b, "T") else 0)  # a new tool comes with its first edge
-    if b.dialect.extended_by_p and "work offset" in b.given and b.given["work offset"][0] == 540 and b.live[0]:
+    if (
+        b.dialect.extended_by_p
+        and "work offset" in b.given
+        and b.given["work offset"][0] == 540
+        and b.live[0]
+    ):
         if number_of(b, "P"):
             _extended(b, axis_words, "G54")
         else:  # a plain G54 takes the additional one back
@@ -92,7 +97,9 @@ def _set(b: Batch, axis_words, word: str) -> None:
             f"say where it stands before the program, mm, radius, machine coordinates: --start "
             f"{','.join(x + '0' for x in missing)}",
         )
-    b.frame = with_known(replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason)
+    b.frame = with_known(
+        replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason
+    )
     note_presets(b, axis_words, [x for x, (_, is_inc) in values.items() if not is_inc])
 
 
@@ -116,7 +123,9 @@ def _local(b: Batch, axis_words, word: str) -> None:
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
     if b.dialect.local_is_preset:
         base = b.frame.preset if b.frame.preset_on else np.zeros_like(b.frame.preset)
-        b.frame = with_known(replace(b.frame, preset=changed(base, values), preset_on=True), "preset")
+        b.frame = with_known(
+            replace(b.frame, preset=changed(base, values), preset_on=True), "preset"
+        )
     else:
         b.frame = replace(b.frame, local=changed(b.frame.local, values))
 
@@ -126,7 +135,9 @@ def _data(b: Batch, axis_words, word: str) -> None:
     additional work offset), L1 L10 L11 a tool's."""
     line, number = number_of(b, "L"), number_of(b, "P")
     values = values_of(b, axis_words)
-    if not values and (number_of(b, "R") is None or b.dialect.carried):  # G10 P0 S200 R150: temperatures of a tool
+    if not values and (
+        number_of(b, "R") is None or b.dialect.carried
+    ):  # G10 P0 S200 R150: temperatures of a tool
         return
     if line is None and b.dialect.tool_offsets and number is not None:
         line = 10.0
@@ -149,7 +160,9 @@ def _data(b: Batch, axis_words, word: str) -> None:
     else:
         name = WORK_OF_P[p] if p < len(WORK_OF_P) else ""
     if not name:
-        b.frame = with_known(b.frame, "data", (f"G10 P{p} names no work offset", "P1 is G54, P2 is G55 and so on"))
+        b.frame = with_known(
+            b.frame, "data", (f"G10 P{p} names no work offset", "P1 is G54, P2 is G55 and so on")
+        )
         return
     if number_of(b, "R") is not None and not b.dialect.tool_offsets and not b.dialect.extended_by_p:
         b.frame = with_known(b.frame, "data", ("G10 R turns the coordinates", EXPAND))
@@ -157,7 +170,9 @@ def _data(b: Batch, axis_words, word: str) -> None:
     old = stated(b, name)
     reason = None
     place = dict(old or {})
-    incremental = b.dialect.extended_by_p and int(np.broadcast_to(b.held("distance"), b.n)[0]) == 910
+    incremental = (
+        b.dialect.extended_by_p and int(np.broadcast_to(b.held("distance"), b.n)[0]) == 910
+    )
     for letter, (value, is_inc) in values.items():
         row = b.rows[letter]
         if by_place:
@@ -183,7 +198,10 @@ def _turned(b: Batch, axis_words, word: str) -> None:
     if bare:
         reason = None
     else:
-        reason = (f"{word} turns, scales or mirrors the coordinates", b.dialect.by_number[code_number(word)].refuses)
+        reason = (
+            f"{word} turns, scales or mirrors the coordinates",
+            b.dialect.by_number[code_number(word)].refuses,
+        )
     if word in ("ROT", "SCALE", "MIRROR", "ROTS"):
         b.frame = replace(b.frame, trans=np.zeros_like(b.frame.trans))
     b.frame = with_known(b.frame, "turned", reason)
@@ -213,14 +231,20 @@ def _numbered(b: Batch, axis_words, word: str) -> None:
     if number is None or number == 6:
         b.frame = with_known(b.frame, "numbered")
         return
-    reason = f"G59 P{number:g} is one of the control's further work offsets", "write the program in G54 to G59"
+    reason = (
+        f"G59 P{number:g} is one of the control's further work offsets",
+        "write the program in G54 to G59",
+    )
     b.frame = with_known(b.frame, "numbered", reason)
 
 
 def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
     """TRANS: the shift is replaced, of axes that are not named by none; ATRANS adds."""
     start = b.frame.trans if add else np.zeros_like(b.frame.trans)
-    values = {b.rows[x]: int(start[b.rows[x]]) + value for x, (value, _) in values_of(b, axis_words).items()}
+    values = {
+        b.rows[x]: int(start[b.rows[x]]) + value
+        for x, (value, _) in values_of(b, axis_words).items()
+    }
     trans = changed(start, values)
     due = b.frame.due + trans - b.frame.trans if b.dialect.increments_travel_shifts else b.frame.due
     frame = replace(b.frame, trans=trans, due=due)

@@ -22,7 +22,9 @@ from postproc.units import TICKS_PER_MM
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
-WITHOUT_R = "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
+WITHOUT_R = (
+    "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
+)
 BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing writes it out
 
 
@@ -51,7 +53,9 @@ def _way_out(b: Batch) -> str:
     return WRITE_OUT if b.dialect.holes_written_out else BY_CAM
 
 
-def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> InCycle | None:
+def in_cycle(
+    b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
+) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
     if not mask.any():
@@ -65,11 +69,15 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
         letter = ACROSS.get(int(planes[0]), "")
     if (planes != planes[0]).any() or letter not in b.rows:
         b.blame(
-            mask.nonzero()[0], f"a canned cycle across {letter or 'a plane'}, which can not be followed", _way_out(b)
+            mask.nonzero()[0],
+            f"a canned cycle across {letter or 'a plane'}, which can not be followed",
+            _way_out(b),
         )
         return None
     row = b.rows[letter]
-    cycle = b.state.cycle or Cycle(initial=int(b.state.position[row]), known=bool(b.state.known[row]))
+    cycle = b.state.cycle or Cycle(
+        initial=int(b.state.position[row]), known=bool(b.state.known[row])
+    )
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
     if b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any():
         return _there_and_back(b, mask, motion, letter, cycle, absolute, axis_words)
@@ -91,7 +99,10 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
     if of_lathe:
         level, has_level = np.where(has_level, level, cycle.initial), np.ones(b.n, bool)
     elif b.dialect.hole_from_start and not has_level.all():
-        level, has_level = _from_start(b, mask & drills, level, has_level, cycle), np.ones(b.n, bool)
+        level, has_level = (
+            _from_start(b, mask & drills, level, has_level, cycle),
+            np.ones(b.n, bool),
+        )
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
     _repeats(b, mask, drills)
@@ -124,7 +135,13 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarra
 
 
 def _there_and_back(
-    b: Batch, mask: np.ndarray, motion: np.ndarray, letter: str, cycle: Cycle, absolute: np.ndarray, axis_words
+    b: Batch,
+    mask: np.ndarray,
+    motion: np.ndarray,
+    letter: str,
+    cycle: Cycle,
+    absolute: np.ndarray,
+    axis_words,
 ) -> InCycle:
     """G33.1: in step with the spindle from where the axes stand to the words, and back there (LinuxCNC as measured)."""
     row = b.rows[letter]
@@ -136,13 +153,17 @@ def _there_and_back(
     for other in (x for x in b.rows if x != letter):
         named = np.isin(holes, b.words.block[axis_words[other][0]])
         b.blame(
-            holes[named], f"a rigid tap with a word of {other}", f"go to its place before it: G33.1 with {letter} alone"
+            holes[named],
+            f"a rigid tap with a word of {other}",
+            f"go to its place before it: G33.1 with {letter} alone",
         )
     level = np.full(b.n, cycle.initial, np.int64)
     zero = np.where(absolute, np.broadcast_to(b.offset[row], b.n), level)
     scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
     bottom = level.copy()
-    bottom[b.words.block[place]] = b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
+    bottom[b.words.block[place]] = (
+        b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
+    )
     return InCycle(
         letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes], level=level[holes],
         zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool), code=motion[holes], known=cycle.known, after=None,
@@ -161,7 +182,9 @@ def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carr
     return np.where(last >= 0, own[np.maximum(last, 0)], value), (last >= 0) | (carry is not None)
 
 
-def _from_start(b: Batch, drills: np.ndarray, level: np.ndarray, has_level: np.ndarray, cycle: Cycle) -> np.ndarray:
+def _from_start(
+    b: Batch, drills: np.ndarray, level: np.ndarray, has_level: np.ndarray, cycle: Cycle
+) -> np.ndarray:
     """(B,) ticks of R level, which is the initial level where no R was ever given. That is told."""
     without = (drills & ~has_level).nonzero()[0]
     if len(without):
@@ -183,10 +206,20 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:
 
 
 def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:
-    b.blame(holes[~has_level[holes]], "a canned cycle without R", "write R, the level from which it drills")
-    b.blame(holes[~has_bottom[holes]], f"a canned cycle without {letter}", f"write {letter}, the bottom of the hole")
     b.blame(
-        holes[(bottom > level)[holes]], f"a hole whose bottom lies beyond R, against the sense of {letter}", WRITE_OUT
+        holes[~has_level[holes]],
+        "a canned cycle without R",
+        "write R, the level from which it drills",
+    )
+    b.blame(
+        holes[~has_bottom[holes]],
+        f"a canned cycle without {letter}",
+        f"write {letter}, the bottom of the hole",
+    )
+    b.blame(
+        holes[(bottom > level)[holes]],
+        f"a hole whose bottom lies beyond R, against the sense of {letter}",
+        WRITE_OUT,
     )
 
 

@@ -60,7 +60,9 @@ class Interpreter:
         self.dialect, self.setup = dialect, setup
         self.rows = {letter: i for i, letter in enumerate(setup.axes)}
         self.increment_rows = {
-            u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows and u not in self.rows
+            u: self.rows[x]
+            for u, x in dialect.increments.items()
+            if x in self.rows and u not in self.rows
         }
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
         self.letters = (
@@ -74,7 +76,8 @@ class Interpreter:
 
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [
-            (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x))) for x, row in self.rows.items()
+            (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))
+            for x, row in self.rows.items()
         ]
 
     def initial(self) -> ModalState:
@@ -87,7 +90,9 @@ class Interpreter:
         modal["motion"] = self.dialect.motion
         if "return" in modal:
             modal["return"] = self.dialect.returns
-        modal["work offset"] = 540 if "G54" in setup.offsets and 540 in self.dialect.by_number else NONE
+        modal["work offset"] = (
+            540 if "G54" in setup.offsets and 540 in self.dialect.by_number else NONE
+        )
         start, known = self.stands()
         frame = self._first_frame()
         position, known = retold(setup.kinematics, start, known, (None, frame))
@@ -97,7 +102,9 @@ class Interpreter:
         """(A,) ticks, where the slides stand before the first block, and whether that is known."""
         stands = {**self.setup.home, **self.setup.start} if self.dialect.homes else self.setup.start
         start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
-        return np.array(start, np.int64), np.array([x in stands or x in self.dialect.carried for x in self.setup.axes])
+        return np.array(start, np.int64), np.array(
+            [x in stands or x in self.dialect.carried for x in self.setup.axes]
+        )
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""
@@ -136,12 +143,20 @@ class Interpreter:
             return [0, words.blocks]
         tools: list[int] = []
         if switches:
-            switch = (words.letter == ord("M")) & np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
+            switch = (
+                (words.letter == ord("M"))
+                & np.isin(words.mantissa, list(switches))
+                & (words.decimals == 0)
+            )
             tools = words.block[switch].tolist()
         if self.dialect.length_letter != "H":
-            tools += words.block[np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])].tolist()
+            tools += words.block[
+                np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])
+            ].tolist()
         number = written_codes(words, place)
-        begins = words.block[place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]].tolist()
+        begins = words.block[
+            place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
+        ].tolist()
         return sorted({0, words.blocks, *begins, *tools})
 
 
@@ -154,7 +169,10 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         b.read_homing()
     if b.integers == "least increments":
         count_increments(b)
-    axis_words = {x: (b.one_of(*absolute), b.one_of(*relative)) for x, absolute, relative in b.interpreter.spellings}
+    axis_words = {
+        x: (b.one_of(*absolute), b.one_of(*relative))
+        for x, absolute, relative in b.interpreter.spellings
+    }
     for pair in axis_words.values():
         for place in pair:
             if len(place):
@@ -195,7 +213,11 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         turning = np.zeros(b.n, bool)
         turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
         both = b.single[40]
-        b.blame(both[turning[both] & moving[both]], "G4 and an arc in one block", "write them in blocks of their own")
+        b.blame(
+            both[turning[both] & moving[both]],
+            "G4 and an arc in one block",
+            "write them in blocks of their own",
+        )
     if b.dialect.one_command:
         single_commands(b)
     if b.dialect.letters:
@@ -258,7 +280,11 @@ def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]])
 
 
 def columns(
-    b: Batch, block: np.ndarray, motion: np.ndarray, places: Places, centre_words: dict[str, np.ndarray]
+    b: Batch,
+    block: np.ndarray,
+    motion: np.ndarray,
+    places: Places,
+    centre_words: dict[str, np.ndarray],
 ) -> Motions:
     """Gather the columns of the moving blocks, and the arcs among them."""
     n = b.n
@@ -275,7 +301,9 @@ def columns(
     if len(feed_place) or untold is not None:
         feed.fill(np.nan)
         feed[b.words.block[feed_place]] = b.numbers(feed_place)
-        feed[b.words.block[untold] if untold is not None else []] = 0.0  # a value that only the machine knows
+        feed[b.words.block[untold] if untold is not None else []] = (
+            0.0  # a value that only the machine knows
+        )
         feed_word[b.words.block[feed_place]] = feed_place
         feed = hold_last_float(feed, b.state.feed)
         b.feed = float(feed[-1])
@@ -300,9 +328,15 @@ def columns(
         if untold is not None:
             told = inverse & np.isin(block, b.words.block[untold])
             b.blame(
-                block[told], "G93 and an F whose value only the machine knows", "write the number of every F, or G94"
+                block[told],
+                "G93 and an F whose value only the machine knows",
+                "write the number of every F, or G94",
             )
-        b.blame(block[slow], "G93 and no F in the block", "inverse time needs an F word in every block that feeds")
+        b.blame(
+            block[slow],
+            "G93 and no F in the block",
+            "inverse time needs an F word in every block that feeds",
+        )
     alone = b.machine[block]
     circle = Circle(
         block=block, code=code, plane=spread(b.held("plane"), n)[block],

@@ -25,7 +25,9 @@ def inverse_time(b: Batch) -> None:
             b.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
         else:
             at, rank = (
-                (b.at[motion], INSERT_WORD + 50) if b.first[i] else (b.behind()[motion], b.rank(np.array([i]))[0] + 50)
+                (b.at[motion], INSERT_WORD + 50)
+                if b.first[i]
+                else (b.behind()[motion], b.rank(np.array([i]))[0] + 50)
             )
             b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[motion] else b"F") + text])
 
@@ -35,7 +37,11 @@ def _take_up_share(b: Batch, i: int) -> float:
     p = b.p
     own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
     same = (p.motion == p.motion[i]).nonzero()[0]
-    whole = sum(np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float)) for j in same if not p.take_up[j])
+    whole = sum(
+        np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float))
+        for j in same
+        if not p.take_up[j]
+    )
     return float(own / whole) if whole else 1.0
 
 

@@ -24,7 +24,5 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
         mask &= b.has_axis
         if mask.any():
             b.taken |= mask
-            said = (
-                f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread is cut uncorrected"
-            )
+            said = f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread is cut uncorrected"
             b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[mask.argmax()])))

@@ -43,7 +43,9 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
         note_presets(b, axis_words, values)
     for letter, (value, _) in values.items():
         row = b.rows[letter]
-        if line in (10, 11) and not b.dialect.extended_by_p:  # so that the axis stands at this coordinate
+        if (
+            line in (10, 11) and not b.dialect.extended_by_p
+        ):  # so that the axis stands at this coordinate
             if line == 10:
                 base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
             else:  # in G59.3, without G92
@@ -139,7 +141,9 @@ def length_words(b: Batch, axis_words, word: str) -> None:
     if _units_changed(b):
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
-    b.frame = with_known(replace(b.frame, length=changed(b.frame.length, values), length_units=units), "length")
+    b.frame = with_known(
+        replace(b.frame, length=changed(b.frame.length, values), length_units=units), "length"
+    )
 
 
 def no_length(b: Batch, axis_words, word: str) -> None:

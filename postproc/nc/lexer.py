@@ -27,7 +27,9 @@ LONGEST_NUMBER = 18  # digits that fit an int64
 THREE_ENDS = np.full(3, END, np.uint8)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
 # Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their count.
-LOW_NIBBLES, PAIRS, FOURS = map(np.uint64, (0x0F0F0F0F0F0F0F0F, 0x00FF00FF00FF00FF, 0x0000FFFF0000FFFF))
+LOW_NIBBLES, PAIRS, FOURS = map(
+    np.uint64, (0x0F0F0F0F0F0F0F0F, 0x00FF00FF00FF00FF, 0x0000FFFF0000FFFF)
+)
 TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
 EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
 SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
@@ -66,7 +68,14 @@ class Grammar(NamedTuple):
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         return (
-            bool(self.keywords or self.spellings or self.ignores or self.bare_letters or self.macros or self.homing)
+            bool(
+                self.keywords
+                or self.spellings
+                or self.ignores
+                or self.bare_letters
+                or self.macros
+                or self.homing
+            )
             or self.assigns
             or self.checksums
         )
@@ -141,7 +150,10 @@ class Words:
             name: getattr(self, name)[low:high]
             for name in ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
         }
-        blocks = {name: getattr(self, name)[first:stop] for name in ("block_start", "block_stop", "line", "skip")}
+        blocks = {
+            name: getattr(self, name)[first:stop]
+            for name in ("block_start", "block_stop", "line", "skip")
+        }
         return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=None)
 
     def before(self, block: int, fault: BlockFault | None = None) -> Words:
@@ -149,9 +161,21 @@ class Words:
         n = int(np.searchsorted(self.block, block))
         words = {
             name: getattr(self, name)[:n]
-            for name in ("letter", "mantissa", "decimals", "pointed", "block", "start", "number", "stop")
+            for name in (
+                "letter",
+                "mantissa",
+                "decimals",
+                "pointed",
+                "block",
+                "start",
+                "number",
+                "stop",
+            )
         }
-        blocks = {name: getattr(self, name)[:block] for name in ("block_start", "block_stop", "line", "skip")}
+        blocks = {
+            name: getattr(self, name)[:block]
+            for name in ("block_start", "block_stop", "line", "skip")
+        }
         return replace(self, **words, **blocks, fault=fault)
 
 
@@ -159,7 +183,15 @@ class Words:
 def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     """The class of each of the 256 bytes, for bytes.translate."""
     table = bytearray([OTHER]) * 256
-    classes = {BLANK: b" \t\r", DIGIT: b"0123456789", SIGN: b"+-", POINT: b".", SLASH: b"/", PERCENT: b"%", END: b"\n"}
+    classes = {
+        BLANK: b" \t\r",
+        DIGIT: b"0123456789",
+        SIGN: b"+-",
+        POINT: b".",
+        SLASH: b"/",
+        PERCENT: b"%",
+        END: b"\n",
+    }
     classes[LETTER] = bytes(range(ord("A"), ord("Z") + 1)) + bytes(range(ord("a"), ord("z") + 1))
     if semicolon == "end of block":
         classes[END] += b";"
@@ -196,7 +228,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if not code.endswith(b"\n"):
         code += b"\n"
     byte = np.frombuffer(code, dtype=np.uint8)
-    kind = np.frombuffer(code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8)
+    kind = np.frombuffer(
+        code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8
+    )
     at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
     if len(at) < len(kind):
         kind, byte = kind[at], byte[at]
@@ -243,7 +277,18 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     wrong = (digits < 1) | (digits > LONGEST_NUMBER)
     if not used.all() or wrong.any() or (first_kind == DIGIT).any():
         fault, tape = _first_fault(
-            text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
+            text,
+            code,
+            at,
+            kind,
+            mark,
+            mark_kind,
+            used,
+            block_of_mark,
+            first,
+            block,
+            digits,
+            block_first,
         )
     else:
         tape = -1
@@ -300,7 +345,11 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     value = _digits(eight, begin, whole) * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
     value += _digits(eight, begin + whole + pointed, decimals)
     for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
-        text = byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]].tobytes().replace(b".", b"")
+        text = (
+            byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]]
+            .tobytes()
+            .replace(b".", b"")
+        )
         value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
 
@@ -314,7 +363,9 @@ def _digits(eight, begin, count):
     return np.where(count > 0, value.astype(np.int64), 0)
 
 
-def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first):
+def _first_fault(
+    text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
+):
     """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1: none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
     tape = -1
@@ -324,7 +375,13 @@ def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, fir
             if tape < 0:
                 tape = offset
             continue
-        faults.append((offset, number, *what(text, code, offset, mark_kind[i] == SLASH, mark_kind[i] in (SIGN, POINT))))
+        faults.append(
+            (
+                offset,
+                number,
+                *what(text, code, offset, mark_kind[i] == SLASH, mark_kind[i] in (SIGN, POINT)),
+            )
+        )
         break
     for i in (digits < 1).nonzero()[0][:1]:
         offset = int(at[mark[first[i]]])
@@ -332,7 +389,12 @@ def _first_fault(text, code, at, kind, mark, mark_kind, used, block_of_mark, fir
     for i in (digits > LONGEST_NUMBER).nonzero()[0][:1]:
         offset = int(at[mark[first[i]]])
         faults.append(
-            (offset, int(block[i]), f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})", ADVICE_NUMBER)
+            (
+                offset,
+                int(block[i]),
+                f"the number has {int(digits[i])} digits (limit {LONGEST_NUMBER})",
+                ADVICE_NUMBER,
+            )
         )
     for i in (kind[block_first] == DIGIT).nonzero()[0][:1]:
         offset = int(at[block_first[i]])

@@ -8,7 +8,9 @@ MOST_DECIMALS = 9
 INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
 
-_FOUR = np.frombuffer("".join(f"{i:04d}" for i in range(10000)).encode(), np.uint8).reshape(10000, 4)
+_FOUR = np.frombuffer("".join(f"{i:04d}" for i in range(10000)).encode(), np.uint8).reshape(
+    10000, 4
+)
 
 
 def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -42,7 +44,9 @@ def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.n
     return cell, begin
 
 
-def counts(ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
+def counts(
+    ticks: np.ndarray, scale: np.ndarray, decimals: np.ndarray, unit: np.ndarray | None = None
+) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
     unit = scale if unit is None else unit
     if len(ticks) and (unit == unit[0]).all() and (decimals == decimals[0]).all():

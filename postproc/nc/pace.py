@@ -85,7 +85,9 @@ def dwells(words: Words) -> list[int]:
 
 def live(words: Words, dialect: Dialect) -> int:
     """The block behind which nothing is read."""
-    m = np.flatnonzero((words.letter == ord("M")) & np.isin(words.mantissa, dialect.ends) & (words.decimals == 0))
+    m = np.flatnonzero(
+        (words.letter == ord("M")) & np.isin(words.mantissa, dialect.ends) & (words.decimals == 0)
+    )
     return int(words.block[m[0]]) if len(m) else words.blocks
 
 
@@ -103,7 +105,8 @@ def seconds(words: Words, block: int, dialect: Dialect) -> float:
         if letter in units:
             value = float(words.mantissa[k]) / 10.0 ** float(words.decimals[k]) * units[letter]
             if not words.pointed[k] and (
-                dialect.name.startswith("haas") or (letter in "XU" and dialect.integers == "least increments")
+                dialect.name.startswith("haas")
+                or (letter in "XU" and dialect.integers == "least increments")
             ):
                 value *= 1e-3
             return value

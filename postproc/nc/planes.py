@@ -42,13 +42,17 @@ def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
     return result
 
 
-def tilt(b: Batch, word: str, turn: np.ndarray, zero: np.ndarray, reason: tuple[str, str] | None) -> None:
+def tilt(
+    b: Batch, word: str, turn: np.ndarray, zero: np.ndarray, reason: tuple[str, str] | None
+) -> None:
     """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work offset's."""
     kinematics = b.setup.kinematics
     if kinematics is None or kinematics.lacking or any(x not in b.rows for x in "XYZ"):
         lacking = kinematics.lacking if kinematics is not None else None
         why = lacking or ("the machine has no rotary axes", "choose the right --machine")
-        b.frame = with_known(b.frame, PLANE, (f"{word} (tilted plane) is in force, and {why[0]}", why[1]))
+        b.frame = with_known(
+            b.frame, PLANE, (f"{word} (tilted plane) is in force, and {why[0]}", why[1])
+        )
         return
     lost = [x for x in kinematics.carrying if not b.state.known[b.rows[x]]]
     away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
@@ -93,9 +97,16 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     rotary = [b.rows[x] for x in kinematics.rotary]
     there = np.rint(np.array(found[0])[rotary] * TICKS_PER_MM).astype(np.int64)
     moved = (there != position[rotary]).any() or not known
-    others = [f for f in found if (np.abs(np.mod(f - found[0] + 180.0, 360.0) - 180.0)[rotary] > 0.001).any()]
+    others = [
+        f
+        for f in found
+        if (np.abs(np.mod(f - found[0] + 180.0, 360.0) - 180.0)[rotary] > 0.001).any()
+    ]
     if others and moved:
-        ways = [" ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary) for f in (found[0], others[0])]
+        ways = [
+            " ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary)
+            for f in (found[0], others[0])
+        ]
         said = f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to {ways[1]}, write the rotary axes before it"
         b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
     if moved:
@@ -116,7 +127,9 @@ def _slides(b: Batch, position: np.ndarray):
     known = b.state.known.copy()
     xyz = list(kinematics.linear)
     all_known = known[list(kinematics.needs)].all()
-    slides = kinematics.convert(position / TICKS_PER_MM, told, (None, told[1])) if all_known else None
+    slides = (
+        kinematics.convert(position / TICKS_PER_MM, told, (None, told[1])) if all_known else None
+    )
     known[[b.rows[x] for x in kinematics.rotary]] = True
 
     def turned(after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -140,7 +153,11 @@ def refuse_planes(b: Batch, axis_words) -> None:
         return
     every = np.arange(b.n)
     if "work offset" in b.given:
-        lost(b, np.flatnonzero(b.given["work offset"] >= 0), "a work offset called while a tilted plane is in force")
+        lost(
+            b,
+            np.flatnonzero(b.given["work offset"] >= 0),
+            "a work offset called while a tilted plane is in force",
+        )
     if frame.tip is not None:
         return
     turning = np.concatenate(
@@ -153,7 +170,10 @@ def refuse_planes(b: Batch, axis_words) -> None:
     if not b.state.known[rotary].all() or not b.state.position[rotary].any():
         return
     across = kinematics.tool_axis(b.state.position / TICKS_PER_MM)
-    if np.linalg.norm(np.cross(across, frame.plane.matrix[:, 2])) > STANDS or across @ frame.plane.matrix[:, 2] < 0:
+    if (
+        np.linalg.norm(np.cross(across, frame.plane.matrix[:, 2])) > STANDS
+        or across @ frame.plane.matrix[:, 2] < 0
+    ):
         b.blame(
             every,
             "the tool does not stand across the tilted plane",

@@ -36,7 +36,9 @@ class Places:
     end_known: np.ndarray
 
 
-def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Places:
+def position(
+    b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
+) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
     w, n = b.words, b.n
     shape = (len(b.rows), len(block))
@@ -49,7 +51,11 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
     taken, machine = b.taken, b.machine
     forget = b.loses | b.foreign
     any_taken, any_machine, forgets = taken.any(), machine.any(), forget.any()
-    distance_held, carried_held, inch = b.held("distance"), b.held("carried"), b.held("units") == 200
+    distance_held, carried_held, inch = (
+        b.held("distance"),
+        b.held("carried"),
+        b.held("units") == 200,
+    )
     spelled = b.dialect.grammar.is_respelled
     sends = 280 in b.single or 300 in b.single
     for letter, row in b.rows.items():
@@ -59,7 +65,9 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
             distance = np.where(distance_held == 910, 910, carried_held)
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
-        least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (inch if letter in LINEAR else 0)
+        least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (
+            inch if letter in LINEAR else 0
+        )
         scale, grid = scale // half, grid // half
         offset = b.offset[row]
         if any_machine:
@@ -102,7 +110,9 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
                 run = moved.cumsum()
                 here, set_to = by[~is_inc], value[~is_inc]
             base = np.zeros(n, np.int64)
-            base[here] = set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
+            base[here] = (
+                set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
+            )
             named[here] = True
             if cycle:
                 holes = cycle.blocks
@@ -148,7 +158,10 @@ def position(b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray
         p.scale[row] = at(scale, block)
         p.origin[row] = at(offset, block)
         if n:
-            p.end_position[row], p.end_known[row] = position[-1], True if known is None else known[-1]
+            p.end_position[row], p.end_known[row] = (
+                position[-1],
+                True if known is None else known[-1],
+            )
     return p
 
 
@@ -182,7 +195,9 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
     return position, named, drop, away
 
 
-def _taken_along(b: Batch, letter: str, place: int | None, position: np.ndarray, drop: np.ndarray) -> np.ndarray:
+def _taken_along(
+    b: Batch, letter: str, place: int | None, position: np.ndarray, drop: np.ndarray
+) -> np.ndarray:
     """(B,) lost places, with those of an axis that homing Z alone may take along; one that is at home stays there."""
     own, z = np.zeros(b.n, bool), np.zeros(b.n, bool)
     _reference(b, 280, letter, own)
@@ -203,7 +218,9 @@ def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool
     p.end_sent[row] = count[-1] > seen[-1]
 
 
-def _due(b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray) -> np.ndarray:
+def _due(
+    b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
+) -> np.ndarray:
     """Values with the shift that the first increment after TRANS travels too, as this control does unless it is set
     otherwise; what that setting is nobody knows here, so no correction may depend on it."""
     due = int(b.frame.due[row])

@@ -22,14 +22,21 @@ COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*")
 CODE = re.compile(r"(?<![A-Z0-9_$#<.\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
 EXTRUDES = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?G0?[01]\b[^\n]*(?<![A-Z0-9._])E-?\.?\d", re.MULTILINE)
 BLOCK_ENDS = re.compile(r";[ \t\r]*$", re.MULTILINE)
-REMARK = re.compile(r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t]*;[ \t]*\S", re.MULTILINE)
+REMARK = re.compile(
+    r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t]*;[ \t]*\S", re.MULTILINE
+)
 ROUND = re.compile(r"(?:^|[ \t])\([^()\n]*[A-Z][^()\n]*\)", re.MULTILINE)
 BARE = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?[XYZ][ \t]*[-+]?\.?\d", re.MULTILINE)
 ACROSS = re.compile(r"(?<![A-Z0-9_])Y[ \t]*[-+]?\.?\d|(?<=\d|\.)Y[ \t]*[-+]?\.?\d")
 # What is left of the last word that a pattern found: of X=IC(5) behind X=I, of P200 behind P2.
 ASSIGNED, VALUE = re.compile(r"=[ \t]*[^\s=]?\Z"), re.compile(r"[-+A-Z0-9.]*(?:\([^()\n]*\))?")
-NUMBER = re.compile(r"(?<=[A-Z])[ \t]*[-+]?[0-9][0-9.]*|(?<=[A-Z])[ \t]*[-+]?\.[0-9]+|(?<=[0-9.])[0-9.]+")
-FEW, MOST_NAMED = 2, 5  # M codes that a machine's builder may have added; unknown ones that are named
+NUMBER = re.compile(
+    r"(?<=[A-Z])[ \t]*[-+]?[0-9][0-9.]*|(?<=[A-Z])[ \t]*[-+]?\.[0-9]+|(?<=[0-9.])[0-9.]+"
+)
+FEW, MOST_NAMED = (
+    2,
+    5,
+)  # M codes that a machine's builder may have added; unknown ones that are named
 MANY = 0.5  # share of lines that end in ; where it is the end of a block
 
 
@@ -92,11 +99,19 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
         found.append((len(evidence) - len(list(against(shown, dialect))), name, evidence))
     best = max(score for score, _, _ in found)
     winners = [(name, evidence) for score, name, evidence in found if score == best]
-    if best <= 0 and not any(evidence for _, evidence in winners) and not (shown.codes["G"] or shown.codes["M"]):
+    if (
+        best <= 0
+        and not any(evidence for _, evidence in winners)
+        and not (shown.codes["G"] or shown.codes["M"])
+    ):
         return []
     winners.sort(key=lambda row: (-len(row[1]), row[0]))
     most = len(winners[0][1])
-    others = [(score, name, evidence) for score, name, evidence in found if 0 < score < best and len(evidence) < most]
+    others = [
+        (score, name, evidence)
+        for score, name, evidence in found
+        if 0 < score < best and len(evidence) < most
+    ]
     others.sort(key=lambda row: (-row[0], row[1]))
     return winners + [(name, evidence) for _, name, evidence in others]
 
@@ -130,7 +145,11 @@ def verdict(text: bytes) -> str:
     if len(names) > 1:
         return f"can not tell between {', '.join(names[:-1])} and {names[-1]}"
     evidence = dict(recognise(text))[names[0]]
-    return f"{names[0]}: {'; '.join(evidence)}" if evidence else f"{names[0]}: nothing speaks against it"
+    return (
+        f"{names[0]}: {'; '.join(evidence)}"
+        if evidence
+        else f"{names[0]}: nothing speaks against it"
+    )
 
 
 def against(shown: Text, dialect: Dialect) -> Iterator[str]:
@@ -159,7 +178,9 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
         if match:
             line = shown.line(match.start(), shown.code)
             yield f"{shown.quoted(match, line)} (line {line})"
-    if dialect.block_end and not re.search(rf"{re.escape(dialect.block_end)}[ \t]*$", shown.code, re.MULTILINE):
+    if dialect.block_end and not re.search(
+        rf"{re.escape(dialect.block_end)}[ \t]*$", shown.code, re.MULTILINE
+    ):
         yield f"no block ends in {dialect.block_end}"
     if dialect.grammar.semicolon != "comment":
         remark = shown.search(REMARK, "whole")
@@ -182,7 +203,10 @@ def _signs(shown: Text, dialect: Dialect) -> Iterator[str]:
 
 
 def _layout(shown: Text, dialect: Dialect) -> Iterator[str]:
-    if dialect.grammar.semicolon != "comment" and len(BLOCK_ENDS.findall(shown.whole)) > MANY * shown.lines:
+    if (
+        dialect.grammar.semicolon != "comment"
+        and len(BLOCK_ENDS.findall(shown.whole)) > MANY * shown.lines
+    ):
         yield "lines end in ;"
 
 

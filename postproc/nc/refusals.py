@@ -11,7 +11,17 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, BARE, HOMING, KEYWORD_LETTER, MACRO, PARAMETER, RELATIVE, UNTOLD
+from postproc.nc.lexer import (
+    ABSOLUTE,
+    AXES,
+    BARE,
+    HOMING,
+    KEYWORD_LETTER,
+    MACRO,
+    PARAMETER,
+    RELATIVE,
+    UNTOLD,
+)
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
@@ -49,7 +59,11 @@ def check_letters(b: Batch) -> None:
             letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
         if letter in b.interpreter.letters:
             continue
-        if letter in "ABCUVWXYZ" or letter in b.dialect.carried or (letter == "E" and b.dialect.grammar.assigns):
+        if (
+            letter in "ABCUVWXYZ"
+            or letter in b.dialect.carried
+            or (letter == "E" and b.dialect.grammar.assigns)
+        ):
             raise b.fault(
                 place[0],
                 f"the machine has no axis {letter}",
@@ -62,7 +76,9 @@ def check_letters(b: Batch) -> None:
         )
     if b.words.skip.any() and not b.state.ended:
         how = (
-            "left alone, as with the switch on" if b.setup.block_delete else "read as executed, as with the switch off"
+            "left alone, as with the switch on"
+            if b.setup.block_delete
+            else "read as executed, as with the switch off"
         )
         b.notices.append(
             Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
@@ -77,9 +93,19 @@ def check_points(b: Batch) -> None:
             place = b.places.get(letter)
             if place is None or b.words.pointed[place].all():
                 continue
-            bare = place[~b.words.pointed[place] & (b.words.mantissa[place] != 0) & ~b.taken[b.words.block[place]]]
+            bare = place[
+                ~b.words.pointed[place]
+                & (b.words.mantissa[place] != 0)
+                & ~b.taken[b.words.block[place]]
+            ]
             if len(bare):
-                b.notices.append(Notice("integer", b.dialect.integer_notice, int(b.words.line[b.words.block[bare[0]]])))
+                b.notices.append(
+                    Notice(
+                        "integer",
+                        b.dialect.integer_notice,
+                        int(b.words.line[b.words.block[bare[0]]]),
+                    )
+                )
                 return
 
 
@@ -180,7 +206,9 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         refused |= b.dialect.is_refused[np.maximum(given, 0)] & (given >= 0)
     for number in sorted(set(motion[refused].tolist())):
         code = b.dialect.by_number[int(number)]
-        b.reason[refused & (motion == number)] = b.because(f"{code.word} ({code.meaning})", code.refuses)
+        b.reason[refused & (motion == number)] = b.because(
+            f"{code.word} ({code.meaning})", code.refuses
+        )
     bare = moving & ~b.foreign & ~refused & ((motion == NONE) | (motion == 800))
     b.blame(
         bare.nonzero()[0],

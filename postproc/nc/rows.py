@@ -10,7 +10,13 @@ from postproc.nc.codes import Code
 
 
 def rows(
-    group: str, table: dict[str, str], *, takes: bool = False, refuses: str = "", does: str = "", like: str = ""
+    group: str,
+    table: dict[str, str],
+    *,
+    takes: bool = False,
+    refuses: str = "",
+    does: str = "",
+    like: str = "",
 ) -> list[Code]:
     """One row per entry of `table`, "54.1" to its meaning, or "TRANS" to its. `like`: what all of them are."""
     return [
@@ -19,7 +25,10 @@ def rows(
     ]
 
 
-MOTION = rows("motion", {"0": "rapid", "1": "straight feed", "2": "arc, clockwise", "3": "arc, counter-clockwise"})
+MOTION = rows(
+    "motion",
+    {"0": "rapid", "1": "straight feed", "2": "arc, clockwise", "3": "arc, counter-clockwise"},
+)
 NO_MOTION = rows("motion", {"80": "no motion mode"})
 PLANE = rows("plane", {"17": "XY plane", "18": "ZX plane", "19": "YZ plane"})
 DISTANCE = rows("distance", {"90": "absolute words", "91": "incremental words"})
@@ -30,14 +39,21 @@ WORK = rows("work offset", {str(n): f"work offset {n - 53}" for n in range(54, 6
 MORE_WORK = rows("work offset", {f"59.{n}": f"work offset {6 + n}" for n in (1, 2, 3)})
 SPINDLE = rows("spindle mode", {"96": "constant surface speed", "97": "constant spindle speed"})
 NO_CUTTER = rows("cutter", {"40": "no cutter radius compensation"})
-CUTTER = [*NO_CUTTER, *rows("cutter", {"41": "cutter radius left", "42": "cutter radius right"}, does="cutter")]
+CUTTER = [
+    *NO_CUTTER,
+    *rows("cutter", {"41": "cutter radius left", "42": "cutter radius right"}, does="cutter"),
+]
 DYNAMIC_CUTTER = rows(
-    "cutter", {"41.1": "cutter radius left, by D", "42.1": "cutter radius right, by D"}, does="cutter"
+    "cutter",
+    {"41.1": "cutter radius left, by D", "42.1": "cutter radius right, by D"},
+    does="cutter",
 )
 NO_LENGTH = rows("tool length", {"49": "no tool length"}, does="no length")
 LENGTH = [*NO_LENGTH, *rows("tool length", {"43": "tool length"}, does="length")]
 LENGTH_MINUS = rows("tool length", {"44": "tool length, the other way"}, does="length minus")
-LENGTH_WORDS = rows("tool length", {"43.1": "tool length by its words"}, takes=True, does="length words")
+LENGTH_WORDS = rows(
+    "tool length", {"43.1": "tool length by its words"}, takes=True, does="length words"
+)
 LENGTH_MORE = rows("tool length", {"43.2": "a further tool length"}, does="length more")
 DATA = rows("shift", {"10": "set offsets"}, takes=True, does="data")
 LOCAL = rows("shift", {"52": "local coordinates"}, takes=True, does="local")
@@ -47,9 +63,13 @@ SET_OFF = [
     *rows("shift", {"92.2": "position shift off"}, does="set off"),
     *rows("shift", {"92.3": "position shift back"}, does="set back"),
 ]
-REFERENCE = rows("", {"28": "to the reference point", "30": "to the second reference point"}, takes=True)
+REFERENCE = rows(
+    "", {"28": "to the reference point", "30": "to the second reference point"}, takes=True
+)
 STORE_REFERENCE = rows(
-    "", {"28.1": "store the reference point", "30.1": "store the second reference point"}, does="store"
+    "",
+    {"28.1": "store the reference point", "30.1": "store the second reference point"},
+    does="store",
 )
 MACHINE_FRAME = rows("", {"53": "this block in machine coordinates"})
 DWELL = rows("", {"4": "dwell"})
@@ -66,7 +86,11 @@ SPLINE = rows("motion", {"5": "cubic spline", "5.1": "quadratic spline"}, refuse
 NURBS = rows("motion", {"5.2": "NURBS", "5.3": "NURBS end"}, refuses=codes.SPLINE)
 PECKS = rows("motion", {"73": "drilling, chip breaking", "83": "peck drilling"}, does="drill")
 DRILL = rows("motion", {"81": "drilling", "82": "drilling with dwell"}, does="drill")
-BORE = rows("motion", {"85": "boring", "86": "boring, spindle stop", "89": "boring with dwell"}, does="drill")
+BORE = rows(
+    "motion",
+    {"85": "boring", "86": "boring, spindle stop", "89": "boring with dwell"},
+    does="drill",
+)
 BORE_BY_HAND = rows("motion", {"88": "boring, out by hand"}, does="drill")
 TAP = rows("motion", {"74": "left-hand tapping", "84": "right-hand tapping"}, does="tap")
 BACK_BORE = rows("motion", {"87": "back boring"}, refuses=codes.WRITE_OUT)

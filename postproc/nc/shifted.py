@@ -82,7 +82,9 @@ class Shifted:
         """The first block: from where the tool stands to beside its end."""
         c, p = self._in_plane(start), self._in_plane(block.end)
         if hypot(p[0] - c[0], p[1] - c[1]) <= self.radius:
-            raise Gouge("Length of cutter compensation entry move is not greater than the tool radius")
+            raise Gouge(
+                "Length of cutter compensation entry move is not greater than the tool radius"
+            )
         self.at = self.driven = start.copy()
         alpha = atan2(p[1] - c[1], p[0] - c[0]) + self.side * pi / 2
         end = self._beside(p, alpha)
@@ -146,7 +148,12 @@ class Shifted:
         gamma = self.side * pi / 2
         end, mid = self._beside(p, alpha + gamma), self._beside(op, alpha + gamma)
         front = self.queue[0] if self.queue else None
-        over = beta > pi - CORNER and front is not None and front.centre is not None and front.turns * self.side < 0
+        over = (
+            beta > pi - CORNER
+            and front is not None
+            and front.centre is not None
+            and front.turns * self.side < 0
+        )
         if beta < -CORNER or beta > pi + CORNER or over:
             self._move_end(self._meet(p, theta, beta))
         elif beta > CORNER:
@@ -160,14 +167,22 @@ class Shifted:
 
     def _meet(self, p: Point, theta: float, beta: float) -> Point:
         """Where the way before and a straight one towards p meet."""
-        front, r, op, c = self.queue[0] if self.queue else None, self.radius, self.programmed, self.current
+        front, r, op, c = (
+            self.queue[0] if self.queue else None,
+            self.radius,
+            self.programmed,
+            self.current,
+        )
         if front is None or front.centre is None:
             half = (beta + pi) / 2
             if half == 0.0:
                 raise Gouge("Zero degree inside corner is invalid for cutter compensation")
             back, gamma = r / tan(half), self.side * pi / 2
             return c[0] + back * cos(theta + gamma), c[1] + back * sin(theta + gamma)
-        old = hypot(front.centre[1] - self._in_plane(front.end)[1], front.centre[0] - self._in_plane(front.end)[0])
+        old = hypot(
+            front.centre[1] - self._in_plane(front.end)[1],
+            front.centre[0] - self._in_plane(front.end)[0],
+        )
         inside = front.turns * self.side > 0
         sense = 1 if front.turns > 0 else -1
         theta = atan2(p[1] - op[1], p[0] - op[0]) + sense * pi / 2
@@ -175,7 +190,9 @@ class Shifted:
         d = (old + r if inside else old - r) * cos(theta - phi)
         cosine = (d - r if inside else d + r) / old
         if not -1.0 <= cosine <= 1.0:
-            raise Gouge("Arc to straight motion makes a corner the compensated tool can't fit in without gouging")
+            raise Gouge(
+                "Arc to straight motion makes a corner the compensated tool can't fit in without gouging"
+            )
         angle = theta + pi + (-sense if inside else sense) * acos(cosine)
         return front.centre[0] + old * cos(angle), front.centre[1] + old * sin(angle)
 
@@ -196,7 +213,11 @@ class Shifted:
         end = self._beside(p, gamma)
         if beta < -CORNER or beta > pi + CORNER or (abs(beta - pi) < CORNER and not inside):
             front = self.queue[0] if self.queue else None
-            met = self._meet_arc if front is not None and front.centre is not None else self._meet_line
+            met = (
+                self._meet_arc
+                if front is not None and front.centre is not None
+                else self._meet_line
+            )
             self._move_end(met(block, theta, beta, radius, inside))
         elif beta > CORNER:
             self.flush()
@@ -207,7 +228,9 @@ class Shifted:
         self._enqueue(block, end, (0.0, 0.0), m, block.turns)
         self.programmed, self.current = p, end
 
-    def _meet_line(self, block: Block, theta: float, beta: float, radius: float, inside: bool) -> Point:
+    def _meet_line(
+        self, block: Block, theta: float, beta: float, radius: float, inside: bool
+    ) -> Point:
         """Where a straight way before and an arc meet."""
         assert block.centre is not None
         sense, r = 1 if block.turns > 0 else -1, self.radius
@@ -219,18 +242,25 @@ class Shifted:
         angle = theta + sense * turn if inside else theta + pi - sense * turn
         return block.centre[0] + distance * cos(angle), block.centre[1] + distance * sin(angle)
 
-    def _meet_arc(self, block: Block, theta: float, beta: float, radius: float, inside: bool) -> Point:
+    def _meet_arc(
+        self, block: Block, theta: float, beta: float, radius: float, inside: bool
+    ) -> Point:
         """Where the arc before and an arc meet."""
         front = self.queue[0]
         assert block.centre is not None and front.centre is not None
         end, m, f = self._in_plane(front.end), block.centre, front.centre
-        old, new = hypot(f[1] - end[1], f[0] - end[0]), radius - self.radius if inside else radius + self.radius
+        old, new = (
+            hypot(f[1] - end[1], f[0] - end[0]),
+            radius - self.radius if inside else radius + self.radius,
+        )
         apart = hypot(f[1] - m[1], f[0] - m[0])
         if old == 0 or apart == 0:
             raise Gouge("Arc to arc motion is invalid because the arcs have the same center")
         a = (old**2 + apart**2 - new**2) / (2 * old * apart)
         if not -1.0 <= a <= 1.0:
-            raise Gouge("Arc to arc motion makes a corner the compensated tool can't fit in without gouging")
+            raise Gouge(
+                "Arc to arc motion makes a corner the compensated tool can't fit in without gouging"
+            )
         sense = 1 if block.turns > 0 else -1
         within = front.turns * self.side > 0
         angle = atan2(m[1] - f[1], m[0] - f[0]) + (sense if within else -sense) * acos(a)
@@ -248,12 +278,21 @@ class Shifted:
         self.flush()
         self.endpoint = end
 
-    def _enqueue(self, block: Block, end: Point, direction: Point, centre: Point | None = None, turns: int = 0) -> None:
+    def _enqueue(
+        self,
+        block: Block,
+        end: Point,
+        direction: Point,
+        centre: Point | None = None,
+        turns: int = 0,
+    ) -> None:
         target = block.end.copy()
         target[list(self.plane)] = end
         way = Way(block.owner, self.at, target, self.plane, centre, turns, direction, block.rapid)
         if block.centre is not None:
-            way.programmed = abs(_sweep(self.programmed, self._in_plane(block.end), block.centre, block.turns))
+            way.programmed = abs(
+                _sweep(self.programmed, self._in_plane(block.end), block.centre, block.turns)
+            )
         self.queue.append(way)
 
     def _move_end(self, place: Point) -> None:
@@ -266,7 +305,9 @@ class Shifted:
                     place[1] - self.endpoint[1]
                 )
                 if dot < 0:
-                    raise Gouge(f"Straight {'traverse' if way.rapid else 'feed'} in concave corner {GOUGE}")
+                    raise Gouge(
+                        f"Straight {'traverse' if way.rapid else 'feed'} in concave corner {GOUGE}"
+                    )
             way.end = way.end.copy()
             way.end[list(self.plane)] = place
         waited = bool(self.queue)
@@ -297,7 +338,9 @@ class Shifted:
 
 def _sweep(start: Point, end: Point, centre: Point, turns: int) -> float:
     """rad, signed, of an arc."""
-    turn = atan2(end[1] - centre[1], end[0] - centre[0]) - atan2(start[1] - centre[1], start[0] - centre[0])
+    turn = atan2(end[1] - centre[1], end[0] - centre[0]) - atan2(
+        start[1] - centre[1], start[0] - centre[0]
+    )
     sense = 1 if turns > 0 else -1
     turn = sense * turn % (2 * pi)
     if turn < 1e-9:

@@ -33,7 +33,9 @@ ASSIGNED = re.compile(
     + rb"))",
     re.IGNORECASE,
 )
-NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8": a name, no number
+NAMED = re.compile(
+    rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\""
+)  # T="MILL 8": a name, no number
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
 MOVELESS = re.compile(
     rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
@@ -53,7 +55,9 @@ REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))
 
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
-    code = code.translate(REPLACED)  # the letters that stand for spellings are none of the program's own
+    code = code.translate(
+        REPLACED
+    )  # the letters that stand for spellings are none of the program's own
     if grammar.checksums and b"*" in code:
         code = checksums.cover(code)
     for pattern in _ignored(grammar):
@@ -79,7 +83,9 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
 
 @lru_cache
 def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
-    return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores)
+    return tuple(
+        re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores
+    )
 
 
 @lru_cache
@@ -93,7 +99,10 @@ def _homes(match: re.Match[bytes]) -> bytes:
 
 @lru_cache
 def _macros(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], int], ...]:
-    return tuple((re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number) for text, number in grammar.macros)
+    return tuple(
+        (re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number)
+        for text, number in grammar.macros
+    )
 
 
 @lru_cache
@@ -104,7 +113,12 @@ def _spelled(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], bytes], ...]:
         name = re.escape(spelling.rstrip("=").encode())
         stands = letter.encode() or bytes([PARAMETER])
         result.append(
-            (re.compile(rb"(?<![A-Za-z0-9_$])" + name + rb"[ \t]*=(?=" + NUMBER + rb")", re.IGNORECASE), stands)
+            (
+                re.compile(
+                    rb"(?<![A-Za-z0-9_$])" + name + rb"[ \t]*=(?=" + NUMBER + rb")", re.IGNORECASE
+                ),
+                stands,
+            )
         )
     return tuple(result)
 
@@ -116,7 +130,10 @@ def _keywords(grammar: Grammar) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] 
         return None
     from postproc.nc.codes import KEYWORD, code_number
 
-    read = {k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in grammar.keywords}
+    read = {
+        k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD)
+        for k in grammar.keywords
+    }
     every = b"|".join(re.escape(k) for k in sorted(read, key=len, reverse=True))
     return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")" + ARGUMENTS, re.IGNORECASE), read
 
@@ -179,4 +196,9 @@ def _assigned(match: re.Match[bytes]) -> bytes:
     elif how:
         return match[0]
     begin, stop = match.span(3) if how else match.span(5)
-    return letter + b" " * (begin - match.start() - 1) + match.string[begin:stop] + b" " * (match.end() - stop)
+    return (
+        letter
+        + b" " * (begin - match.start() - 1)
+        + match.string[begin:stop]
+        + b" " * (match.end() - stop)
+    )

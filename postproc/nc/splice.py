@@ -30,7 +30,13 @@ class Splice:
             self._add(b"".join(texts), start, stop, rank, np.cumsum(size) - size, size)
 
     def numbers(
-        self, start, stop, rank, value: np.ndarray, decimals: np.ndarray, prefix: np.ndarray | None = None
+        self,
+        start,
+        stop,
+        rank,
+        value: np.ndarray,
+        decimals: np.ndarray,
+        prefix: np.ndarray | None = None,
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
         for d in np.bincount(decimals).nonzero()[0].tolist():
@@ -67,7 +73,9 @@ class Splice:
         if len(self._edits) == 1:
             start, stop, rank, at, size = self._edits[0]
         else:
-            start, stop, rank, at, size = (np.concatenate(columns) for columns in zip(*self._edits, strict=True))
+            start, stop, rank, at, size = (
+                np.concatenate(columns) for columns in zip(*self._edits, strict=True)
+            )
         # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort does.
         order = np.argsort(rank, kind="stable")
         # What is put in at a place stands before what is taken out from there on.

@@ -37,10 +37,18 @@ def swivel(b: Batch, axis_words, word: str) -> None:
     mode = int(values[MODE]) or BY_AXIS
     order = tuple((mode >> (2 * k)) % 4 - 1 for k in range(3))
     if mode >> 6 or -1 in order:
-        refuse(b, f"its mode {mode} does not turn axis by axis", "let the CAM program write it axis by axis (mode 57)")
+        refuse(
+            b,
+            f"its mode {mode} does not turn axis by axis",
+            "let the CAM program write it axis by axis (mode 57)",
+        )
         return
     if given[2] and int(given[2]) % 10:
-        refuse(b, "it adds to the plane before", "let the CAM program write the whole plane into one call")
+        refuse(
+            b,
+            "it adds to the plane before",
+            "let the CAM program write the whole plane into one call",
+        )
         return
     turn = turned(order, values[ANGLES])
     tilt(b, word, turn, np.array(values[ZERO]) + turn @ np.array(values[SHIFT]), None)

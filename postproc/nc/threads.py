@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 START_ANGLE = "Q"  # what it means in a block that does not start the thread, the manuals leave open
 
 
-def thread_columns(b: Batch, block: np.ndarray, code: np.ndarray, motion: np.ndarray, feed: np.ndarray):
+def thread_columns(
+    b: Batch, block: np.ndarray, code: np.ndarray, motion: np.ndarray, feed: np.ndarray
+):
     """(N,) bool whether a motion must stay one block, and (N,) mm per turn of a thread, 0 where it is not said. code (N,): kind;
     motion (N,): motion code in force; feed (N,): the F that holds."""
     whole, lead = np.zeros(len(block), bool), np.zeros(len(block))
@@ -33,7 +35,9 @@ def thread_columns(b: Batch, block: np.ndarray, code: np.ndarray, motion: np.nda
         return whole, lead
     at = block[thread]
     d = b.dialect
-    chained = np.isin(motion[thread], d.threads_chained) & np.isin(spread(b.held("path"), b.n)[at], d.threads_under)
+    chained = np.isin(motion[thread], d.threads_chained) & np.isin(
+        spread(b.held("path"), b.n)[at], d.threads_under
+    )
     chained &= spread(b.held("feed mode"), b.n)[at] != 930  # F is a time there, not a lead
     for number in d.exact_stops:
         chained &= ~np.isin(at, b.single.get(number, ()))

@@ -23,7 +23,10 @@ from postproc.nc.zeros import values_of, with_known, work_columns
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
-FOLLOWED, PLANE = "tip", "plane"  # the parts of a frame's unknowns that are about the tip and about a tilted plane
+FOLLOWED, PLANE = (
+    "tip",
+    "plane",
+)  # the parts of a frame's unknowns that are about the tip and about a tilted plane
 AROUND = "switch it off before, and on again behind"
 STATE_FRAME = (
     'say which frame the control takes, in machine.toml: [tool_point] frame = "zero" (X Y Z are the machine\'s while the '
@@ -93,13 +96,18 @@ def tip_codes(dialect: Dialect, setup: Setup) -> dict[int, bool]:
 def settle(b: Batch) -> None:
     """Tell the places where the axes stand in the space that is in force now; they have not moved."""
     old, new = b.state.frame or no_frame(len(b.rows)), b.frame
-    if old.space != new.space or (new.space is not None and not np.array_equal(old.length, new.length)):
+    if old.space != new.space or (
+        new.space is not None and not np.array_equal(old.length, new.length)
+    ):
         position, known = retold(b.setup.kinematics, b.state.position, b.state.known, (old, new))
         b.state = replace(b.state, position=position, known=known)
 
 
 def retold(
-    kinematics: Kinematics | None, position: np.ndarray, known: np.ndarray, frames: tuple[Frame | None, Frame]
+    kinematics: Kinematics | None,
+    position: np.ndarray,
+    known: np.ndarray,
+    frames: tuple[Frame | None, Frame],
 ) -> tuple[np.ndarray, np.ndarray]:
     """(A,) ticks and (A,) bool: where the axes stand, told in the second frame's space instead of the first's; None: the
     slides'."""
@@ -117,7 +125,9 @@ def retold(
         known[row] = False
         return position, known
     none = np.zeros(len(position))
-    ends = [(f.space, f.length / TICKS_PER_MM) if f is not None else (None, none) for f in (old, new)]
+    ends = [
+        (f.space, f.length / TICKS_PER_MM) if f is not None else (None, none) for f in (old, new)
+    ]
     there = kinematics.convert(position / TICKS_PER_MM, ends[0], ends[1])
     position = position.copy()
     position[row] = np.rint(there * TICKS_PER_MM).astype(np.int64)[row]
@@ -154,7 +164,9 @@ def lost(b: Batch, blocks: np.ndarray, message: str) -> None:
     """From the first of these blocks on the tip can not be followed, until the tool point or the plane is called anew."""
     if len(blocks):
         b.blame(np.arange(int(blocks[0]), b.n), message, AROUND)
-        b.frame = with_known(b.frame, FOLLOWED if b.frame.tip is not None else PLANE, (message, AROUND))
+        b.frame = with_known(
+            b.frame, FOLLOWED if b.frame.tip is not None else PLANE, (message, AROUND)
+        )
 
 
 def refuse_cycles(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:

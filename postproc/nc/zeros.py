@@ -88,7 +88,10 @@ def homed(b: Batch) -> dict[str, float] | None:
 
 def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
     """mm by axis: the length that H, D or T names; a tool table knows tools by T."""
-    for name in (f"{letter}{number}", f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}"):
+    for name in (
+        f"{letter}{number}",
+        f"T{b.state.next_tool}D{number}" if letter == "D" else f"T{number}",
+    ):
         place = stated(b, name)
         if place is not None:
             return place
@@ -135,7 +138,10 @@ def values_of(b: Batch, axis_words) -> dict[str, tuple[int, bool]]:
     for letter, words in axis_words.items():
         for is_inc, place in enumerate(words):
             if len(place) and b.words.block[place[0]] == 0:
-                scale = np.broadcast_to(b.unit_scale(letter)[0], b.n)[0] // np.broadcast_to(b.halves(letter), b.n)[0]
+                scale = (
+                    np.broadcast_to(b.unit_scale(letter)[0], b.n)[0]
+                    // np.broadcast_to(b.halves(letter), b.n)[0]
+                )
                 result[letter] = (int(b.ticks(place[:1], np.array([scale]))[0]), bool(is_inc))
     return result
 

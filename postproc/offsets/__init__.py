@@ -25,9 +25,7 @@ NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|EXT")
 EXTENDED_NAME = re.compile(r"(G54\.1\s*P|G15\s*H)\s*0*([1-9][0-9]{0,2})")
 TOOL_NAME = re.compile(r"([HD])0*([1-9][0-9]{0,3})|T[0-9]{1,6}(D[0-9]{1,4})?")
-KNOWN_NAMES = (
-    "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G505 to G599, G92, G52, EXT; tools: T0101, T1, T1D1, H1, D1"
-)
+KNOWN_NAMES = "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G505 to G599, G92, G52, EXT; tools: T0101, T1, T1D1, H1, D1"
 NO_UNIT = "the file does not say its unit: lengths are read as mm"
 BINARY = "give the file that the control punched or saved as text"
 
@@ -59,7 +57,10 @@ class Offsets:
                     for axis, value in place.items()
                     if value and axis not in "RQ" and axis not in axes
                 )
-            return {n: {a: v for a, v in place.items() if a in "RQ" or a in axes} for n, place in places.items()}
+            return {
+                n: {a: v for a, v in place.items() if a in "RQ" or a in axes}
+                for n, place in places.items()
+            }
 
         return Offsets(kept(self.work), kept(self.tools), dict(self.rotation), notices, self.format)
 
@@ -92,7 +93,11 @@ class Source:
         """A finite number. Raises UsageError."""
         value = float(text) if NUMBER.fullmatch(text) else math.nan
         if not abs(value) <= LARGEST_WORD_MM:
-            raise self.fault(line, f"{text[:40]!r} is not a number, or too large for a machine", "correct or drop it")
+            raise self.fault(
+                line,
+                f"{text[:40]!r} is not a number, or too large for a machine",
+                "correct or drop it",
+            )
         return value
 
     def scale(self) -> float:
@@ -126,12 +131,18 @@ def names() -> list[str]:
 def load(name: str) -> ModuleType:
     """The reader called `name`. Raises UsageError with the names that there are."""
     if name not in names():
-        raise UsageError(f"there is no offset file format {name!r}", f"formats: {', '.join(names())}")
+        raise UsageError(
+            f"there is no offset file format {name!r}", f"formats: {', '.join(names())}"
+        )
     return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
 
 
 def read(
-    text: bytes, name: str, format: str | None = None, inch: bool | None = None, diameter: bool | None = None
+    text: bytes,
+    name: str,
+    format: str | None = None,
+    inch: bool | None = None,
+    diameter: bool | None = None,
 ) -> Offsets:
     """Read an offset file's bytes; `name` is what errors call it.
 
@@ -146,7 +157,9 @@ def read(
     offsets: Offsets = load(format).read(source)
     offsets.format = format
     if not offsets.work and not offsets.tools:
-        raise UsageError(f"{name}: no offset stands in this {load(format).TITLE}", f"formats: {_titles()}")
+        raise UsageError(
+            f"{name}: no offset stands in this {load(format).TITLE}", f"formats: {_titles()}"
+        )
     return offsets
 
 
@@ -156,7 +169,9 @@ def _recognised(source: Source) -> str:
         return found[0]
     if found:
         raise UsageError(f"{source.name} may be {' or '.join(found)}", "name the format")
-    raise UsageError(f"{source.name} is not an offset file that gcomp knows", f"formats: {_titles()}")
+    raise UsageError(
+        f"{source.name} is not an offset file that gcomp knows", f"formats: {_titles()}"
+    )
 
 
 def _titles() -> str:

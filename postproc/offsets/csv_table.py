@@ -41,10 +41,14 @@ def read(source: Source) -> Offsets:
             raise source.fault(number, f"{len(cells)} cells under {len(header)} columns", ADVICE)
         name = canonical(cells[0])
         if name is None:
-            raise source.fault(number, f"there is no offset {cells[0][:40]!r}", f"offsets: {KNOWN_NAMES}")
+            raise source.fault(
+                number, f"there is no offset {cells[0][:40]!r}", f"offsets: {KNOWN_NAMES}"
+            )
         if name in offsets.work or name in offsets.tools:
             raise source.fault(number, f"{name} stands twice", "keep the one that is true")
-        values = {c: source.number(number, x) for c, x in zip(header[1:], cells[1:], strict=True) if x}
+        values = {
+            c: source.number(number, x) for c, x in zip(header[1:], cells[1:], strict=True) if x
+        }
         work = bool(WORK_NAME.fullmatch(name)) or " P" in name
         if work and "R_mm" in values:
             raise source.fault(number, f"{name} is a work offset, which has no radius", ADVICE)

@@ -30,10 +30,15 @@ LOOK = re.compile(r"(?<![A-Z0-9.])G10(?![0-9.])")
 COMMENT = re.compile(r"\([^()]*\)")
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 LENGTH_WEAR, LENGTH, RADIUS, RADIUS_WEAR = "11", "10", "12", "13"
-REGISTERS = {"1": LENGTH_WEAR, **{code: code for code in (LENGTH, LENGTH_WEAR, RADIUS, RADIUS_WEAR)}}
+REGISTERS = {
+    "1": LENGTH_WEAR,
+    **{code: code for code in (LENGTH, LENGTH_WEAR, RADIUS, RADIUS_WEAR)},
+}
 STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
 GEOMETRY = 10_000
-HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")  # the tape's mark, the program's number or name
+HEAD = re.compile(
+    r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*"
+)  # the tape's mark, the program's number or name
 LAST = re.compile(r"M0*(2|30|99)\s*")
 ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
 NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
@@ -47,7 +52,9 @@ class Memory:
     incremental: bool = False
     inch: bool | None = None
     bare: bool = False  # whether a length without a decimal point was met
-    nose: dict[int, float] = field(default_factory=dict)  # number of a lathe tool's orientation, by offset
+    nose: dict[int, float] = field(
+        default_factory=dict
+    )  # number of a lathe tool's orientation, by offset
 
     def write(self, key: tuple[str, int], letter: str, value: float, step: bool) -> bool:
         """Set or change a value; False where a step has nothing to step from."""
@@ -60,7 +67,9 @@ class Memory:
 
 def recognises(source: Source) -> bool:
     """Whether a G10 stands somewhere, outside comments."""
-    return any(LOOK.search(COMMENT.sub(" ", line.upper())) for _, line in source.lines() if "$" not in line)
+    return any(
+        LOOK.search(COMMENT.sub(" ", line.upper())) for _, line in source.lines() if "$" not in line
+    )
 
 
 def read(source: Source) -> Offsets:
@@ -80,7 +89,9 @@ def _block(source: Source, number: int, block: str, memory: Memory) -> None:
     while end < len(block):
         word = WORD.match(block, end)
         if not word:
-            raise source.fault(number, f"{block[end : end + 20]!r} is not a word of a G10 block", ADVICE)
+            raise source.fault(
+                number, f"{block[end : end + 20]!r} is not a word of a G10 block", ADVICE
+            )
         end = word.end()
         if word[1] == "G":
             codes.append(word[2].lstrip("0"))
@@ -111,16 +122,28 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
             memory.nose[n % GEOMETRY] = source.number(number, nose)
         for letter in set(words) & set(STEPS):
             if STEPS[letter] in words:
-                raise source.fault(number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE)
-        kind, allowed, numbers = "", "XYZR" + "".join(STEPS), n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2
+                raise source.fault(
+                    number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE
+                )
+        kind, allowed, numbers = (
+            "",
+            "XYZR" + "".join(STEPS),
+            n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2,
+        )
         if n == 0 and any(source.number(number, x) for x in words.values()):
-            raise source.fault(number, "P0 shifts the work coordinates of a lathe", "add it to EXT, and drop the line")
+            raise source.fault(
+                number,
+                "P0 shifts the work coordinates of a lathe",
+                "add it to EXT, and drop the line",
+            )
         if n == 0:
             return
     elif code in ("2", "20"):
         kind, allowed, numbers = code, AXES, n in (range(7) if code == "2" else range(1, 301))
         if set(words) & set("UVW"):
-            raise source.fault(number, "U V W may be axes, or steps of X Y Z", "state this offset one by one")
+            raise source.fault(
+                number, "U V W may be axes, or steps of X Y Z", "state this offset one by one"
+            )
     elif code in REGISTERS:
         kind, allowed, numbers = REGISTERS[code], "R", n in range(1, 1000)
         if "R" not in words:
@@ -128,18 +151,24 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
     else:
         raise source.fault(number, f"G10 L{code or 0} sets no offset", ADVICE)
     if not numbers:
-        raise source.fault(number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE)
+        raise source.fault(
+            number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE
+        )
     memory.place.setdefault((kind, n), {})
     for letter, text in words.items():
         if letter not in allowed:
-            raise source.fault(number, f"{letter} does not belong into G10{' L' * bool(code)}{code}", ADVICE)
+            raise source.fault(
+                number, f"{letter} does not belong into G10{' L' * bool(code)}{code}", ADVICE
+            )
         value = source.number(number, text)
         memory.bare |= "." not in text and value != 0
         if lathe or letter not in ROTARY:
             value *= MM_PER_INCH if memory.inch else 1.0
         step = letter in STEPS if lathe else memory.incremental
         if not memory.write((kind, n), STEPS.get(letter, letter) if lathe else letter, value, step):
-            raise source.fault(number, f"{letter}{text} is a step from a value that the file does not have", ADVICE)
+            raise source.fault(
+                number, f"{letter}{text} is a step from a value that the file does not have", ADVICE
+            )
 
 
 def _assembled(source: Source, memory: Memory) -> Offsets:
@@ -153,7 +182,9 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
     diameter = _is_diameter(source, memory, "" in has, offsets)
     shared = not has & {RADIUS, RADIUS_WEAR}
     if has & {LENGTH, LENGTH_WEAR} and shared:
-        offsets.notices.append("no L12 or L13: offset memory A or B, where H and D of a number are the same")
+        offsets.notices.append(
+            "no L12 or L13: offset memory A or B, where H and D of a number are the same"
+        )
     if has & {RADIUS, RADIUS_WEAR}:
         offsets.notices.append(
             "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas setting 40)"
@@ -184,7 +215,9 @@ def _is_diameter(source: Source, memory: Memory, lathe: bool, offsets: Offsets) 
     if source.diameter is not None:
         return source.diameter
     places = memory.place.values()
-    mill = any("Y" in place for place in places) or any(kind not in ("", "2", "20") for kind, _ in memory.place)
+    mill = any("Y" in place for place in places) or any(
+        kind not in ("", "2", "20") for kind, _ in memory.place
+    )
     if any(place.get("X") for place in places) and (lathe or not mill):
         offsets.notices.append(NO_X.format("diameter" if lathe else "radius"))
     return lathe

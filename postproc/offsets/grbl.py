@@ -53,7 +53,9 @@ def read(source: Source) -> Offsets:
         into = offsets.tools if name == "TLO" else offsets.work
         key = TOOL if name == "TLO" else name
         if key in into:
-            raise source.fault(number, f"{name} stands twice", "give one answer of the control, the latest")
+            raise source.fault(
+                number, f"{name} stands twice", "give one answer of the control, the latest"
+            )
         into[key] = place
     return offsets
 
@@ -63,7 +65,9 @@ def _scale(source: Source, texts: list[str], offsets: Offsets) -> float:
     if source.inch is None:
         decimals = {len(text.strip().partition(".")[2]) for text in texts}
         if decimals == {4}:
-            offsets.notices.append("four decimals: lengths are read as inches, as GRBL writes them with $13=1")
+            offsets.notices.append(
+                "four decimals: lengths are read as inches, as GRBL writes them with $13=1"
+            )
             return MM_PER_INCH
         if decimals != {3}:
             offsets.notices.extend(source.unit_notice())

@@ -37,7 +37,9 @@ def read(source: Source) -> Offsets:
             raise source.fault(number, "this is not a parameter with its value", ADVICE)
         parameter = int(found[1])
         if parameter in value:
-            raise source.fault(number, f"parameter {parameter} stands twice", "keep the one that is true")
+            raise source.fault(
+                number, f"parameter {parameter} stands twice", "keep the one that is true"
+            )
         # Values of parameters that are no offsets may be any size.
         wanted = parameter >= SHIFT_ON
         value[parameter] = source.number(number, found[2]) if wanted else 0.0
@@ -56,15 +58,21 @@ def read(source: Source) -> Offsets:
         if value.get(SHIFT_ON):
             offsets.work["G92"] = shift
         else:
-            offsets.notices.append("a shift of G92 or G52 is stored and not in force (5210 is 0): left out")
+            offsets.notices.append(
+                "a shift of G92 or G52 is stored and not in force (5210 is 0): left out"
+            )
     active = int(value.get(ACTIVE, 1))
     if active != 1 and 1 <= active <= len(SYSTEMS):
-        offsets.notices.append(f"{SYSTEMS[active - 1]} is in force when the control starts (5220 is {active})")
+        offsets.notices.append(
+            f"{SYSTEMS[active - 1]} is in force when the control starts (5220 is {active})"
+        )
     return offsets
 
 
 def _place(value: dict[int, float], first: int, scale: float) -> dict[str, float]:
     """Axis to mm (degrees) of nine parameters from `first` on, those that are there."""
     return {
-        axis: value[first + i] * (1.0 if axis in ROTARY else scale) for i, axis in enumerate(AXES) if first + i in value
+        axis: value[first + i] * (1.0 if axis in ROTARY else scale)
+        for i, axis in enumerate(AXES)
+        if first + i in value
     }

@@ -26,7 +26,9 @@ from postproc.offsets import AXES, LINEAR, Offsets, Source
 TITLE = "SINUMERIK data with $P_UIFR or $TC_DP"
 LOOK = re.compile(r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP[0-9]+)\b")
 BLOCK = r"(?:N[0-9]+\s*)?"
-ASSIGNMENT = re.compile(BLOCK + r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP[0-9]{1,3})\s*(?:\[([^\]]*)\])?\s*=\s*(.*)")
+ASSIGNMENT = re.compile(
+    BLOCK + r"\$(P_UIFR|P_CHBFR|P_NCBFR|P_UBFR|TC_DP[0-9]{1,3})\s*(?:\[([^\]]*)\])?\s*=\s*(.*)"
+)
 OTHER = re.compile(BLOCK + r"(\$[A-Z].*=.*|%.*|M0*(2|17|30)|RET)")
 CHANNEL = re.compile(BLOCK + r"CHANDATA\s*\(\s*([0-9]+)\s*\)")
 FUNCTION = re.compile(r"(CTRANS|CFINE|CROT|CSCALE|CMIRROR)\s*\(([^()]*)\)")
@@ -50,7 +52,9 @@ class Frame:
     def strange(self) -> bool:
         """Whether it is more than a translation and a turn about Z."""
         turn = {axis for axis, angle in self.parts.get("RT", {}).items() if angle}
-        scale = any(v != NEUTRAL.get(c, 0.0) for c in ("SC", "MI") for v in self.parts.get(c, {}).values())
+        scale = any(
+            v != NEUTRAL.get(c, 0.0) for c in ("SC", "MI") for v in self.parts.get(c, {}).values()
+        )
         return bool(turn - {"Z"}) or scale or (self.turned_first and bool(turn))
 
 
@@ -73,13 +77,19 @@ def read(source: Source) -> Offsets:
             _frame(source, number, found[1], found[2], found[3], frames)
         elif chandata:
             if channel not in ("", chandata[1]):
-                raise source.fault(number, "offsets of a second channel begin here", "keep the lines of one channel")
+                raise source.fault(
+                    number,
+                    "offsets of a second channel begin here",
+                    "keep the lines of one channel",
+                )
             channel = chandata[1]
         elif text and not OTHER.fullmatch(text):
             raise source.fault(number, "this is no assignment of offsets", ADVICE)
     offsets = Offsets(notices=source.unit_notice())
     if source.diameter and frames:
-        offsets.notices.append("X of frames is read as a radius; MD20360 makes a diameter of tool lengths only")
+        offsets.notices.append(
+            "X of frames is read as a radius; MD20360 makes a diameter of tool lengths only"
+        )
     _places(source, frames, offsets)
     _tools(source, edges, offsets)
     return offsets
@@ -102,7 +112,9 @@ def _edge(source: Source, number: int, parameter: int, index: str | None, text: 
         edges.setdefault((tool, edge), {})[parameter] = _value(source, number, text)
 
 
-def _frame(source: Source, number: int, variable: str, index: str | None, text: str, frames) -> None:
+def _frame(
+    source: Source, number: int, variable: str, index: str | None, text: str, frames
+) -> None:
     """A whole frame, or one component of one."""
     parts = [part.strip() for part in index.split(",")] if index is not None else []
     if variable == "P_UBFR":
@@ -126,7 +138,9 @@ def _whole(source: Source, number: int, text: str) -> Frame:
     for part in text.split(":"):
         function = FUNCTION.fullmatch(part.strip())
         if not function or COMPONENTS[function[1]] in frame.parts:
-            raise source.fault(number, f"{part.strip()[:40]!r} can not be read, or stands twice", ADVICE)
+            raise source.fault(
+                number, f"{part.strip()[:40]!r} can not be read, or stands twice", ADVICE
+            )
         component = COMPONENTS[function[1]]
         frame.turned_first |= component in ("TR", "FI") and bool(set(frame.parts) - {"TR", "FI"})
         frame.parts[component] = dict(_pairs(source, number, component, function[2]))
@@ -141,7 +155,9 @@ def _pairs(source: Source, number: int, component: str, text: str) -> Iterator[t
         axis = words[i]
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", axis):
             raise source.fault(number, f"{axis[:40]!r} is not an axis", ADVICE)
-        alone = component == "MI" and (i + 1 == len(words) or re.fullmatch(r"[A-Z].*", words[i + 1]))
+        alone = component == "MI" and (
+            i + 1 == len(words) or re.fullmatch(r"[A-Z].*", words[i + 1])
+        )
         if not alone and i + 1 == len(words):
             raise source.fault(number, f"the value of {axis} is missing", ADVICE)
         yield axis, 1.0 if alone else _value(source, number, words[i + 1])
@@ -151,12 +167,22 @@ def _pairs(source: Source, number: int, component: str, text: str) -> Iterator[t
 def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offsets) -> None:
     """Frames to work offsets."""
     for (variable, n), frame in frames.items():
-        name = "EXT" if variable != "P_UIFR" else "G500" if not n else f"G{53 + n}" if n < 5 else f"G{500 + n}"
+        name = (
+            "EXT"
+            if variable != "P_UIFR"
+            else "G500"
+            if not n
+            else f"G{53 + n}"
+            if n < 5
+            else f"G{500 + n}"
+        )
         turn = frame.parts.get("RT", {}).get("Z", 0.0)
         if frame.strange() or (turn and name == "EXT"):
             if name == "EXT":
                 raise source.fault(
-                    frame.line, "a basic frame scales, mirrors or turns", "gcomp follows shifts of it only"
+                    frame.line,
+                    "a basic frame scales, mirrors or turns",
+                    "gcomp follows shifts of it only",
                 )
             offsets.notices.append(f"{name} scales, mirrors or turns about X or Y: left out")
             continue
@@ -164,19 +190,27 @@ def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offse
         for component in ("TR", "FI"):
             for axis, value in frame.parts.get(component, {}).items():
                 if axis in AXES:
-                    place[axis] = place.get(axis, 0.0) + value * (source.scale() if axis in LINEAR else 1.0)
+                    place[axis] = place.get(axis, 0.0) + value * (
+                        source.scale() if axis in LINEAR else 1.0
+                    )
                 elif value:
-                    offsets.notices.append(f"{name} shifts {axis} by {value:g}, no axis that gcomp knows: left out")
+                    offsets.notices.append(
+                        f"{name} shifts {axis} by {value:g}, no axis that gcomp knows: left out"
+                    )
         if turn:
             offsets.rotation[name] = turn
 
 
-def _tools(source: Source, edges: dict[tuple[int, int], dict[int, float]], offsets: Offsets) -> None:
+def _tools(
+    source: Source, edges: dict[tuple[int, int], dict[int, float]], offsets: Offsets
+) -> None:
     """Edges to tools."""
     if any(TYPE not in edge for edge in edges.values()):
         offsets.notices.append("tools without a type ($TC_DP1) are read as mills: length 1 is Z")
     if edges:
-        offsets.notices.append("tool lengths are given to axes as in G17 for mills, G18 for turning tools")
+        offsets.notices.append(
+            "tool lengths are given to axes as in G17 for mills, G18 for turning tools"
+        )
     for (tool, number), edge in edges.items():
         turning = int(edge.get(TYPE, 0)) in TURNING
         place = {

@@ -26,7 +26,11 @@ def page(outcomes: Sequence[Outcome], machine: str) -> Page:
     moods = [MOODS[r.verdict] for one in outcomes for r in one.ratios if r.verdict in MOODS]
     mood = "bad" if "bad" in moods else "open" if moods else "good"
     of = f" of {machine}" if machine else ""
-    made = Page(f"Acceptance{of}: before and after compensation", f"{said[0][:1].upper()}{said[0][1:]}.", mood)
+    made = Page(
+        f"Acceptance{of}: before and after compensation",
+        f"{said[0][:1].upper()}{said[0][1:]}.",
+        mood,
+    )
     made.subject = [("lines of targets", ", ".join(dict.fromkeys(o.subject for o in outcomes)))]
     if machine:
         made.subject.insert(0, ("machine", machine))
@@ -41,11 +45,16 @@ def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
     """The first parameter of each line of targets, before and after."""
     tiles = []
     for one in outcomes[:6]:
-        change = next((c for c in one.changes if c.before.value is not None and c.after.value is not None), None)
+        change = next(
+            (c for c in one.changes if c.before.value is not None and c.after.value is not None),
+            None,
+        )
         if change is not None:
             unit = report.unit_of(one)
             before, after = (_shown(p.value, unit) for p in (change.before, change.after))
-            tiles.append((f"{before} to {after} {one.unit}", f"{one.subject}: {change.before.name}", "after"))
+            tiles.append(
+                (f"{before} to {after} {one.unit}", f"{one.subject}: {change.before.name}", "after")
+            )
     return tiles
 
 
@@ -54,7 +63,10 @@ def _shown(value: float | None, unit: float) -> str:
 
 
 def _outcome(made: Page, k: int, one: Outcome) -> None:
-    made.section(f"{one.subject}: {one.before.test}", f"{one.before.recording.file} -> {one.after.recording.file}")
+    made.section(
+        f"{one.subject}: {one.before.test}",
+        f"{one.before.recording.file} -> {one.after.recording.file}",
+    )
     made.figure(_curves(k, one))
     made.figure(_bars(k, one))
     unit = report.unit_of(one)
@@ -64,9 +76,21 @@ def _outcome(made: Page, k: int, one: Outcome) -> None:
         for c in one.changes
     ]  # fmt: skip
     made.table(
-        ("", f">before, {one.unit}", ">U (k = 2)", f">after, {one.unit}", ">U (k = 2)", ">less by", "what it is"), rows
+        (
+            "",
+            f">before, {one.unit}",
+            ">U (k = 2)",
+            f">after, {one.unit}",
+            ">U (k = 2)",
+            ">less by",
+            "what it is",
+        ),
+        rows,
     )
-    made.table(("sign", "what is left of it", ""), [(r.of, report.ratio(r), VERDICTS[r.verdict]) for r in one.ratios])
+    made.table(
+        ("sign", "what is left of it", ""),
+        [(r.of, report.ratio(r), VERDICTS[r.verdict]) for r in one.ratios],
+    )
     made.listing([*report.rest(one, unit), *one.notices])
 
 

@@ -13,7 +13,10 @@ Figure = dict[str, Any]
 
 def column(values: Any, digits: int = 3) -> list[float | None]:
     """Numbers for a page: so many digits after the point, null where there is none."""
-    return [None if not np.isfinite(v) else round(float(v), digits) + 0.0 for v in np.asarray(values, float)]
+    return [
+        None if not np.isfinite(v) else round(float(v), digits) + 0.0
+        for v in np.asarray(values, float)
+    ]
 
 
 def line(x: Iterable[Any], y: Iterable[Any], name: str, role: str, **more: Any) -> Trace:
@@ -34,7 +37,9 @@ def dots(x: Iterable[Any], y: Iterable[Any], name: str, role: str, **more: Any) 
     }  # fmt: skip
 
 
-def band(x: Sequence[Any], low: Sequence[Any], high: Sequence[Any], name: str, role: str, **more: Any) -> Trace:
+def band(
+    x: Sequence[Any], low: Sequence[Any], high: Sequence[Any], name: str, role: str, **more: Any
+) -> Trace:
     """An area between two curves; `role` is one of those with "fill" in their meaning."""
     return {
         "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)], "y": [*high, *reversed(low)], "name": name,
@@ -44,16 +49,34 @@ def band(x: Sequence[Any], low: Sequence[Any], high: Sequence[Any], name: str, r
 
 def bars(x: Iterable[Any], y: Iterable[Any], name: str, role: str, **more: Any) -> Trace:
     """Bars; orientation="h": lying."""
-    return {"type": "bar", "x": list(x), "y": list(y), "name": name, "marker": {"color": f"@{role}"}, **more}
+    return {
+        "type": "bar",
+        "x": list(x),
+        "y": list(y),
+        "name": name,
+        "marker": {"color": f"@{role}"},
+        **more,
+    }
 
 
 def figure(
-    name: str, caption: str, data: Sequence[Trace], x: str = "", y: str = "", height: int = 340, **layout: Any
+    name: str,
+    caption: str,
+    data: Sequence[Trace],
+    x: str = "",
+    y: str = "",
+    height: int = 340,
+    **layout: Any,
 ) -> Figure:
     """A figure of a page: an identifier, what it shows, curves, the names of its axes with units. layout: further entries
     of plotly.js; `log`: whether its y axis can be switched between even and logarithmic steps, and begins so."""
     log = layout.pop("log", None)
-    axis = {"gridcolor": "@grid", "zerolinecolor": "@rule", "linecolor": "@rule", "automargin": True}
+    axis = {
+        "gridcolor": "@grid",
+        "zerolinecolor": "@rule",
+        "linecolor": "@rule",
+        "automargin": True,
+    }
     own = {key: {**axis, **layout.pop(key, {})} for key in ("xaxis", "yaxis")}
     own["xaxis"].setdefault("title", {"text": x})
     own["yaxis"].setdefault("title", {"text": y})
@@ -66,7 +89,12 @@ def figure(
 
 
 def lying(
-    name: str, caption: str, labels: list[str], groups: list[tuple[str, str, list[float]]], x: str, **more: Any
+    name: str,
+    caption: str,
+    labels: list[str],
+    groups: list[tuple[str, str, list[float]]],
+    x: str,
+    **more: Any,
 ) -> Figure:
     """Lying bars: (name, role, lengths) for each group, a label for each bar; more: entries of each group's bars."""
     data = [

@@ -88,7 +88,10 @@ def _found(made: Page, d: Diagnosis) -> None:
     if not d.findings:
         return
     made.section("What was found")
-    rows = [(n, f"{size:.2f}", f"{wide:.1f}", f"{100 * share:.0f}") for n, size, wide, share in findings.ranked(d)]
+    rows = [
+        (n, f"{size:.2f}", f"{wide:.1f}", f"{100 * share:.0f}")
+        for n, size, wide, share in findings.ranked(d)
+    ]
     made.table(("cause", ">rms, um", ">range, um", ">share, %"), rows)
     made.figure(findings.shares(d))
     if (figure := findings.names(d)) is not None:
@@ -144,7 +147,9 @@ def _others(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figu
         made.figure(figure)
     for signal in drawn[:MOST]:
         made.figures(*left.of_signal(d, signal))
-    made.listing([f"{left.name(d, s)}: not drawn; --residuals writes its readings" for s in drawn[MOST:]])
+    made.listing(
+        [f"{left.name(d, s)}: not drawn; --residuals writes its readings" for s in drawn[MOST:]]
+    )
     for one in (one for one in d.drives if one.fitted):
         head, *terms = prose.drive_lines(one)
         made.text(head)
@@ -154,7 +159,9 @@ def _others(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figu
 def _limits(made: Page, d: Diagnosis) -> None:
     if said := words.limits(d.limits):
         made.section("From which size on an effect would have been seen")
-        made.table(("from", "effects"), [tuple(part.split(": ", 1)) for part in said.split("; ") if part])
+        made.table(
+            ("from", "effects"), [tuple(part.split(": ", 1)) for part in said.split("; ") if part]
+        )
     if d.blind:
         made.section("What these recordings can not show")
         made.table(("effects", "why"), words.by_reason(d.blind))

@@ -41,12 +41,17 @@ def ranked(d: Diagnosis) -> list[tuple[str, float, float, float]]:
         wide = max(float(np.ptp(part[d.rows.signal == s])) for s in np.unique(d.rows.signal))
         found.append((words.named(f.block.key), rms(part), wide))
     whole = sum(size**2 for _, size, _ in found) or 1.0
-    return sorted(((n, size, wide, size**2 / whole) for n, size, wide in found), key=lambda one: -one[1])[:RANKED]
+    return sorted(
+        ((n, size, wide, size**2 / whole) for n, size, wide in found), key=lambda one: -one[1]
+    )[:RANKED]
 
 
 def shares(d: Diagnosis) -> charts.Figure:
     """How much each effect explains, beside what is left."""
-    sizes = [(words.named(f.block.key), rms(f.contribution - middle(d, f.contribution)) * UM) for f in d.findings]
+    sizes = [
+        (words.named(f.block.key), rms(f.contribution - middle(d, f.contribution)) * UM)
+        for f in d.findings
+    ]
     sizes.sort(key=lambda one: -one[1])
     sizes += [("left with all of them", rms(d.after) * UM), ("noise", rms(floor(d)) * UM)]
     return charts.lying(
@@ -65,7 +70,11 @@ def names(d: Diagnosis) -> charts.Figure | None:
         of = words.named(f.block.key)
         for name, p in f.names.items():
             if p >= SHOWN:
-                labels.append(words.named(name) if name == f.block.key else f"{words.named(name)} (in place of {of})")
+                labels.append(
+                    words.named(name)
+                    if name == f.block.key
+                    else f"{words.named(name)} (in place of {of})"
+                )
                 sizes.append(100 * p)
     return charts.lying(
         "names", "How probable each name is if it is one of these: by what the readings tell and what is believed beforehand.",
@@ -108,10 +117,20 @@ def unknown(d: Diagnosis) -> charts.Figure | None:
         own = [c for c in u.cells if c.approach == way]
         if own:
             x = [way if by_side else (c.low + c.high) / 2 for c in own]
-            wide = {"type": "data", "array": charts.column([1.96 * c.error * scale for c in own], 3), "thickness": 1}
+            wide = {
+                "type": "data",
+                "array": charts.column([1.96 * c.error * scale for c in own], 3),
+                "thickness": 1,
+            }
             data.append(charts.line(charts.column(x, 4), charts.column([c.mean * scale for c in own], 3), said if way else "both directions",
                                     role, mode="lines+markers", error_y=wide))  # fmt: skip
-    along = "direction of approach" if by_side else "time, s" if u.along == "time" else f"position of {u.along}, mm"
+    along = (
+        "direction of approach"
+        if by_side
+        else "time, s"
+        if u.along == "time"
+        else f"position of {u.along}, mm"
+    )
     return charts.figure(
         "unknown", f"{left.name(d, u.signal)}: the mean of what no name explains, with 95 % limits of the mean. No compensator applies it.",
         data, along, f"not explained, {unit}", 320,
@@ -122,16 +141,23 @@ def written(d: Diagnosis) -> list[charts.Figure]:
     """What the written machine would change: the map's deviation along each slide, the others in the middle, before and after."""
     machine, other = d.machine, report.with_effects(d)
     figures = []
-    middles = {x: (a.travel[0] + a.travel[1]) / 2 if x in XYZ else 0.0 for x, a in machine.axes.items()}
+    middles = {
+        x: (a.travel[0] + a.travel[1]) / 2 if x in XYZ else 0.0 for x, a in machine.axes.items()
+    }
     slides = [x for x in machine.letters if x in XYZ]
     for letter in slides:
         at = np.linspace(*machine.axes[letter].travel, PLACES)
-        place = np.stack([at if x == letter else np.full(PLACES, middles[x]) for x in machine.letters])
+        place = np.stack(
+            [at if x == letter else np.full(PLACES, middles[x]) for x in machine.letters]
+        )
         data = []
         for k, error in enumerate(slides):
             row = machine.letters.index(error)
             for side, dash in ((1.0, "solid"), (-1.0, "dash")):
-                pair = [m.deviation(place, np.full_like(place, side))[row] * UM for m in (machine, other)]
+                pair = [
+                    m.deviation(place, np.full_like(place, side))[row] * UM
+                    for m in (machine, other)
+                ]
                 if float(np.abs(pair[1] - pair[0]).max()) < CHANGES:
                     continue
                 role, sign = ("plus", "minus", "limit")[k], "+" if side > 0 else "-"

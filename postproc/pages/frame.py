@@ -60,7 +60,11 @@ class Page:
 
     def html(self, *scripts: str) -> str:
         """The file's text. scripts: of the page's own, in templates/. Raises UsageError where a library is missing."""
-        figures = [f for b in self.blocks for f in b.get("figures", (b["figure"],) if "figure" in b else ())]
+        figures = [
+            f
+            for b in self.blocks
+            for f in b.get("figures", (b["figure"],) if "figure" in b else ())
+        ]
         data = json.dumps({"figures": figures, **self.data}, allow_nan=False, separators=(",", ":"))
         return _environment().get_template("page.html").render(
             page=self, version=__version__, css=(HERE / "page.css").read_text("utf-8"), light=style.variables(style.LIGHT),
@@ -87,7 +91,9 @@ def _environment() -> Any:
     try:
         import jinja2
     except ImportError:
-        raise UsageError("a page needs jinja2, which is not installed here", "pip install jinja2") from None
+        raise UsageError(
+            "a page needs jinja2, which is not installed here", "pip install jinja2"
+        ) from None
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,

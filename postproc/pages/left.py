@@ -13,7 +13,11 @@ from postproc.diagnose.summary import middle, rms, scaled
 from postproc.iso.figure import round_down
 from postproc.pages import charts
 
-SIDES = ((1, "plus", "approached in +"), (-1, "minus", "approached in -"), (0, "still", "no direction"))
+SIDES = (
+    (1, "plus", "approached in +"),
+    (-1, "minus", "approached in -"),
+    (0, "still", "no direction"),
+)
 DRAWN = 3000  # readings of a signal that are drawn: more can not be told apart, and the page stays small
 FEWEST = 8  # readings of a figure
 BINS = 40  # pieces of the noise band
@@ -42,7 +46,9 @@ def thinned(which: np.ndarray) -> tuple[np.ndarray, str]:
     """Rows that are drawn, evenly over all, and a word where they are not all."""
     if len(which) <= DRAWN:
         return which, ""
-    return which[np.linspace(0, len(which) - 1, DRAWN).astype(int)], f" {DRAWN} of {len(which)} readings are drawn."
+    return which[
+        np.linspace(0, len(which) - 1, DRAWN).astype(int)
+    ], f" {DRAWN} of {len(which)} readings are drawn."
 
 
 def noise_band(x: np.ndarray, noise: np.ndarray) -> tuple[list, list]:
@@ -65,7 +71,9 @@ def _band(x: np.ndarray, noise: np.ndarray, axis: str, shown: bool) -> charts.Tr
     at, half = noise_band(x, noise)
     places, high = charts.column(at, 4), charts.column(half, 3)
     low = charts.column(-np.array(half), 3)
-    return charts.band(places, low, high, "95 % of the noise", "noise", yaxis=axis, showlegend=shown)
+    return charts.band(
+        places, low, high, "95 % of the noise", "noise", yaxis=axis, showlegend=shown
+    )
 
 
 def times(d: Diagnosis, which: np.ndarray) -> tuple[np.ndarray, str]:
@@ -152,7 +160,9 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
     data: list[charts.Trace] = []
     for values, y in _halves(d):
         half = Z95 * float(np.median(floor(d)[rows])) * scale
-        data.append(charts.band([-1.6, 1.6], [-half] * 2, [half] * 2, "95 % of the noise", "noise", yaxis=y))
+        data.append(
+            charts.band([-1.6, 1.6], [-half] * 2, [half] * 2, "95 % of the noise", "noise", yaxis=y)
+        )
         for way, role, said in SIDES:
             own = values[rows][side == way] * scale
             if len(own):
@@ -161,7 +171,14 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
                                         hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>"))  # fmt: skip
                 mean = round(float(own.mean()), 3)
                 data.append(
-                    charts.line([way - 0.4, way + 0.4], [mean, mean], f"mean, {said}", "mean", width=2.5, yaxis=y)
+                    charts.line(
+                        [way - 0.4, way + 0.4],
+                        [mean, mean],
+                        f"mean, {said}",
+                        "mean",
+                        width=2.5,
+                        yaxis=y,
+                    )
                 )
     return data
 
@@ -188,11 +205,18 @@ def circles(d: Diagnosis) -> Iterator[charts.Figure]:
         centre, nominal = recording.head.get("centre"), recording.head.get("radius_mm")
         if not isinstance(centre, dict) or len(centre) != 2 or not nominal or len(rows) < FEWEST:
             continue
-        yield _circle(d, file, rows, sorted(centre), {x: float(v) for x, v in centre.items()}, float(nominal))
+        yield _circle(
+            d, file, rows, sorted(centre), {x: float(v) for x, v in centre.items()}, float(nominal)
+        )
 
 
 def _circle(
-    d: Diagnosis, file: int, rows: np.ndarray, axes: list[str], centre: dict[str, float], nominal: float
+    d: Diagnosis,
+    file: int,
+    rows: np.ndarray,
+    axes: list[str],
+    centre: dict[str, float],
+    nominal: float,
 ) -> charts.Figure:
     rows, few = thinned(rows)
     arm = [d.rows.state.position[x][rows] - centre[x] for x in axes]
@@ -200,7 +224,10 @@ def _circle(
     top = max(float(np.abs(d.before[rows]).max()), 1e-6)
     times_ = round_down(FILL * nominal / top)
     data: list[charts.Trace] = []
-    for values, role, said in ((d.before, "before", "before"), (d.after, "after", "with the effects found")):
+    for values, role, said in (
+        (d.before, "before", "before"),
+        (d.after, "after", "with the effects found"),
+    ):
         data.append({
             "type": "scatterpolar", "mode": "markers", "name": said, "theta": charts.column(angle, 2),
             "r": charts.column(nominal + times_ * values[rows], 4), "text": charts.um(values[rows], 2),
@@ -208,7 +235,9 @@ def _circle(
         })  # fmt: skip
     for sign in (-1, 1):
         half = Z95 * float(np.median(floor(d)[rows]))
-        data.append(_ring(nominal + sign * times_ * half, "95 % of the noise", "still", "dot", sign > 0))
+        data.append(
+            _ring(nominal + sign * times_ * half, "95 % of the noise", "still", "dot", sign > 0)
+        )
     data.append(_ring(nominal, f"model, {nominal:g} mm", "ink", "solid", True))
     step = round_down(top) * 1000  # um
     rings = [k for k in range(-9, 10) if abs(k) * step <= 1250 * top]
@@ -262,7 +291,9 @@ def _over(d: Diagnosis, f: Finding, rows: np.ndarray) -> tuple[np.ndarray, str]:
     moves = own and float(np.ptp(d.rows.state.position[own][rows])) > 1e-3
     period = f.value.get("period_mm", 0.0)
     if moves and period > 0:
-        return d.rows.state.position[own][rows] % period, f"position of {own} in its period of {period:.5g} mm, mm"
+        return d.rows.state.position[own][
+            rows
+        ] % period, f"position of {own} in its period of {period:.5g} mm, mm"
     if hasattr(f.block.module, "WALLS") or not (moves or own == ""):
         return times(d, rows)
     axis = own if moves else axis_of(d, rows)

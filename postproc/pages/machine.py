@@ -52,7 +52,9 @@ def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) ->
 def page(machine: Machine) -> Page:
     """The page of a machine."""
     missing = lacks(machine)
-    result = Page(machine.title or machine.name, _headline(machine, missing), "open" if missing else "")
+    result = Page(
+        machine.title or machine.name, _headline(machine, missing), "open" if missing else ""
+    )
     result.subject = [
         ("name", machine.name), ("control", machine.control), ("map", machine.digest), ("axes", " ".join(machine.letters)),
         ("reversal", machine.reversal),
@@ -72,22 +74,32 @@ def _headline(machine: Machine, missing: list[str]) -> str:
     if machine.is_zero:
         return "The map of this machine is zero: no program is changed."
     largest = float(np.linalg.norm(_deviation(machine, _corners(machine)), axis=0).max())
-    known = f"; {len(missing)} things are not in the map (at the end of this page)" if missing else ""
+    known = (
+        f"; {len(missing)} things are not in the map (at the end of this page)" if missing else ""
+    )
     return f"The map states deviations of up to {largest / UM:.1f} um in the working volume{known}."
 
 
 def _tiles(result: Page, machine: Machine) -> None:
     stated = sum(len(table.rows) for table in machine.tables.values())
     known = MapUncertainty(machine)
-    tiles = [(f"{stated}", "components with a table", ""), (f"{len(machine.square_stated)}", "squarenesses", "")]
+    tiles = [
+        (f"{stated}", "components with a table", ""),
+        (f"{len(machine.square_stated)}", "squarenesses", ""),
+    ]
     if known.parts:
-        u = max(float(known.length(_corners(machine), np.full_like(_corners(machine), s)).max()) for s in (-1.0, 1.0))
+        u = max(
+            float(known.length(_corners(machine), np.full_like(_corners(machine), s)).max())
+            for s in (-1.0, 1.0)
+        )
         tiles.append((f"+- {micrometres(u)} um", "how well the map is known, at worst (95 %)", ""))
     else:
         tiles.append(("not stated", "how well the map is known", ""))
     for letter, axis in machine.axes.items():
         unit = "mm" if letter in XYZ else "degrees"
-        tiles.append((f"{axis.travel[0]:g} to {axis.travel[1]:g}", f"travel of {letter}, {unit}", ""))
+        tiles.append(
+            (f"{axis.travel[0]:g} to {axis.travel[1]:g}", f"travel of {letter}, {unit}", "")
+        )
     result.tiles(*tiles)
 
 
@@ -98,7 +110,11 @@ def _axis(result: Page, machine: Machine, axis: Axis) -> None:
     result.section(f"Axis {axis.letter}")
     table = axis.table
     if table is None or table.is_zero:
-        result.text("No error is stated along this axis." if table is None else "Its table is zero everywhere.")
+        result.text(
+            "No error is stated along this axis."
+            if table is None
+            else "Its table is zero everywhere."
+        )
         return
     for rows, unit, scale, what in (
         ([i for i in table.rows if i < 3], "um", UM, "translations"),
@@ -109,7 +125,9 @@ def _axis(result: Page, machine: Machine, axis: Axis) -> None:
     if axis.left_out:
         result.text(f"Measured, and within the uncertainty: {', '.join(axis.left_out)}.")
     for grid in axis.grids:
-        result.text(f"Errors that depend on {grid.other} too: {len(grid.nodes)} by {len(grid.others)} places.")
+        result.text(
+            f"Errors that depend on {grid.other} too: {len(grid.nodes)} by {len(grid.others)} places."
+        )
 
 
 def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str) -> charts.Figure:
@@ -129,7 +147,9 @@ def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str)
             label = name if len(ways) == 1 else f"{name}, approached in {way}"
             if u is not None and axis.uncertainty is not None and row in axis.uncertainty.stated:
                 low, high = (charts.column((values + sign * u) / scale, 3) for sign in (-1, 1))
-                data.append(charts.band(x, low, high, f"U of {label} (95 %)", "noise", showlegend=False))
+                data.append(
+                    charts.band(x, low, high, f"U of {label} (95 %)", "noise", showlegend=False)
+                )
             data.append(
                 charts.line(
                     x, charts.column(values / scale, 3), label, role, dash=dash, mode="lines+markers", marker={"size": 3, "color": f"@{role}"},
@@ -153,7 +173,12 @@ def _shown(axis: Axis) -> tuple[float, float]:
 
 
 def _squareness(result: Page, machine: Machine) -> None:
-    angles = [(letter, i, float(v)) for letter, lean in machine.square.items() for i, v in enumerate(lean) if v]
+    angles = [
+        (letter, i, float(v))
+        for letter, lean in machine.square.items()
+        for i, v in enumerate(lean)
+        if v
+    ]
     if not angles:
         return
     result.section("Squareness")
@@ -162,7 +187,11 @@ def _squareness(result: Page, machine: Machine) -> None:
     for letter, i, value in angles:
         name = f"{ROTARY[i]}0{letter}"
         u = machine.square_u.get(name)
-        reach = float(np.ptp(machine.axes[letter].travel)) if letter in machine.axes and letter in XYZ else np.nan
+        reach = (
+            float(np.ptp(machine.axes[letter].travel))
+            if letter in machine.axes and letter in XYZ
+            else np.nan
+        )
         rows.append((name, f"{value / URAD:+.1f}", "not stated" if u is None else f"+- {u / URAD:.1f}", "-" if np.isnan(reach) else f"{value * reach / UM:+.1f}"))  # fmt: skip
     result.table(("name", ">angle, urad", ">U (95 %), urad", ">over its travel, um"), rows)
     data, notes, at = [], [], 0.0
@@ -209,7 +238,10 @@ def _slides(machine: Machine) -> list[str]:
 
 def _corners(machine: Machine) -> np.ndarray:
     """(A, N) places spread over the volume that programs can reach."""
-    axes = [np.linspace(*_reach(machine, x), 9) if x in XYZ else np.array([0.0]) for x in machine.letters]
+    axes = [
+        np.linspace(*_reach(machine, x), 9) if x in XYZ else np.array([0.0])
+        for x in machine.letters
+    ]
     return np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")])
 
 
@@ -265,7 +297,9 @@ def _slice(machine: Machine, across: str, up: str, third: str | None, level: flo
         a, b = (np.linspace(*_reach(machine, x), count) for x in (across, up))
         places = np.zeros((len(machine.letters), count * count))
         grid = np.meshgrid(a, b)
-        places[machine.letters.index(across)], places[machine.letters.index(up)] = (g.ravel() for g in grid)
+        places[machine.letters.index(across)], places[machine.letters.index(up)] = (
+            g.ravel() for g in grid
+        )
         if third:
             places[machine.letters.index(third)] = level
         return a, b, _deviation(machine, places)
@@ -283,8 +317,12 @@ def _level(across: str, up: str, heat, tip, top: float) -> list[charts.Trace]:
     a, b, z = heat
     x, y, dx, dy = tip
     times = ARROW * max(float(np.ptp(x)), float(np.ptp(y))) / max(top, 1e-9)
-    ends_x = [v for k in range(len(x)) for v in (round(x[k], 3), round(x[k] + times * dx[k], 3), None)]
-    ends_y = [v for k in range(len(x)) for v in (round(y[k], 3), round(y[k] + times * dy[k], 3), None)]
+    ends_x = [
+        v for k in range(len(x)) for v in (round(x[k], 3), round(x[k] + times * dx[k], 3), None)
+    ]
+    ends_y = [
+        v for k in range(len(x)) for v in (round(y[k], 3), round(y[k] + times * dy[k], 3), None)
+    ]
     return [
         {
             "type": "heatmap", "x": charts.column(a, 3), "y": charts.column(b, 3), "z": [charts.column(row, 2) for row in z],
@@ -305,12 +343,18 @@ def _said(result: Page, machine: Machine, missing: list[str]) -> None:
         result.section("Effects")
         result.table(
             ("effect", "axis", "parameters"),
-            [(t.name, t.axis, ", ".join(f"{k} = {v:g}" for k, v in t.parameters.items())) for t in machine.effects],
+            [
+                (t.name, t.axis, ", ".join(f"{k} = {v:g}" for k, v in t.parameters.items()))
+                for t in machine.effects
+            ],
         )
     doubts = overshoot.found(machine)
     if doubts:
         result.section("In doubt")
         result.listing(list(doubts))
     if missing:
-        result.section("Not in this map", "What nobody measured is zero here, and no program is corrected for it:")
+        result.section(
+            "Not in this map",
+            "What nobody measured is zero here, and no program is corrected for it:",
+        )
         result.listing(missing)

@@ -35,7 +35,9 @@ def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
     """The page of some results. left: what was not evaluated."""
     files = sorted({name for r in results for name in r.files})
     title = f"{', '.join(dict.fromkeys(r.subject for r in results))} by ISO 230"
-    made = Page(title if len(title) < 90 else f"{len(results)} tests by ISO 230", _headline(results))
+    made = Page(
+        title if len(title) < 90 else f"{len(results)} tests by ISO 230", _headline(results)
+    )
     made.subject = [("recordings", ", ".join(files))]
     for k, result in enumerate(results):
         made.section(f"{result.subject}: {result.test}, {result.standard}", f"{result.chosen}.")
@@ -60,7 +62,9 @@ def _headline(results: Sequence[Result]) -> str:
         main = next((p for p in result.parameters if p.value is not None), None)
         if main is not None:
             u = "" if main.U is None else f" +- {_shown(result, main.U)}"
-            said.append(f"{result.subject}: {main.name} {_shown(result, main.value)}{u} {result.unit}")
+            said.append(
+                f"{result.subject}: {main.name} {_shown(result, main.value)}{u} {result.unit}"
+            )
     return "; ".join(said) + (f"; and {len(results) - 4} more." if len(results) > 4 else ".")
 
 
@@ -76,7 +80,9 @@ def _parameters(made: Page, result: Result) -> None:
     made.table(("", f">{result.unit}", ">U (k = 2)", ">of it runs", "what it is"), rows)
     if result.terms:
         made.text("In U, k = 1:")
-        made.listing([f"{t.name}: {_shown(result, t.u)} {result.unit}; {t.said}" for t in result.terms])
+        made.listing(
+            [f"{t.name}: {_shown(result, t.u)} {result.unit}; {t.said}" for t in result.terms]
+        )
 
 
 # -- along an axis -----------------------------------------------------------------------------------------------------
@@ -84,7 +90,9 @@ def _parameters(made: Page, result: Result) -> None:
 
 def _along(result: Result, name: str) -> charts.Figure:
     """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand for."""
-    test: Positioning = result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    test: Positioning = (
+        result.detail.test if isinstance(result.detail, Straightness) else result.detail
+    )
     unit = scale(result)
     x = charts.column(test.target, 4)
     data: list[charts.Trace] = []
@@ -95,7 +103,14 @@ def _along(result: Result, name: str) -> charts.Figure:
             low, high = (charts.column((mean + k * s)[there], 3) for k in (-2, 2))
             role = f"{ROLES[way]}-fill"
             data.append(
-                charts.band(charts.column(test.target[there], 4), low, high, "mean +- 2 s", role, showlegend=False)
+                charts.band(
+                    charts.column(test.target[there], 4),
+                    low,
+                    high,
+                    "mean +- 2 s",
+                    role,
+                    showlegend=False,
+                )
             )
     for row, way in enumerate((1, -1)):
         rows = np.flatnonzero(test.way == way)
@@ -113,7 +128,11 @@ def _along(result: Result, name: str) -> charts.Figure:
         data.append(charts.line(x, charts.column(test.mean[row] / unit, 3), f"mean, approached in {sign}", ROLES[way],
                                 mode="lines+markers", marker={"size": 5, "color": f"@{ROLES[way]}"}))  # fmt: skip
     if test.two_way:
-        data.append(charts.line(x, charts.column(test.middle / unit, 3), "mean, two-way", "still", dash="dash"))
+        data.append(
+            charts.line(
+                x, charts.column(test.middle / unit, 3), "mean, two-way", "still", dash="dash"
+            )
+        )
     notes: list[dict[str, Any]] = []
     if isinstance(result.detail, Straightness):
         data += _lines(result, result.detail, unit)
@@ -138,14 +157,18 @@ def _range(target: np.ndarray) -> list[float]:
     return [round(float(target.min()) - edge, 4), round(float(target.max()) + edge, 4)]
 
 
-def _widths(result: Result, test: Positioning, unit: float) -> tuple[list[charts.Trace], list[dict[str, Any]]]:
+def _widths(
+    result: Result, test: Positioning, unit: float
+) -> tuple[list[charts.Trace], list[dict[str, Any]]]:
     """E, M and A as bars beside the curves, each with its name and size."""
     spread = np.isfinite(test.s).any()
     both = test.both.any()
     ends = {
         "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if both else None,
         "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s)) if spread else None,
+        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
+        if spread
+        else None,
     }
     known = {p.name: p.value for p in result.parameters}
     sign = "" if known.get("E") is not None else "+" if known.get("E+") is not None else "-"
@@ -186,9 +209,7 @@ def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trac
 def _causes(made: Page, causes: Causes, name: str) -> None:
     """What makes a circle out of round, ranked."""
     told = [c for c in causes.ranked if c.share >= LEAST]
-    said = (
-        f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none of these explains"
-    )
+    said = f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none of these explains"
     roles = ["@command" if c.range > c.U_range else "@still" for c in told]
     bars = charts.lying(
         name, f"What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero; {said}.", [c.name for c in told],

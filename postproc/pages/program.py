@@ -51,7 +51,9 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     if why:
         result.text(f"The program was {why}.")
     if not len(after):
-        result.section("Path", "No place of this program is known to the map, so there is nothing to draw.")
+        result.section(
+            "Path", "No place of this program is known to the map, so there is nothing to draw."
+        )
     else:
         _path(result, trace, verifier, before, after)
         _along(result, trace, verifier, before, after)
@@ -75,15 +77,27 @@ def _headline(verifier: Verifier) -> str:
 def _tiles(result: Page, filter_: Filter, verifier: Verifier, trace: Trace) -> None:
     summary, known = filter_.summary, verifier.map
     tiles = [
-        (f"{verifier.uncorrected.deviation / UM:.1f} um", "largest deviation, not corrected", "before"),
+        (
+            f"{verifier.uncorrected.deviation / UM:.1f} um",
+            "largest deviation, not corrected",
+            "before",
+        ),
         (f"{verifier.corrected.deviation / UM:.2f} um", "largest deviation, corrected", "after"),
         (f"{verifier.tolerance / UM:g} um", "tolerance asked for", ""),
         (f"{summary.largest / UM:.1f} um", "largest correction of an axis", "command"),
-        (f"{summary.added:,}", f"blocks added: {trace.take_ups:,} take-ups of lost motion, {trace.cuts:,} cuts", ""),
+        (
+            f"{summary.added:,}",
+            f"blocks added: {trace.take_ups:,} take-ups of lost motion, {trace.cuts:,} cuts",
+            "",
+        ),
     ]
     if known.known.parts and known.line:
         tiles.append(
-            (f"+- {micrometres(known.largest)} um", "how well the map itself is known on this path (95 %)", "")
+            (
+                f"+- {micrometres(known.largest)} um",
+                "how well the map itself is known on this path (95 %)",
+                "",
+            )
         )
     else:
         tiles.append(("not stated", "how well the map itself is known", ""))
@@ -128,7 +142,11 @@ def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after:
     slides = [k for k, x in enumerate(letters) if x not in trace.machine.chain.rotary]
     extent = max((float(np.ptp(after.point[k])) for k in slides), default=0.0)
     known = bool(verifier.map.known.parts)
-    colours = [("before", "deviation, not corrected"), ("after", "deviation left"), ("correction", "correction")]
+    colours = [
+        ("before", "deviation, not corrected"),
+        ("after", "deviation left"),
+        ("correction", "correction"),
+    ]
     if known:
         colours.append(("u", "uncertainty of the map"))
     wanted = {*before.plain.tolist(), *after.plain.tolist()}
@@ -140,7 +158,9 @@ def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after:
         "magnify": magnified(extent or 1.0, float(np.abs(before.off).max(initial=0.0))),
         "text": {str(n): [own, list(became)] for n, (own, became) in trace.text.items() if n in wanted},
     }  # fmt: skip
-    note = f" Of each {trace.after.step:,} places measured the one farthest off is drawn." * (trace.after.step > 1)
+    note = f" Of each {trace.after.step:,} places measured the one farthest off is drawn." * (
+        trace.after.step > 1
+    )
     result.section("Path")
     result.blocks.append({
         "kind": "path", "views": shown, "colours": colours, "height": 520,
@@ -190,10 +210,15 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
     if not len(used):
         return
     low, high = max(int(used[0]), 1), min(int(used[-1]), len(CLASSES) - 1)
-    middle = np.round(np.log10(np.sqrt(CLASSES[low - 1 : high] * CLASSES[low : high + 1]) / UM), 3).tolist()
+    middle = np.round(
+        np.log10(np.sqrt(CLASSES[low - 1 : high] * CLASSES[low : high + 1]) / UM), 3
+    ).tolist()
     whole = max(float(counts["after"].sum()), 1e-9)
     data, top = [], 1.0
-    for name, said, role in (("before", "not corrected", "before"), ("after", "corrected", "after")):
+    for name, said, role in (
+        ("before", "not corrected", "before"),
+        ("after", "corrected", "after"),
+    ):
         own = 100 * counts[name][low : high + 1] / whole
         own[0] += 100 * counts[name][:low].sum() / whole
         own[-1] += 100 * counts[name][high + 1 :].sum() / whole
@@ -206,7 +231,11 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
         )  # fmt: skip
         top = max(top, float(own.max()))
     at = round(float(np.log10(verifier.tolerance / UM)), 3)
-    data.append(charts.line([at, at], [0, round(top, 2)], "tolerance", "limit", dash="dash", hoverinfo="skip"))
+    data.append(
+        charts.line(
+            [at, at], [0, round(top, 2)], "tolerance", "limit", dash="dash", hoverinfo="skip"
+        )
+    )
     powers = range(int(np.floor(min(*middle, at))), int(np.ceil(max(*middle, at))) + 1)
     result.section("How much of the path is off by how much")
     result.figure(
@@ -223,11 +252,20 @@ def _worst(result: Page, trace: Trace) -> None:
     for worst in trace.worst():
         own, became = trace.text.get(worst.plain, ("", ()))
         rows.append(
-            (worst.line, f"{worst.before / UM:.2f}", f"{worst.after / UM:.2f}", own, "\n".join(became) or "the same")
+            (
+                worst.line,
+                f"{worst.before / UM:.2f}",
+                f"{worst.after / UM:.2f}",
+                own,
+                "\n".join(became) or "the same",
+            )
         )
     result.section("Lines that stay farthest off")
     result.table(
-        ("line", ">not corrected, um", ">corrected, um", "block", "what it became"), rows, code=(3, 4), pick=True
+        ("line", ">not corrected, um", ">corrected, um", "block", "what it became"),
+        rows,
+        code=(3, 4),
+        pick=True,
     )
 
 

@@ -20,7 +20,9 @@ def page(fields: dict[str, Any], samples: list[dict[str, Any]]) -> Page:
     good = fields["outcome"] == "done"
     first, *rest = fields["message"].splitlines()
     made = Page(
-        f"{fields['program']} on {fields['machine']}: {fields['outcome']}", f"{first}.", "good" if good else "bad"
+        f"{fields['program']} on {fields['machine']}: {fields['outcome']}",
+        f"{first}.",
+        "good" if good else "bad",
     )
     made.subject = [
         ("controller", fields["controller"]), ("map", fields["map"]), ("ended", fields["ended"]),
@@ -34,14 +36,19 @@ def page(fields: dict[str, Any], samples: list[dict[str, Any]]) -> Page:
         made.table(("line", "text", "its words"), [(r["source_line"], r["text"], r["words"]) for r in fields["refused"][:MOST]], code=(1,))  # fmt: skip
     if fields["events"]:
         made.section("What happened")
-        made.table((">s", "event", ""), [(f"{e['s']:.1f}", e["event"], e["message"]) for e in fields["events"][:MOST]])
+        made.table(
+            (">s", "event", ""),
+            [(f"{e['s']:.1f}", e["event"], e["message"]) for e in fields["events"][:MOST]],
+        )
     return made
 
 
 def _tiles(fields: dict[str, Any]) -> list[tuple[str, str, str]]:
     tiles = [(_minutes(fields["seconds"]), "it took", "")]
     if fields["expected_s"] is not None:
-        tiles.append((_minutes(fields["expected_s"]), "was expected, by the controller's settings", ""))
+        tiles.append(
+            (_minutes(fields["expected_s"]), "was expected, by the controller's settings", "")
+        )
     if fields["held_s"]:
         tiles.append((_minutes(fields["held_s"]), "of it on hold", "open"))
     total = f" of {fields['lines']:,}" if fields["lines"] else ""
@@ -73,7 +80,9 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
         charts.dots([e["s"] for e in marks], [0] * len(marks), "events", "limit", size=8, symbol="triangle-up",
                     text=[e["message"] for e in marks], hovertemplate="%{x} s: %{text}<extra></extra>")
     )  # fmt: skip
-    made.figure(charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320))
+    made.figure(
+        charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320)
+    )
     for key, unit, said in (
         ("feed_mm_min", "mm/min", "Feed as the controller reports it."),
         (
@@ -81,12 +90,22 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
             "blocks",
             "Blocks that are free in the controller's planner: at zero it has as much as it can hold.",
         ),
-        ("buffer_bytes", "bytes", "Bytes in the controller's receive buffer, as they are counted here."),
+        (
+            "buffer_bytes",
+            "bytes",
+            "Bytes in the controller's receive buffer, as they are counted here.",
+        ),
     ):
         values = [s.get(key) for s in samples]
         if any(v is not None for v in values):
             made.figure(
                 charts.figure(
-                    key, said, [charts.line(t, values, key, "command")], "time, s", unit, 240, showlegend=False
+                    key,
+                    said,
+                    [charts.line(t, values, key, "command")],
+                    "time, s",
+                    unit,
+                    240,
+                    showlegend=False,
                 )
             )

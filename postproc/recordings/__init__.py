@@ -47,7 +47,9 @@ class Source:
         except UnicodeDecodeError as error:
             line = self.data.count(b"\n", 0, error.start) + 1
             raise RecordingError(
-                f"byte {self.data[error.start]} is not UTF-8 text", "save the file as UTF-8", Place(self.name, line)
+                f"byte {self.data[error.start]} is not UTF-8 text",
+                "save the file as UTF-8",
+                Place(self.name, line),
             ) from None
 
 
@@ -126,14 +128,17 @@ class Recording:
     @cached_property
     def reading(self) -> np.ndarray:
         """(N,) mm or rad: actual - commanded of targets; of a ballbar radius - nominal."""
-        name = {"targets": "reading_urad" if self.quantity == "angle" else "reading_um", "ballbar": "radial_um"}[
-            self.kind
-        ]
+        name = {
+            "targets": "reading_urad" if self.quantity == "angle" else "reading_um",
+            "ballbar": "radial_um",
+        }[self.kind]
         return self.columns[name] * self.unit
 
     def pick(self, which: np.ndarray) -> Recording:
         """The rows where `which` (N,) is true, or of these indices."""
-        return replace(self, columns={n: c[which] for n, c in self.columns.items()}, lines=self.lines[which])
+        return replace(
+            self, columns={n: c[which] for n, c in self.columns.items()}, lines=self.lines[which]
+        )
 
 
 @dataclass(frozen=True)
@@ -174,7 +179,11 @@ class ReadingOptions:
 
 def names() -> list[str]:
     """The formats that there are, as a user writes them."""
-    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
+    return sorted(
+        m.name.replace("_", "-")
+        for m in pkgutil.iter_modules(__path__)
+        if not m.name.startswith("_")
+    )
 
 
 def load(name: str) -> ModuleType:
@@ -209,7 +218,11 @@ def _format_of(source: Source, options: ReadingOptions | None) -> str:
     if load("contract").recognises(source):
         return "contract"
     if options is not None and options.columns:
-        own = [n for n in names() if "columns" in getattr(load(n), "TAKES", ()) and load(n).recognises(source)]
+        own = [
+            n
+            for n in names()
+            if "columns" in getattr(load(n), "TAKES", ()) and load(n).recognises(source)
+        ]
         return own[0] if own else "mapped-csv"
     if options is not None and options.layout:
         return "iso-spreadsheet"
@@ -235,13 +248,17 @@ def read(source: Source, format: str = "", options: ReadingOptions | None = None
     return _told(recording, module, options)
 
 
-def read_all(source: Source, format: str = "", options: ReadingOptions | None = None) -> list[Recording]:
+def read_all(
+    source: Source, format: str = "", options: ReadingOptions | None = None
+) -> list[Recording]:
     """All recordings of a file, one at least. Raises RecordingError or UsageError."""
     options = options or ReadingOptions()
     source = opened(source, options)
     module = _module(source, format, options)
     every: list[Recording] = (
-        module.read_all(source, options) if hasattr(module, "read_all") else [module.read(source, options)]
+        module.read_all(source, options)
+        if hasattr(module, "read_all")
+        else [module.read(source, options)]
     )
     return [_told(recording, module, options) for recording in every]
 
@@ -267,7 +284,9 @@ def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
 
 def _told(recording: Recording, module: ModuleType, options: ReadingOptions) -> Recording:
     """The recording with a notice for every option that its format did not heed."""
-    idle = [f"--{OPTION.get(n, n)}" for n in options.given() if n not in getattr(module, "TAKES", ())]
+    idle = [
+        f"--{OPTION.get(n, n)}" for n in options.given() if n not in getattr(module, "TAKES", ())
+    ]
     if not idle:
         return recording
     what = f"{', '.join(idle)} {'was' if len(idle) == 1 else 'were'} not used: the format {_name(module)} has no place for it"

@@ -5,9 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-ROOM = (0.0, 45.0)  # degrees Celsius in which a machine is measured; 68 is a room in degrees Fahrenheit
+ROOM = (
+    0.0,
+    45.0,
+)  # degrees Celsius in which a machine is measured; 68 is a room in degrees Fahrenheit
 TEMPERATURE = re.compile(
-    r"^(air|mat|material)\s*temp(?:erature)?\.?\s*([0-9]*)$|^(?:temp(?:erature)?)\s*(air|material)?\s*([0-9]*)$", re.I
+    r"^(air|mat|material)\s*temp(?:erature)?\.?\s*([0-9]*)$|^(?:temp(?:erature)?)\s*(air|material)?\s*([0-9]*)$",
+    re.I,
 )
 VALUE = re.compile(r"([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(?:°|deg)?\s*([CF]?)")
 EXPANSION = re.compile(r"exp(?:ansion)?\s*coeff(?:icient)?", re.I)
@@ -27,19 +31,28 @@ def taken(pairs: Iterable[tuple[str, str]]) -> tuple[dict[str, float], dict[str,
             continue
         head[name] = text
         if EXPANSION.search(name) and re.search(r"[1-9]", text):
-            notices.append(f"{name} is {text}: the readings may be brought to 20 C already, do not take it out twice")
+            notices.append(
+                f"{name} is {text}: the readings may be brought to 20 C already, do not take it out twice"
+            )
         place = TEMPERATURE.match(name)
         value = VALUE.fullmatch(text)
         if not place or not value:
             continue
-        where = (place[1] or place[3] or "air").lower().replace("mat", "material").replace("materialerial", "material")
+        where = (
+            (place[1] or place[3] or "air")
+            .lower()
+            .replace("mat", "material")
+            .replace("materialerial", "material")
+        )
         number = place[2] or place[4]
         celsius = float(value[1].replace(",", "."))
         if value[2] == "F":
             celsius = (celsius - 32.0) / 1.8
         elif not value[2]:
             if not ROOM[0] <= celsius <= ROOM[1]:
-                notices.append(f"{name} = {text} has no unit and is no room in degrees Celsius: left out")
+                notices.append(
+                    f"{name} = {text} has no unit and is no room in degrees Celsius: left out"
+                )
                 continue
             notices.append(f"{name} = {text} has no unit: taken as degrees Celsius")
         columns[f"T_{where}{'_' + number if number else ''}_C"] = celsius

@@ -18,19 +18,33 @@ SENSE = {"ccw": 1.0, "cw": -1.0}
 
 def is_other(mapping: dict[str, str]) -> bool:
     """Whether a mapping's names are of another kind of recording than targets."""
-    return any(n.startswith("radial") or n.endswith("_cmd_mm") or n == "measured_mm" for n in mapping)
+    return any(
+        n.startswith("radial") or n.endswith("_cmd_mm") or n == "measured_mm" for n in mapping
+    )
 
 
 def read(
-    source: Source, options: ReadingOptions, table: text.Table, top: int, at: dict[str, int], notices: list[str]
+    source: Source,
+    options: ReadingOptions,
+    table: text.Table,
+    top: int,
+    at: dict[str, int],
+    notices: list[str],
 ) -> Recording:
     """Raises UsageError for what the mapping or the head lacks, RecordingError with the line for what is no number."""
-    kind = "features" if "measured_mm" in at else "ballbar" if any(n.startswith("radial") for n in at) else "trace"
+    kind = (
+        "features"
+        if "measured_mm" in at
+        else "ballbar"
+        if any(n.startswith("radial") for n in at)
+        else "trace"
+    )
     head = ({"machine": options.machine} if options.machine else {}) | options.head
 
     def fault(key: str, message: str, advice: str = "") -> UsageError:
         return UsageError(
-            message if key in head else f"a {kind} needs {key}, and nothing says it", f"--head '{key} = ...'; {advice}"
+            message if key in head else f"a {kind} needs {key}, and nothing says it",
+            f"--head '{key} = ...'; {advice}",
         )
 
     contract.check_head({**head, "kind": kind}, fault)
@@ -44,21 +58,29 @@ def read(
             value = SENSE.get(cell.lower()) if name == "sense" else None
             value = text.number(cell, table.decimal) if value is None else value
             if value is None and name not in words:
-                raise RecordingError(f"{name} {cell!r} is not a number" if cell else f"{name} is empty", "", place)
+                raise RecordingError(
+                    f"{name} {cell!r} is not a number" if cell else f"{name} is empty", "", place
+                )
             columns[name].append(cell if name in words else value)
         lines.append(line)
     if not lines:
         raise RecordingError("there are no rows", "", Place(source.name, table.rows[-1][0]))
-    arrays = {n: np.array(c, dtype=object if n in words else np.float64) for n, c in columns.items()}
+    arrays = {
+        n: np.array(c, dtype=object if n in words else np.float64) for n, c in columns.items()
+    }
     if kind == "ballbar":
         arrays = _circle(head, _radial(options, arrays), len(lines), notices)
     if "run" not in arrays and kind != "features":
         arrays["run"] = np.ones(len(lines))
     try:
-        contract.needed({**head, "kind": kind}, list(arrays), Place(source.name, table.rows[max(top - 1, 0)][0]))
+        contract.needed(
+            {**head, "kind": kind}, list(arrays), Place(source.name, table.rows[max(top - 1, 0)][0])
+        )
     except RecordingError as error:
         raise UsageError(f"for a {kind} {error.message}", "name it with --column") from None
-    recording = Recording(kind, head, arrays, source.name, np.array(lines, np.int64), (), tuple(notices))
+    recording = Recording(
+        kind, head, arrays, source.name, np.array(lines, np.int64), (), tuple(notices)
+    )
     contract.check(recording)
     return recording
 
@@ -68,22 +90,33 @@ def _radial(options: ReadingOptions, arrays: dict[str, np.ndarray]) -> dict[str,
     name = next(n for n in arrays if n.startswith("radial"))
     said = name.partition("_")[2] or options.unit
     if not said:
-        raise UsageError(f"nothing says in which unit {name} is", "--column radial_um=..., radial_mm=..., or --unit")
+        raise UsageError(
+            f"nothing says in which unit {name} is",
+            "--column radial_um=..., radial_mm=..., or --unit",
+        )
     unit = units.named(said)
     if unit.quantity != units.LENGTH:
         raise UsageError(f"{unit.name} is no unit of lengths", "--column radial_um=...")
     if options.unit and units.named(options.unit).factor != unit.factor:
-        raise UsageError(f"the mapping says {unit.name}, and --unit says {options.unit}", "leave --unit out")
-    return {("radial_um" if n == name else n): (c * unit.factor if n == name else c) for n, c in arrays.items()}
+        raise UsageError(
+            f"the mapping says {unit.name}, and --unit says {options.unit}", "leave --unit out"
+        )
+    return {
+        ("radial_um" if n == name else n): (c * unit.factor if n == name else c)
+        for n, c in arrays.items()
+    }
 
 
-def _circle(head: dict, arrays: dict[str, np.ndarray], n: int, notices: list[str]) -> dict[str, np.ndarray]:
+def _circle(
+    head: dict, arrays: dict[str, np.ndarray], n: int, notices: list[str]
+) -> dict[str, np.ndarray]:
     """The commanded positions from the angle, and a time where there is none."""
     if "angle_deg" in arrays:
         letters = list(head["centre"])
         if len(letters) != 2:
             raise UsageError(
-                f"centre names {len(letters)} axes", "a circle has two: --head 'centre = { X = 400.0, Y = 300.0 }'"
+                f"centre names {len(letters)} axes",
+                "a circle has two: --head 'centre = { X = 400.0, Y = 300.0 }'",
             )
         angle = np.radians(arrays.pop("angle_deg"))
         for letter, part in zip(letters, (np.cos(angle), np.sin(angle)), strict=True):

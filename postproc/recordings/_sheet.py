@@ -16,7 +16,9 @@ SUMMARY = re.compile(
     r"^(mean|average|avg|mittel\w*|std\.?|stdev|standard|sigma|s|b|r|e|a|m|u|x̄|min|max|range|reversal|repeatability|remarks?|notes?|comment)\b",
     re.I,
 )
-TARGET = re.compile(r"target|position|nominal|soll|^p_?i?$|^[xyzabc](?:[ _]?(?:mm|deg|axis|achse).*)?$", re.I)
+TARGET = re.compile(
+    r"target|position|nominal|soll|^p_?i?$|^[xyzabc](?:[ _]?(?:mm|deg|axis|achse).*)?$", re.I
+)
 TARGET_NUMBER = re.compile(r"^(i|no\.?|nr\.?|#|point|punkt)$", re.I)
 RUN = re.compile(r"\brun\b|\blauf\b|\bcycle\b|\bj\s*=|^\s*[0-9]+\s*$", re.I)
 MISSING = "the reading is missing"
@@ -61,14 +63,18 @@ def find(source: Source, table: text.Table) -> Sheet:
     top = header_at(table)
     if top is None:
         raise RecordingError(
-            "there is no row of numbers: no target and readings", "", Place(source.name, table.rows[0][0])
+            "there is no row of numbers: no target and readings",
+            "",
+            Place(source.name, table.rows[0][0]),
         )
     width = len(table.rows[top][1])
     bottom = top
     while bottom < len(table.rows) and _belongs(table, table.rows[bottom][1], width):
         bottom += 1
     headings, used = _headings(table, top, width)
-    target = next((j for j, h in enumerate(headings) if TARGET.search(h) and not TARGET_NUMBER.match(h)), 0)
+    target = next(
+        (j for j, h in enumerate(headings) if TARGET.search(h) and not TARGET_NUMBER.match(h)), 0
+    )
     columns = []
     for j, title in enumerate(headings):
         if j == target or (title and (SUMMARY.match(title) or TARGET_NUMBER.match(title))):
@@ -114,7 +120,9 @@ def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
 def _direction(title: str) -> tuple[int, bool]:
     """Sign and relative of the one word of direction in a heading; (0, False) where it has none."""
     plain = re.sub(
-        r"[(\[][^()\[\]]*[)\]]", lambda m: m[0] if re.fullmatch(r"[(\[]\s*[-+↑↓\u2212]\s*[)\]]", m[0]) else " ", title
+        r"[(\[][^()\[\]]*[)\]]",
+        lambda m: m[0] if re.fullmatch(r"[(\[]\s*[-+↑↓\u2212]\s*[)\]]", m[0]) else " ",
+        title,
     )
     for word in re.findall(r"[↑↓]|[^\W\d_]+|[-+\u2212](?![\w])", plain):
         found = text.direction(word)
@@ -154,7 +162,11 @@ def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
             if unit:
                 said.setdefault(unit.name, f"{key}: {value}")
         elif not said:
-            unit = units.in_heading(key) if re.search(r"deviation|reading|error|abweichung", key, re.I) else None
+            unit = (
+                units.in_heading(key)
+                if re.search(r"deviation|reading|error|abweichung", key, re.I)
+                else None
+            )
             if unit:
                 said.setdefault(unit.name, key)
     if len(said) > 1:
@@ -166,17 +178,26 @@ def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
 
 
 def position_factor(
-    source: Source, heading: str, line: int, options: ReadingOptions, rotary: bool, notices: list[str]
+    source: Source,
+    heading: str,
+    line: int,
+    options: ReadingOptions,
+    rotary: bool,
+    notices: list[str],
 ) -> float:
     """mm (degrees of a rotary axis) of one unit of the targets: as their heading says, or --set position_unit."""
     told = options.extra.get("position_unit", "")
     usual = "deg" if rotary else "mm"
     unit = units.named(told, "--set position_unit") if told else units.in_heading(heading)
     if unit is None:
-        notices.append(f"the unit of the targets is not in the file: taken as {usual} (--set position_unit=...)")
+        notices.append(
+            f"the unit of the targets is not in the file: taken as {usual} (--set position_unit=...)"
+        )
         return 1.0
     if unit.name not in POSITION or (unit.name == "deg") != rotary:
-        text_ = f"the targets are in {unit.name}, and the axis is {'rotary' if rotary else 'linear'}"
+        text_ = (
+            f"the targets are in {unit.name}, and the axis is {'rotary' if rotary else 'linear'}"
+        )
         if told:
             raise UsageError(text_, f"--set position_unit={usual}")
         raise RecordingError(text_, "another --axis or --component", Place(source.name, line))
@@ -189,7 +210,9 @@ def missing(faults: list[Fault]) -> list[str]:
     return [f"{n} reading{'s are' if n > 1 else ' is'} missing and left out"] if n else []
 
 
-def cells(source: Source, table: text.Table, sheet: Sheet, options: ReadingOptions) -> tuple[list, list[Fault]]:
+def cells(
+    source: Source, table: text.Table, sheet: Sheet, options: ReadingOptions
+) -> tuple[list, list[Fault]]:
     """(column, line, target, value) of every reading; and the faults: cells that are empty, or not numbers where not strict.
 
     Raises RecordingError for a target or, where strict, a reading that is not a number.
@@ -218,7 +241,9 @@ def cells(source: Source, table: text.Table, sheet: Sheet, options: ReadingOptio
                     place,
                 )
             if value is None:
-                faults.append(Fault(line, column.title, f"{cell!r} is not a number" if cell else MISSING))
+                faults.append(
+                    Fault(line, column.title, f"{cell!r} is not a number" if cell else MISSING)
+                )
                 continue
             found.append((column, line, target, value))
     return found, faults

@@ -48,7 +48,9 @@ def doubt(run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarr
 
 def _table(run, target, value, numbers) -> np.ndarray | None:
     """(R, K) readings of the targets that every run has; None where these are fewer than three."""
-    rows = [dict(zip(target[run == r].tolist(), value[run == r].tolist(), strict=True)) for r in numbers]
+    rows = [
+        dict(zip(target[run == r].tolist(), value[run == r].tolist(), strict=True)) for r in numbers
+    ]
     common = sorted(set.intersection(*(set(row) for row in rows)))
     if len(common) < 3:
         return None

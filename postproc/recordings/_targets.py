@@ -86,7 +86,9 @@ def component_of(
     place = Place(source.name, where)
     if not axis:
         raise RecordingError(
-            "the file does not say which axis moved", "say --axis Z, or what was measured, like --component EXZ", place
+            "the file does not say which axis moved",
+            "say --axis Z, or what was measured, like --component EXZ",
+            place,
         )
     if quantity == "displacement" or (quantity == "angle" and axis in ROTARY):
         return parsed(f"E{axis}{axis}")
@@ -96,16 +98,24 @@ def component_of(
         may = [f"E{d}{axis}" for d in ROTARY]
     else:
         may = [f"E{d}{axis}" for d in LINEAR + ROTARY]
-    what = {"straightness": "in which direction the straightness of", "angle": "about which axis the rotation of"}.get(
-        quantity, "what of"
-    )
+    what = {
+        "straightness": "in which direction the straightness of",
+        "angle": "about which axis the rotation of",
+    }.get(quantity, "what of")
     raise RecordingError(
-        f"the file does not say {what} {axis} was measured", f"say --component {' or '.join(may)}", place
+        f"the file does not say {what} {axis} was measured",
+        f"say --component {' or '.join(may)}",
+        place,
     )
 
 
 def positioning(
-    options: ReadingOptions, source: Source, axis: str, said: Unit | None, where: int, notices: list[str]
+    options: ReadingOptions,
+    source: Source,
+    axis: str,
+    said: Unit | None,
+    where: int,
+    notices: list[str],
 ) -> Component:
     """What a table measured that names its axis at most: what --component says, or else the positioning of the axis.
 
@@ -133,22 +143,34 @@ def parsed(name: str) -> Component:
     direction, axis = found[1], found[2]
     if direction in ROTARY:
         return Component(found[0], axis, "angle", {TURNS[direction]: 1.0})
-    return Component(found[0], axis, "displacement" if direction == axis else "straightness", {direction: 1.0})
+    return Component(
+        found[0], axis, "displacement" if direction == axis else "straightness", {direction: 1.0}
+    )
 
 
 def article(quantity: str) -> str:
     """The quantity as a noun."""
-    return {"displacement": "a displacement", "straightness": "a straightness", "angle": "an angle"}[quantity]
+    return {
+        "displacement": "a displacement",
+        "straightness": "a straightness",
+        "angle": "an angle",
+    }[quantity]
 
 
 def axis_in(text: str) -> str:
     """The one axis letter that stands alone in a free text ("Z", "X-axis", "Achse Y"), or nothing."""
-    found = {m.upper() for m in re.findall(r"(?<![A-Za-z])([XYZABCxyzabc])(?:[0-9])?(?![A-Za-z])", text)}
+    found = {
+        m.upper() for m in re.findall(r"(?<![A-Za-z])([XYZABCxyzabc])(?:[0-9])?(?![A-Za-z])", text)
+    }
     return found.pop() if len(found) == 1 else ""
 
 
 def unit_for(
-    options: ReadingOptions, source: Source, component: Component, said: Unit | None = None, where: int = 1
+    options: ReadingOptions,
+    source: Source,
+    component: Component,
+    said: Unit | None = None,
+    where: int = 1,
 ) -> Unit:
     """The unit of the readings: what the file says, or the options do.
 
@@ -178,14 +200,18 @@ def unit_for(
     return unit
 
 
-def signs(run: np.ndarray, sign: np.ndarray, options: ReadingOptions, notices: list[str], first: int = 0) -> np.ndarray:
+def signs(
+    run: np.ndarray, sign: np.ndarray, options: ReadingOptions, notices: list[str], first: int = 0
+) -> np.ndarray:
     """(N,) -1 or +1. Where the file does not say (0): odd runs one way, even runs back, unless the options tell otherwise.
 
     first: the direction of the first run that the file suggests.
     """
     if np.all(sign != 0):
         if options.first or options.bidirectional is not None:
-            notices.append("the file says the directions itself: --first and --bidirectional are not used")
+            notices.append(
+                "the file says the directions itself: --first and --bidirectional are not used"
+            )
         return sign
     start = options.first or first or 1
     there, back = ("+", "-") if start > 0 else ("-", "+")
@@ -222,7 +248,11 @@ def recording(
     """
     told = list(notices)
     if not len(readings.value):
-        raise RecordingError("there are no readings", "", Place(source.name, max([f.line for f in faults], default=1)))
+        raise RecordingError(
+            "there are no readings",
+            "",
+            Place(source.name, max([f.line for f in faults], default=1)),
+        )
     run = np.array(readings.run, np.int64)
     target = np.array(readings.target, np.float64)
     raw = np.array(readings.value, np.float64)
@@ -234,7 +264,9 @@ def recording(
     if readings.t is None:
         order = _order(run, target, sign, line)
         t = np.arange(len(run), dtype=np.float64)
-        told.append("the file has no times: t_s is made up, 1 s from reading to reading, run by run")
+        told.append(
+            "the file has no times: t_s is made up, 1 s from reading to reading, run by run"
+        )
     else:
         order = np.argsort(np.array(readings.t), kind="stable")
         t = np.array(readings.t, np.float64)[order]
@@ -242,11 +274,17 @@ def recording(
     columns |= _positions(component, options, target[order], readings, order, told)
     columns[f"approach_{component.axis}"] = sign[order].astype(np.float64)
     columns[f"reading_{unit.base}"] = value[order]
-    columns |= {n: np.array(c, np.float64)[order] for n, c in readings.columns.items() if n not in columns}
+    columns |= {
+        n: np.array(c, np.float64)[order] for n, c in readings.columns.items() if n not in columns
+    }
     told += _doubts(target, raw, value, run, sign, unit)
     keys: dict[str, Any] = {"machine": options.machine} if options.machine else {}
     keys |= {k: v for k, v in head.items() if v not in ("", None)} | keys
-    keys |= {"quantity": component.quantity, "sensitive": component.sensitive, "component": component.name}
+    keys |= {
+        "quantity": component.quantity,
+        "sensitive": component.sensitive,
+        "component": component.name,
+    }
     keys |= {"unit_in_file": unit.name, **options.head}
     return Recording("targets", keys, columns, source.name, line[order], tuple(faults), tuple(told))
 
@@ -270,11 +308,14 @@ def _positions(component, options, target, readings, order, told) -> dict[str, n
     named = {n for n in readings.columns if re.fullmatch(r"[XYZ]_mm|[ABC]_deg", n)}
     for letter, at in options.others.items():
         if letter == component.axis:
-            raise UsageError(f"--others names {letter}, which is the axis that moved", "name the axes that stood")
+            raise UsageError(
+                f"--others names {letter}, which is the axis that moved", "name the axes that stood"
+            )
         name = f"{letter}_{'mm' if letter in LINEAR else 'deg'}"
         if name in named:
             raise UsageError(
-                f"--others says where {letter} stood, and so does the file", f"leave {letter} out of --others"
+                f"--others says where {letter} stood, and so does the file",
+                f"leave {letter} out of --others",
             )
         places[name] = np.full(len(target), float(at))
     for name in named - set(places):
@@ -287,18 +328,25 @@ def _positions(component, options, target, readings, order, told) -> dict[str, n
 
 
 def _finite(source, target, value, unit, line) -> None:
-    for name, column, most, base in (("target", target, FARTHEST, "mm"), ("reading", value, LARGEST, unit.base)):
+    for name, column, most, base in (
+        ("target", target, FARTHEST, "mm"),
+        ("reading", value, LARGEST, unit.base),
+    ):
         wrong = np.flatnonzero(~(np.abs(column) <= most))
         if len(wrong):
             i = int(wrong[0])
             raise RecordingError(
-                f"the {name} is {column[i]:g} {base}: no machine has that", "", Place(source.name, int(line[i]))
+                f"the {name} is {column[i]:g} {base}: no machine has that",
+                "",
+                Place(source.name, int(line[i])),
             )
 
 
 def _once(source, run, target, sign, line) -> None:
     seen: dict[tuple[int, float, int], int] = {}
-    for key, at in zip(zip(run.tolist(), target.tolist(), sign.tolist(), strict=True), line.tolist(), strict=True):
+    for key, at in zip(
+        zip(run.tolist(), target.tolist(), sign.tolist(), strict=True), line.tolist(), strict=True
+    ):
         if key in seen:
             other = f" and in line {seen[key]}" if seen[key] != at else ""
             raise RecordingError(

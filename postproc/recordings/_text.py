@@ -38,7 +38,9 @@ def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, st
                 return source.data.decode(name), name
             except UnicodeDecodeError:
                 raise RecordingError(
-                    "the file begins as UTF-16 and does not go on as it", "save it as UTF-8", Place(source.name, 1)
+                    "the file begins as UTF-16 and does not go on as it",
+                    "save it as UTF-8",
+                    Place(source.name, 1),
                 ) from None
     try:
         return source.data.decode("utf-8-sig"), "utf-8"
@@ -103,13 +105,20 @@ def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
 def direction(text: str) -> tuple[int, bool] | None:
     """The sign of a word of direction, and whether it is relative to the first run (forward, return); or None."""
     plain = text.strip().lower().replace("\u2212", "-").strip("()[].:")
-    for words, sign, relative in ((UP, 1, False), (DOWN, -1, False), (THERE, 1, True), (BACK, -1, True)):
+    for words, sign, relative in (
+        (UP, 1, False),
+        (DOWN, -1, False),
+        (THERE, 1, True),
+        (BACK, -1, True),
+    ):
         if plain in words:
             return sign, relative
     return None
 
 
-def times(source: Source, cells: Sequence[tuple[int, str]], decimal: str = ".") -> list[float] | None:
+def times(
+    source: Source, cells: Sequence[tuple[int, str]], decimal: str = "."
+) -> list[float] | None:
     """s, from (line, cell) of every row: seconds as they are, a date and time of ISO 8601 from the first on; None where
     no row has one. Raises RecordingError for a time that is none, and where both kinds stand in one file."""
     if not any(cell for _, cell in cells):
@@ -126,14 +135,22 @@ def times(source: Source, cells: Sequence[tuple[int, str]], decimal: str = ".") 
                 start = start or moment
                 value = (moment - start).total_seconds()
             except (ValueError, TypeError):
-                what = f"the time {cell!r} is neither seconds nor a date and time" if cell else "the time is empty"
+                what = (
+                    f"the time {cell!r} is neither seconds nor a date and time"
+                    if cell
+                    else "the time is empty"
+                )
                 raise RecordingError(
                     what, "like 12.5, or 2024-05-17T10:31:00, in every row or in none", place
                 ) from None
             if result and begins:
-                raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
+                raise RecordingError(
+                    "times are seconds in some rows and dates in others", "one kind for all", place
+                )
         elif start is not None:
-            raise RecordingError("times are seconds in some rows and dates in others", "one kind for all", place)
+            raise RecordingError(
+                "times are seconds in some rows and dates in others", "one kind for all", place
+            )
         result.append(value)
     return result
 
@@ -142,7 +159,9 @@ def told_decimal(extra: Mapping[str, str]) -> str:
     """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for another sign."""
     sign = extra.get("decimal", "")
     if sign not in ("", ".", ","):
-        raise UsageError(f"--set decimal={sign} is no decimal sign", "--set decimal=. or --set decimal=,")
+        raise UsageError(
+            f"--set decimal={sign} is no decimal sign", "--set decimal=. or --set decimal=,"
+        )
     return sign
 
 
@@ -162,7 +181,9 @@ class Table:
 def cells_of(line: str, delimiter: str, place: Place) -> list[str]:
     """The cells of one line, quotes taken off. Raises RecordingError for a line that is none of a table."""
     try:
-        return [cell.strip().strip("\u00a0") for cell in next(csv.reader([line], delimiter=delimiter))]
+        return [
+            cell.strip().strip("\u00a0") for cell in next(csv.reader([line], delimiter=delimiter))
+        ]
     except (csv.Error, StopIteration) as error:
         raise RecordingError(
             f"this line can not be split at its {DELIMITERS[delimiter]}s: {error}", "", place
@@ -177,7 +198,11 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if line.strip()]
     for i, line in lines:
         if len(line) > LONGEST_LINE:
-            raise RecordingError(f"a line of {len(line):,} characters is no row of a table", "", Place(source.name, i))
+            raise RecordingError(
+                f"a line of {len(line):,} characters is no row of a table",
+                "",
+                Place(source.name, i),
+            )
     sign = delimiter or _delimiter([line for _, line in lines])
     if not sign:
         raise RecordingError(
@@ -202,7 +227,9 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
 def _numbers(cells: list[str]) -> list[str]:
     """The cells that look like numbers, where they are two at least: one alone may be a version or a serial number."""
     alike = [
-        c for c in cells if COMMA.fullmatch(c.replace("\u2212", "-")) or NUMBER.fullmatch(c.replace("\u2212", "-"))
+        c
+        for c in cells
+        if COMMA.fullmatch(c.replace("\u2212", "-")) or NUMBER.fullmatch(c.replace("\u2212", "-"))
     ]
     return alike if len(alike) > 1 else []
 

@@ -52,7 +52,10 @@ SPELLINGS = {
     '"': "arcsec", "''": "arcsec", "″": "arcsec", "sec": "arcsec", "arcsecs": "arcsec", "arc-sec.": "arcsec",
     "arc-min": "arcmin", "arcminutes": "arcmin", "degree": "deg", "degrees": "deg", "°": "deg", "nanometre": "nm",
 }  # fmt: skip
-BAND = {LENGTH: (0.1, 5000.0), ANGLE: (0.1, 20_000.0)}  # um, urad: range of the readings of any machine's axis
+BAND = {
+    LENGTH: (0.1, 5000.0),
+    ANGLE: (0.1, 20_000.0),
+}  # um, urad: range of the readings of any machine's axis
 USUAL = {LENGTH: (0.5, 1000.0), ANGLE: (0.5, 3000.0)}  # um, urad: range of most
 BAND_TEXT = {LENGTH: "0.1 um to 5 mm", ANGLE: "0.1 urad to 20 mrad"}
 
@@ -70,7 +73,9 @@ def named(text: str, option: str = "--unit") -> Unit:
     """The unit that an option names. Raises UsageError with those that there are."""
     unit = unit_of(text)
     if unit is None:
-        raise UsageError(f"{option} {text}: this is no unit of readings", f"units: {', '.join(UNITS)}")
+        raise UsageError(
+            f"{option} {text}: this is no unit of readings", f"units: {', '.join(UNITS)}"
+        )
     return unit
 
 
@@ -87,9 +92,13 @@ def in_heading(text: str) -> Unit | None:
 def amount(value: float, base: str) -> str:
     """A range for a person: 12.3 um, 4.56 mm."""
     if base == "um":
-        name, factor = next(((n, f) for n, f in (("m", 1e6), ("mm", 1e3)) if abs(value) >= f), ("um", 1.0))
+        name, factor = next(
+            ((n, f) for n, f in (("m", 1e6), ("mm", 1e3)) if abs(value) >= f), ("um", 1.0)
+        )
     else:
-        name, factor = next(((n, f) for n, f in (("rad", 1e6), ("mrad", 1e3)) if abs(value) >= f), ("urad", 1.0))
+        name, factor = next(
+            ((n, f) for n, f in (("rad", 1e6), ("mrad", 1e3)) if abs(value) >= f), ("urad", 1.0)
+        )
     return f"{value / factor:.4g} {name}"
 
 
@@ -111,7 +120,15 @@ def outside(spread: float, quantity: str, taken: Unit | None = None) -> str | No
     slips = []
     for unit in UNITS.values():
         would = spread / taken.factor * unit.factor
-        if unit.quantity == quantity and unit.factor not in seen and USUAL[quantity][0] <= would <= USUAL[quantity][1]:
+        if (
+            unit.quantity == quantity
+            and unit.factor not in seen
+            and USUAL[quantity][0] <= would <= USUAL[quantity][1]
+        ):
             seen.add(unit.factor)
-            slips.append(f"{unit.name} read as {taken.name}? Then they range over {amount(would, base)}")
-    return f"{what}: " + ("; ".join(slips) if slips else f"no unit would make them usual, {taken.name} neither")
+            slips.append(
+                f"{unit.name} read as {taken.name}? Then they range over {amount(would, base)}"
+            )
+    return f"{what}: " + (
+        "; ".join(slips) if slips else f"no unit would make them usual, {taken.name} neither"
+    )

@@ -45,7 +45,9 @@ def as_text(source: Source, sheet: str = "") -> Source:
         with zipfile.ZipFile(io.BytesIO(source.data)) as book:
             every = _sheets(book)
             if sheet and sheet not in every:
-                raise UsageError(f"{source.name} has no sheet {sheet!r}", f"its sheets: {', '.join(every)}")
+                raise UsageError(
+                    f"{source.name} has no sheet {sheet!r}", f"its sheets: {', '.join(every)}"
+                )
             parts = {sheet: every[sheet]} if sheet else every
             strings, times, first = _strings(book), _times(book), _first_day(book)
             texts = {name: _text(book, part, strings, times, first) for name, part in parts.items()}
@@ -54,7 +56,9 @@ def as_text(source: Source, sheet: str = "") -> Source:
     filled = {name: t for name, t in texts.items() if re.search(r"(?m)(^|\t)-?[0-9.]+(\t|$)", t)}
     if len(filled) != 1 and not sheet:
         what = "no sheet holds numbers" if not filled else f"{len(filled)} sheets hold numbers"
-        raise RecordingError(what, f"say which: --sheet {next(iter(filled or texts))!r}" if texts else "", place)
+        raise RecordingError(
+            what, f"say which: --sheet {next(iter(filled or texts))!r}" if texts else "", place
+        )
     text = texts[sheet] if sheet else next(iter(filled.values()))
     return Source(source.name, text.encode())
 
@@ -70,7 +74,9 @@ def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
 
 def _sheets(book: zipfile.ZipFile) -> dict[str, str]:
     """Name of each worksheet to its part."""
-    relations = {r.get("Id"): str(r.get("Target")) for r in _part(book, "xl/_rels/workbook.xml.rels")}
+    relations = {
+        r.get("Id"): str(r.get("Target")) for r in _part(book, "xl/_rels/workbook.xml.rels")
+    }
     found = {}
     for sheet in _part(book, "xl/workbook.xml").iter(f"{MAIN}sheet"):
         target = relations[sheet.get(RELATION)]
@@ -99,7 +105,9 @@ def _times(book: zipfile.ZipFile) -> list[bool]:
         return []
     root = _part(book, "xl/styles.xml")
     own = {
-        int(f.get("numFmtId", "0")): re.sub(r'"[^"]*"|\\.|\[(?!h|m|s)[^\]]*\]', "", str(f.get("formatCode", "")))
+        int(f.get("numFmtId", "0")): re.sub(
+            r'"[^"]*"|\\.|\[(?!h|m|s)[^\]]*\]', "", str(f.get("formatCode", ""))
+        )
         for f in root.iter(f"{MAIN}numFmt")
     }
     cells = root.find(f"{MAIN}cellXfs")
@@ -148,7 +156,9 @@ def _column(reference: str) -> int:
     return at - 1
 
 
-def _value(cell: ElementTree.Element, strings: list[str], times: list[bool], first: datetime.datetime) -> str:
+def _value(
+    cell: ElementTree.Element, strings: list[str], times: list[bool], first: datetime.datetime
+) -> str:
     kind = cell.get("t", "n")
     if kind == "inlineStr":
         inline = cell.find(f"{MAIN}is")
@@ -160,7 +170,9 @@ def _value(cell: ElementTree.Element, strings: list[str], times: list[bool], fir
     style = int(cell.get("s", "0"))
     if kind == "n" and value and style < len(times) and times[style]:
         moment = first + datetime.timedelta(milliseconds=round(float(value) * 86_400_000))
-        return moment.isoformat(timespec="milliseconds") if moment.microsecond else moment.isoformat()
+        return (
+            moment.isoformat(timespec="milliseconds") if moment.microsecond else moment.isoformat()
+        )
     if kind == "n" and re.fullmatch(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}", value):
         return f"{float(value):.12g}"  # binary fractions are saved with all their digits
     return value

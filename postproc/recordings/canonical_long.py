@@ -59,7 +59,9 @@ def _rows(source: Source, options: ReadingOptions) -> tuple[list[dict], list[str
     """The rows, checked; those that can not be used with their fault, where not strict."""
     content, encoding = text.decoded(source)
     table = text.table(source, content, text.told_decimal(options.extra))
-    notices = list(table.notices) + (["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else [])
+    notices = list(table.notices) + (
+        ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
+    )
     line, cells = table.rows[0]
     names = [c.lower() for c in cells]
     place = Place(source.name, line, table.delimiter.join(cells))
@@ -67,23 +69,44 @@ def _rows(source: Source, options: ReadingOptions) -> tuple[list[dict], list[str
         if names.count(name) != 1:
             what = "is missing" if name not in names else "stands twice"
             raise RecordingError(
-                f"the column {name} {what}", f"columns here: {', '.join(c or '(none)' for c in cells)}", place
+                f"the column {name} {what}",
+                f"columns here: {', '.join(c or '(none)' for c in cells)}",
+                place,
             )
     rows = []
     for number, row in table.rows[1:]:
         at = Place(source.name, number, table.delimiter.join(row))
         try:
-            rows.append(_row(dict(zip(names, row, strict=False)), len(row), len(names), number, table.decimal, options))
+            rows.append(
+                _row(
+                    dict(zip(names, row, strict=False)),
+                    len(row),
+                    len(names),
+                    number,
+                    table.decimal,
+                    options,
+                )
+            )
         except ValueError as error:
             if options.strict:
-                raise RecordingError(str(error), "mend the row; --lenient leaves such rows out", at) from None
-            rows.append({"fault": Fault(number, "", str(error)), "component": row[0].strip().upper(), "line": number})
+                raise RecordingError(
+                    str(error), "mend the row; --lenient leaves such rows out", at
+                ) from None
+            rows.append(
+                {
+                    "fault": Fault(number, "", str(error)),
+                    "component": row[0].strip().upper(),
+                    "line": number,
+                }
+            )
     if not any("fault" not in row for row in rows):
         raise RecordingError("there are no rows", "", Place(source.name, line))
     return rows, notices
 
 
-def _row(row: dict[str, str], n: int, wanted: int, line: int, decimal: str, options: ReadingOptions) -> dict:
+def _row(
+    row: dict[str, str], n: int, wanted: int, line: int, decimal: str, options: ReadingOptions
+) -> dict:
     """One row as values. Raises ValueError with the sentence that says what is wrong."""
     if n != wanted:
         raise ValueError(f"{n} cells under {wanted} columns")
@@ -92,7 +115,9 @@ def _row(row: dict[str, str], n: int, wanted: int, line: int, decimal: str, opti
     except UsageError as error:
         raise ValueError(error.message) from None
     if row["axis"].strip().upper() != component.axis:
-        raise ValueError(f"axis is {row['axis']!r}, and {component.name} belongs to {component.axis}")
+        raise ValueError(
+            f"axis is {row['axis']!r}, and {component.name} belongs to {component.axis}"
+        )
     numbers: dict[str, float] = {}
     for name in ("target", "run", "value", *PLACES, *TEMPERATURES):
         cell = row.get(name, "")
@@ -110,7 +135,9 @@ def _row(row: dict[str, str], n: int, wanted: int, line: int, decimal: str, opti
     if row["unit"] and unit is None:
         raise ValueError(f"{row['unit']!r} is no unit of readings: {', '.join(units.UNITS)}")
     if unit and unit.quantity != targets.QUANTITY_OF[component.quantity]:
-        raise ValueError(f"{component.name} is {targets.article(component.quantity)}, and its unit here is {unit.name}")
+        raise ValueError(
+            f"{component.name} is {targets.article(component.quantity)}, and its unit here is {unit.name}"
+        )
     sign = way[0] * (options.first or 1) if way[1] else way[0]
     return {
         "component": component.name, "line": line, "sign": sign, "relative": way[1], "unit": unit, "time": row.get("time", ""),
@@ -118,14 +145,17 @@ def _row(row: dict[str, str], n: int, wanted: int, line: int, decimal: str, opti
     }  # fmt: skip
 
 
-def _one(source: Source, options: ReadingOptions, name: str, every: list[dict], table_notices: list[str]) -> Recording:
+def _one(
+    source: Source, options: ReadingOptions, name: str, every: list[dict], table_notices: list[str]
+) -> Recording:
     component = targets.parsed(name)
     notices = list(table_notices)
     faults = [row["fault"] for row in every if "fault" in row and row["component"] in ("", name)]
     rows = [row for row in every if "fault" not in row and row["component"] == name]
     if options.axis and options.axis.strip().upper() != component.axis:
         raise UsageError(
-            f"--axis {options.axis}, and {name} in {source.name} belongs to {component.axis}", "leave --axis out"
+            f"--axis {options.axis}, and {name} in {source.name} belongs to {component.axis}",
+            "leave --axis out",
         )
     said: dict[str, dict] = {}
     for row in rows:
@@ -137,14 +167,22 @@ def _one(source: Source, options: ReadingOptions, name: str, every: list[dict], 
             Place(source.name, list(said.values())[1]["line"]),
         )  # fmt: skip
     unit = targets.unit_for(
-        options, source, component, next(iter(said.values()))["unit"] if said else None, rows[0]["line"]
+        options,
+        source,
+        component,
+        next(iter(said.values()))["unit"] if said else None,
+        rows[0]["line"],
     )
     if any(row["relative"] for row in rows) and not options.first:
-        notices.append("forward is taken as +, reverse as - (--first - if the first run went towards minus)")
+        notices.append(
+            "forward is taken as +, reverse as - (--first - if the first run went towards minus)"
+        )
     columns: dict[str, list[float]] = {}
     for key, column in (PLACES | TEMPERATURES).items():
         has = [row for row in rows if key in row]
-        if len(has) == len(rows) and not (column == component.position and not _same(source, component, rows, key)):
+        if len(has) == len(rows) and not (
+            column == component.position and not _same(source, component, rows, key)
+        ):
             columns[column] = [row[key] for row in rows]
         elif has:
             notices.append(f"{name}: {key} is not in every row: left out")
@@ -153,8 +191,12 @@ def _one(source: Source, options: ReadingOptions, name: str, every: list[dict], 
         [int(row["run"]) for row in rows], [row["target"] for row in rows], [row["value"] for row in rows],
         [row["line"] for row in rows], [row["sign"] for row in rows], columns, text.times(source, [(row["line"], row["time"]) for row in rows]),
     )  # fmt: skip
-    heed = ReadingOptions(component=name, others=options.others, machine=options.machine, head=options.head)
-    return targets.recording(source, heed, component, unit, readings, head={}, notices=notices, faults=faults)
+    heed = ReadingOptions(
+        component=name, others=options.others, machine=options.machine, head=options.head
+    )
+    return targets.recording(
+        source, heed, component, unit, readings, head={}, notices=notices, faults=faults
+    )
 
 
 def _same(source: Source, component: targets.Component, rows: list[dict], key: str) -> bool:

@@ -41,7 +41,8 @@ OPTIONAL = re.compile(
 
 def recognises(source: Source) -> bool:
     return bool(re.match(rb"(\xef\xbb\xbf)?#[^\n]*gcomp-recording", source.data)) or (
-        source.data.lstrip(b"\xef\xbb\xbf").startswith(b"#") and b"gcomp-recording/" in source.data[:4000]
+        source.data.lstrip(b"\xef\xbb\xbf").startswith(b"#")
+        and b"gcomp-recording/" in source.data[:4000]
     )
 
 
@@ -75,7 +76,10 @@ def write(recording: Recording) -> str:
         out.write(f"# {_key(key)} = {_toml(value)}\n")
     table = csv.writer(out, lineterminator="\n")
     table.writerow(recording.columns)
-    formats = [str if column.dtype == object else _format(name) for name, column in recording.columns.items()]
+    formats = [
+        str if column.dtype == object else _format(name)
+        for name, column in recording.columns.items()
+    ]
     for row in zip(*recording.columns.values(), strict=True):
         table.writerow([f(v) for f, v in zip(formats, row, strict=True)])
     return out.getvalue()
@@ -121,7 +125,9 @@ def _head(source: Source, lines: list[str]) -> dict[str, Any]:
         ) from None
     except (RecursionError, ValueError, OverflowError):
         raise RecordingError(
-            "the head is not valid TOML: it nests too deep, or a number is too long", "", Place(source.name, 1)
+            "the head is not valid TOML: it nests too deep, or a number is too long",
+            "",
+            Place(source.name, 1),
         ) from None
 
     def fault(key: str, message: str, advice: str = "") -> RecordingError:
@@ -137,7 +143,11 @@ def _head(source: Source, lines: list[str]) -> dict[str, Any]:
 def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     """Raises what fault(key, message, advice) makes of the first key that is not as the contract says."""
     if head.get("kind") not in KINDS:
-        raise fault("kind", f"{_said(head, 'kind')}, and there is no such kind", f"kinds: {', '.join(KINDS)}")
+        raise fault(
+            "kind",
+            f"{_said(head, 'kind')}, and there is no such kind",
+            f"kinds: {', '.join(KINDS)}",
+        )
     if head["kind"] == "targets":
         head.setdefault("quantity", "displacement")
         if head["quantity"] not in QUANTITIES:
@@ -147,13 +157,21 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
                 f"quantities: {', '.join(QUANTITIES)}",
             )
         vector = head.get("sensitive")
-        if not isinstance(vector, dict) or not vector or not all(k in AXES and _finite(v) for k, v in vector.items()):
+        if (
+            not isinstance(vector, dict)
+            or not vector
+            or not all(k in AXES and _finite(v) for k, v in vector.items())
+        ):
             raise fault(
-                "sensitive", f"{_said(head, 'sensitive')}: a vector is wanted", "like sensitive = { X = 0.0, Z = 1.0 }"
+                "sensitive",
+                f"{_said(head, 'sensitive')}: a vector is wanted",
+                "like sensitive = { X = 0.0, Z = 1.0 }",
             )
         length = math.sqrt(sum(v * v for v in vector.values()))
         if abs(length - 1) > 1e-3:
-            raise fault("sensitive", f"sensitive has the length {length:.4f}", "a unit vector is wanted")
+            raise fault(
+                "sensitive", f"sensitive has the length {length:.4f}", "a unit vector is wanted"
+            )
     if "u_um" in head and not (_finite(head["u_um"]) and head["u_um"] > 0):
         raise fault("u_um", f"u_um = {head['u_um']!r} is not above zero")
     if head["kind"] == "trace" and head.get("sees", "scale") not in ("scale", "tool"):
@@ -162,9 +180,13 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
         if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
             raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
         centre = head.get("centre")
-        if not isinstance(centre, dict) or not all(k in AXES and _finite(v) for k, v in centre.items()):
+        if not isinstance(centre, dict) or not all(
+            k in AXES and _finite(v) for k, v in centre.items()
+        ):
             raise fault(
-                "centre", f"{_said(head, 'centre')}: a place is wanted", "like centre = { X = 400.0, Y = 300.0 }"
+                "centre",
+                f"{_said(head, 'centre')}: a place is wanted",
+                "like centre = { X = 400.0, Y = 300.0 }",
             )
 
 
@@ -190,7 +212,9 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
         axes = [x for x in AXES if f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" in names]
         if not axes:
             raise RecordingError(
-                f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm", "the position is missing", place
+                f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm",
+                "the position is missing",
+                place,
             )
         wanted = {f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in axes}
         if kind == "targets":
@@ -206,14 +230,18 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
         if (
             kind == "points"
         ):  # places in the frame of an instrument, or how far the tool is off along the machine's axes
-            wanted |= {"dx_um", "dy_um", "dz_um"} if "dx_um" in names else {"mx_mm", "my_mm", "mz_mm"}
+            wanted |= (
+                {"dx_um", "dy_um", "dz_um"} if "dx_um" in names else {"mx_mm", "my_mm", "mz_mm"}
+            )
         if kind == "lengths":
             wanted |= {"length_mm"}
         if kind == "trace":
             wanted |= {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
     for name in sorted(wanted):
         if name not in names:
-            raise RecordingError(f"the column {name} is missing", f"columns here: {', '.join(names)}", place)
+            raise RecordingError(
+                f"the column {name} is missing", f"columns here: {', '.join(names)}", place
+            )
     return wanted
 
 
@@ -228,7 +256,11 @@ def _rows(source, lines, top, names, needed, kind, strict):
         return _columns(
             names,
             texts,
-            [_cells_of_all(source, lines, top + 1, len(lines), names, needed, known, texts, strict)],
+            [
+                _cells_of_all(
+                    source, lines, top + 1, len(lines), names, needed, known, texts, strict
+                )
+            ],
             lines,
             source,
         )
@@ -242,7 +274,11 @@ def _rows(source, lines, top, names, needed, kind, strict):
             else _cells_of_all(source, lines, first, stop, names, needed, known, texts, strict)
         )
         if part[3]:  # a column of words is words in every block
-            parts = [_cells_of_all(source, lines, top + 1, len(lines), names, needed, known, texts, strict)]
+            parts = [
+                _cells_of_all(
+                    source, lines, top + 1, len(lines), names, needed, known, texts, strict
+                )
+            ]
             break
         parts.append(part)
     return _columns(names, texts, parts, lines, source)
@@ -253,7 +289,13 @@ def _all_numbers(block: list[str], names: list[str], needed: set[str]) -> np.nda
     joined = "\n".join(block)
     if '"' in joined or "#" in joined or "_" in joined:
         return None
-    if ",," in joined or ",\n" in joined or joined.endswith(",") or joined.startswith(",") or "\n," in joined:
+    if (
+        ",," in joined
+        or ",\n" in joined
+        or joined.endswith(",")
+        or joined.startswith(",")
+        or "\n," in joined
+    ):
         joined = re.sub(r"(?<=[,\n])(?=,)|(?<=,)(?=\n)|(?<=,)\Z|\A(?=,)", "nan", joined)
     try:
         table = np.loadtxt(joined.split("\n"), delimiter=",", comments=None, ndmin=2)
@@ -311,13 +353,23 @@ def _cells_of_all(source, lines, first, stop, names, needed, known, texts, stric
         rows.append(row)
         raw.append(cells)
         at.append(number)
-    return np.array(rows, np.float64).reshape(len(rows), len(names)), np.array(at, np.int64), faults, words, raw
+    return (
+        np.array(rows, np.float64).reshape(len(rows), len(names)),
+        np.array(at, np.int64),
+        faults,
+        words,
+        raw,
+    )
 
 
 def _columns(names, texts, parts, lines, source):
     """The parts as columns. Raises RecordingError where no row is left."""
     faults = [fault for part in parts for fault in part[2]]
-    at = np.concatenate([part[1] for part in parts]).astype(np.int64) if parts else np.zeros(0, np.int64)
+    at = (
+        np.concatenate([part[1] for part in parts]).astype(np.int64)
+        if parts
+        else np.zeros(0, np.int64)
+    )
     if not len(at):
         if faults:
             line = faults[0].line
@@ -340,10 +392,14 @@ def check(recording: Recording) -> None:
     """Signs are signs. Raises RecordingError with the line of one that is not."""
     for name, column in recording.columns.items():
         if column.dtype != object and (name.startswith("approach_") or name == "sense"):
-            wrong = np.flatnonzero(~np.isin(column, (-1, 0, 1)) if name != "sense" else ~np.isin(column, (-1, 1)))
+            wrong = np.flatnonzero(
+                ~np.isin(column, (-1, 0, 1)) if name != "sense" else ~np.isin(column, (-1, 1))
+            )
             if len(wrong):
                 raise RecordingError(
-                    f"{name} = {column[wrong[0]]:g}", "+1 or -1", Place(recording.file, int(recording.lines[wrong[0]]))
+                    f"{name} = {column[wrong[0]]:g}",
+                    "+1 or -1",
+                    Place(recording.file, int(recording.lines[wrong[0]])),
                 )
 
 

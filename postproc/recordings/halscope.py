@@ -24,7 +24,10 @@ EXTRA = {"joints": "letters of joints 0, 1, 2 ...: XYZ, or XZ on a lathe"}
 HEAD = re.compile(r"Sampling period is\s+([0-9]+)\s*ns\s*")
 VALUE = r"([^\s]+)\s+([-+]?[0-9]+(?:[.,][0-9]+)?)"
 PAIR = re.compile(rf"\s*{VALUE}(?=\s|$)")
-PINS = (("joint.{}.pos-cmd", "joint.{}.pos-fb"), ("joint.{}.motor-pos-cmd", "joint.{}.motor-pos-fb"))
+PINS = (
+    ("joint.{}.pos-cmd", "joint.{}.pos-fb"),
+    ("joint.{}.motor-pos-cmd", "joint.{}.motor-pos-fb"),
+)
 COLUMN = re.compile(r"([XYZ])_(cmd|act)_mm|([A-Za-z]\w*)")
 
 
@@ -43,7 +46,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     names, values, at = _samples(source, lines[1:])
     notices: list[str] = []
     if not options.unit:
-        notices.append("positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is inch)")
+        notices.append(
+            "positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is inch)"
+        )
     unit = units.named(options.unit or "mm")
     if unit.quantity != units.LENGTH:
         raise UsageError(f"--unit {unit.name} is no unit of lengths", "mm, or inch")
@@ -57,7 +62,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     return Recording("trace", told | options.head, columns, source.name, at, (), tuple(notices))
 
 
-def _samples(source: Source, lines: list[tuple[int, str]]) -> tuple[list[str], np.ndarray, np.ndarray]:
+def _samples(
+    source: Source, lines: list[tuple[int, str]]
+) -> tuple[list[str], np.ndarray, np.ndarray]:
     """Names of the channels, (N, channels) values, and (N,) their lines."""
     names: list[str] = []
     values, at = [], []
@@ -65,13 +72,17 @@ def _samples(source: Source, lines: list[tuple[int, str]]) -> tuple[list[str], n
         pairs = PAIR.findall(line)
         place = Place(source.name, number, line)
         if not pairs or PAIR.sub("", line).strip():
-            raise RecordingError("this line is not pins and values by turns", "joint.0.pos-cmd +1.250", place)
+            raise RecordingError(
+                "this line is not pins and values by turns", "joint.0.pos-cmd +1.250", place
+            )
         mine = [name for name, _ in pairs]
         names = names or mine
         if mine != names:
             if number == lines[-1][0] and mine == names[: len(mine)]:
                 break  # the log's last sample may stop short
-            raise RecordingError(f"{len(mine)} pins here, and {len(names)} before: {', '.join(names)}", "", place)
+            raise RecordingError(
+                f"{len(mine)} pins here, and {len(names)} before: {', '.join(names)}", "", place
+            )
         values.append([float(value.replace(",", ".")) for _, value in pairs])
         at.append(number)
     if len(values) < 2:

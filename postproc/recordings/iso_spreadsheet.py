@@ -18,7 +18,17 @@ from postproc.recordings import _text as text
 from postproc.recordings import _units as units
 
 TITLE = "ISO 230-2 sheet as CSV (interleaved, blocks or long)"
-TAKES = ("axis", "component", "unit", "bidirectional", "first", "layout", "others", "machine", "head")
+TAKES = (
+    "axis",
+    "component",
+    "unit",
+    "bidirectional",
+    "first",
+    "layout",
+    "others",
+    "machine",
+    "head",
+)
 EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "position_unit": "mm, inch or deg: of the targets",
@@ -28,7 +38,9 @@ LONG = {
     "target": re.compile(r"target|position|nominal|soll", re.I),
     "run": re.compile(r"\brun\b|\blauf\b|\bcycle\b", re.I),
     "direction": re.compile(r"^dir|approach|richtung", re.I),
-    "value": re.compile(r"deviation|reading|value|error|abweichung|pitch|yaw|roll|angle|winkel", re.I),
+    "value": re.compile(
+        r"deviation|reading|value|error|abweichung|pitch|yaw|roll|angle|winkel", re.I
+    ),
     "time": re.compile(r"^(time|date|timestamp|zeit|t_s)\b", re.I),
 }
 WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir", re.I)
@@ -66,7 +78,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         return _read_long(source, options, table, columns, notices)
     sheet = _sheet.find(source, table)
     if not sheet.columns:
-        raise RecordingError("there is no column of readings beside the targets", "", Place(source.name, sheet.line))
+        raise RecordingError(
+            "there is no column of readings beside the targets", "", Place(source.name, sheet.line)
+        )
     runs, relative = _runs(source, sheet, options)
     start = options.first or 1
     said = _sheet.reading_unit(source, sheet)
@@ -87,7 +101,14 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         notices.append("the first direction is not in the file: taken as + (--first - if it was -)")
     told = replace(options, first=0, bidirectional=None) if relative else options
     return targets.recording(
-        source, told, component, unit, readings, head=_head(sheet.before), notices=notices, faults=faults
+        source,
+        told,
+        component,
+        unit,
+        readings,
+        head=_head(sheet.before),
+        notices=notices,
+        faults=faults,
     )
 
 
@@ -96,9 +117,15 @@ def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
     for k, (_, cells) in enumerate(table.rows[:40]):
         if any(table.numeric(c) for c in cells):
             continue
-        names = {what: [j for j, c in enumerate(cells) if c and pattern.search(c)] for what, pattern in LONG.items()}
+        names = {
+            what: [j for j, c in enumerate(cells) if c and pattern.search(c)]
+            for what, pattern in LONG.items()
+        }
         # a wide table has a run in many of its headings
-        if all(len(names[w]) == 1 for w in ("target", "run", "value")) and len(names["direction"] + names["time"]) <= 2:
+        if (
+            all(len(names[w]) == 1 for w in ("target", "run", "value"))
+            and len(names["direction"] + names["time"]) <= 2
+        ):
             columns = {what: at[0] for what, at in names.items() if at}
             return (k, columns) if len(set(columns.values())) == len(columns) else None
     return None
@@ -120,7 +147,9 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     axis = targets.axis_in(_sheet.value_of(before, "axis", "achse"))
     component = targets.positioning(options, source, axis, said, line, notices)
     unit = targets.unit_for(options, source, component, said, line)
-    scale = _sheet.position_factor(source, headings[at["target"]], line, options, component.axis in "ABC", notices)
+    scale = _sheet.position_factor(
+        source, headings[at["target"]], line, options, component.axis in "ABC", notices
+    )
     rows: list[tuple[int, float, float, int, int]] = []
     times: list[tuple[int, str]] = []
     faults: list[Fault] = []
@@ -128,7 +157,9 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     for number, cells in table.rows[top + 1 :]:
         place = Place(source.name, number, table.delimiter.join(cells))
         values = {
-            w: text.number(cells[j], table.decimal) if j < len(cells) else None for w, j in at.items() if w != "time"
+            w: text.number(cells[j], table.decimal) if j < len(cells) else None
+            for w, j in at.items()
+            if w != "time"
         }
         word = cells[at["direction"]] if "direction" in at and at["direction"] < len(cells) else ""
         way = text.direction(word) if "direction" in at else (0, False)
@@ -173,7 +204,9 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     )
 
 
-def _runs(source: Source, sheet: _sheet.Sheet, options: ReadingOptions) -> tuple[dict[int, tuple[int, int]], set[int]]:
+def _runs(
+    source: Source, sheet: _sheet.Sheet, options: ReadingOptions
+) -> tuple[dict[int, tuple[int, int]], set[int]]:
     """Column to (run, sign), runs counted as they alternate; and the columns whose sign is relative to the first run."""
     columns, place = sheet.columns, Place(source.name, sheet.line)
     named = [c.sign for c in columns]
@@ -187,7 +220,11 @@ def _runs(source: Source, sheet: _sheet.Sheet, options: ReadingOptions) -> tuple
     n = len(columns)
     if all(named):
         signs = named
-        if options.layout and len(set(named)) == 2 and signs not in _laid_out(options.layout, n, named[0]):
+        if (
+            options.layout
+            and len(set(named)) == 2
+            and signs not in _laid_out(options.layout, n, named[0])
+        ):
             raise RecordingError(
                 f"--layout {options.layout} does not agree with the headings ({', '.join(c.title for c in columns[:4])}, ...)",
                 "leave --layout out", place,
@@ -214,7 +251,10 @@ def _runs(source: Source, sheet: _sheet.Sheet, options: ReadingOptions) -> tuple
     for column, sign in zip(columns, signs, strict=True):
         counts[sign] += 1
         # the direction of the first column is that of the odd runs
-        result[column.at] = (2 * counts[sign] - (1 if sign == signs[0] else 0) if both else counts[sign], sign)
+        result[column.at] = (
+            2 * counts[sign] - (1 if sign == signs[0] else 0) if both else counts[sign],
+            sign,
+        )
     return result, relative
 
 

@@ -53,8 +53,12 @@ def read(source: Source, options: ReadingOptions) -> Recording:
                 "this is a record over time, not of targets", "make a CSV of it and name its columns: --format mapped-csv",
                 Place(source.name, time + 1),
             )  # fmt: skip
-        raise RecordingError("there is no row that begins with Target Position", "", Place(source.name, 1))
-    weather = next((i for i in range(top + 1, len(lines)) if ENVIRONMENT.match(lines[i])), len(lines))
+        raise RecordingError(
+            "there is no row that begins with Target Position", "", Place(source.name, 1)
+        )
+    weather = next(
+        (i for i in range(top + 1, len(lines)) if ENVIRONMENT.match(lines[i])), len(lines)
+    )
     sheet, table = _table(source, lines, top, weather, options, notices)
     before = _keys(lines[:top])
     said = _unit(source, sheet, lines, top)
@@ -63,7 +67,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     )
     component = targets.positioning(options, source, axis, said, sheet.line, notices)
     unit = targets.unit_for(options, source, component, said, sheet.line)
-    scale = _sheet.position_factor(source, sheet.headings[0], sheet.line, options, component.axis in "ABC", notices)
+    scale = _sheet.position_factor(
+        source, sheet.headings[0], sheet.line, options, component.axis in "ABC", notices
+    )
     found, faults = _sheet.cells(source, table, sheet, options)
     notices += _sheet.missing(faults)
     _averages(source, sheet, table, found, notices)
@@ -79,7 +85,15 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     ups = [t for _, _, t, _ in found]
     first = 1 if not ups or ups[-1] >= ups[0] else -1
     return targets.recording(
-        source, options, component, unit, readings, head=head, notices=[*notices, *more], faults=faults, first=first
+        source,
+        options,
+        component,
+        unit,
+        readings,
+        head=head,
+        notices=[*notices, *more],
+        faults=faults,
+        first=first,
     )
 
 
@@ -98,10 +112,18 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
     """The rows of targets, and the columns of the runs."""
     rows = []
     for i in range(top, end):
-        if i > top and (not lines[i].strip() or not re.match(r"\s*[-+\u2212]?[.,]?[0-9]", lines[i])):
-            if lines[i].strip() and any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end]) and "\t" in lines[i]:
+        if i > top and (
+            not lines[i].strip() or not re.match(r"\s*[-+\u2212]?[.,]?[0-9]", lines[i])
+        ):
+            if (
+                lines[i].strip()
+                and any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end])
+                and "\t" in lines[i]
+            ):
                 raise RecordingError(
-                    f"the target {lines[i].split(chr(9))[0]!r} is not a number", "", Place(source.name, i + 1, lines[i])
+                    f"the target {lines[i].split(chr(9))[0]!r} is not a number",
+                    "",
+                    Place(source.name, i + 1, lines[i]),
                 )
             if i > top + 1:
                 break
@@ -113,10 +135,14 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
     if not body:
         raise RecordingError("there are no rows below Target Position", "", at)
     try:
-        decimal, notice = text.decimal_of((c for _, r in body for c in r), text.told_decimal(options.extra))
+        decimal, notice = text.decimal_of(
+            (c for _, r in body for c in r), text.told_decimal(options.extra)
+        )
     except ValueError as error:
         raise RecordingError(
-            f"decimal commas and points are mixed: {error}", "say --set decimal=. or --set decimal=,", at
+            f"decimal commas and points are mixed: {error}",
+            "say --set decimal=. or --set decimal=,",
+            at,
         ) from None
     if notice:
         notices.append(notice)
@@ -130,8 +156,12 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
         elif title and not AVERAGE.match(title):
             notices.append(f"the column {title!r} is neither a run nor the average: left out")
     if not columns:
-        raise RecordingError("there is no column RUN 1", "the readings stand in columns RUN 1, RUN 2, ...", at)
-    return _sheet.Sheet(body, headings, 0, columns, [], [], top + 1), text.Table(body, "\t", decimal)
+        raise RecordingError(
+            "there is no column RUN 1", "the readings stand in columns RUN 1, RUN 2, ...", at
+        )
+    return _sheet.Sheet(body, headings, 0, columns, [], [], top + 1), text.Table(
+        body, "\t", decimal
+    )
 
 
 def _unit(source: Source, sheet: _sheet.Sheet, lines: list[str], top: int) -> units.Unit | None:
@@ -145,7 +175,11 @@ def _unit(source: Source, sheet: _sheet.Sheet, lines: list[str], top: int) -> un
             for u in (units.in_heading(line), units.unit_of(line.partition(":")[2])) if u
         }  # fmt: skip
     if len(said) > 1:
-        raise RecordingError(f"the headings name {' and '.join(said)}", "one unit for all", Place(source.name, top + 1))
+        raise RecordingError(
+            f"the headings name {' and '.join(said)}",
+            "one unit for all",
+            Place(source.name, top + 1),
+        )
     return next(iter(said.values()), None)
 
 

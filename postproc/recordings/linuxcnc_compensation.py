@@ -26,7 +26,9 @@ def recognises(source: Source) -> bool:
     lines = [line.split() for line in source.data[:4000].split(b"\n")[:20] if line.strip()]
     whole = lines if len(source.data) <= 4000 else lines[:-1]
     return len(whole) > 1 and all(
-        len(words) == 3 and all(text.number(w.decode("ascii", "replace")) is not None for w in words) for words in whole
+        len(words) == 3
+        and all(text.number(w.decode("ascii", "replace")) is not None for w in words)
+        for words in whole
     )
 
 
@@ -45,14 +47,18 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             else "they look like type 1"
         )
         raise RecordingError(
-            "the file does not say of which type it is", f"say --set type=0 or --set type=1 ({hint})", first
+            "the file does not say of which type it is",
+            f"say --set type=0 or --set type=1 ({hint})",
+            first,
         )
     component = targets.component_of(options, source, _axis(source), "displacement")
     if component.axis not in "XYZ":
         raise UsageError(f"{component.axis} is a rotary axis", "COMP_FILE is read for X, Y and Z")
     if not options.unit:
         raise RecordingError(
-            "the file does not say its unit, which is the machine's", "say --unit mm or --unit inch", first
+            "the file does not say its unit, which is the machine's",
+            "say --unit mm or --unit inch",
+            first,
         )
     unit = units.named(options.unit)
     if unit.name not in UNITS:
@@ -73,7 +79,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
                 (1 if sign > 0 else 2, nominal * scale, deviation, line, sign), strict=True,
             ):  # fmt: skip
                 values.append(value)  # type: ignore[attr-defined]
-    notices = ["these are a control's corrections, not readings: their scatter and their zero are not known"]
+    notices = [
+        "these are a control's corrections, not readings: their scatter and their zero are not known"
+    ]
     head = {"instrument": f"LinuxCNC compensation file, type {kind}"}
     return targets.recording(source, options, component, unit, readings, head=head, notices=notices)
 
@@ -106,9 +114,13 @@ def _rows(source: Source) -> list[tuple[int, float, float, float]]:
             )  # fmt: skip
         if len(rows) == ENTRIES:
             raise RecordingError(
-                f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}", "", Place(source.name, i, line)
+                f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}",
+                "",
+                Place(source.name, i, line),
             )
         rows.append((i, nominal, forward, reverse))
     if len(rows) < 2:
-        raise RecordingError(f"there are {len(rows)} entries", "two at least make a table", Place(source.name, 1))
+        raise RecordingError(
+            f"there are {len(rows)} entries", "two at least make a table", Place(source.name, 1)
+        )
     return rows

@@ -21,7 +21,17 @@ from postproc.recordings import _units as units
 from postproc.units import MM_PER_INCH
 
 TITLE = "any CSV, by --column NAME=HEADING"
-TAKES = ("axis", "component", "unit", "bidirectional", "first", "columns", "others", "machine", "head")
+TAKES = (
+    "axis",
+    "component",
+    "unit",
+    "bidirectional",
+    "first",
+    "columns",
+    "others",
+    "machine",
+    "head",
+)
 EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "delimiter": "tab, semicolon, bar or comma, where it is not clear",
@@ -51,14 +61,18 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if sign and sign not in DELIMITER:
         raise UsageError(f"--set delimiter={sign} is not known", f"one of {', '.join(DELIMITER)}")
     table = text.table(source, content, text.told_decimal(options.extra), DELIMITER.get(sign, ""))
-    notices = list(table.notices) + (["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else [])
+    notices = list(table.notices) + (
+        ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
+    )
     top, at = _columns(source, table, mapping)
     if kinds.is_other(mapping):
         return kinds.read(source, options, table, top, at, notices)
     return _targets(source, options, table, top, at, notices)
 
 
-def _columns(source: Source, table: text.Table, mapping: dict[str, str]) -> tuple[int, dict[str, int]]:
+def _columns(
+    source: Source, table: text.Table, mapping: dict[str, str]
+) -> tuple[int, dict[str, int]]:
     """Index of the first row of data, and each name's column from 0. Raises RecordingError for a heading that is not there."""
     named = {n: h for n, h in mapping.items() if not h.strip().isdigit()}
     top = -1
@@ -71,10 +85,14 @@ def _columns(source: Source, table: text.Table, mapping: dict[str, str]) -> tupl
     if named and top < 0:
         k = max(
             range(min(len(table.rows), 30)),
-            key=lambda i: sum(h.strip().lower() in [c.lower() for c in table.rows[i][1]] for h in named.values()),
+            key=lambda i: sum(
+                h.strip().lower() in [c.lower() for c in table.rows[i][1]] for h in named.values()
+            ),
         )
         line, cells = table.rows[k]
-        gone = next(h for h in named.values() if h.strip().lower() not in [c.lower() for c in cells])
+        gone = next(
+            h for h in named.values() if h.strip().lower() not in [c.lower() for c in cells]
+        )
         raise RecordingError(
             f"no column is called {gone!r}",
             f"columns here: {', '.join(c or '(none)' for c in cells)}",
@@ -97,7 +115,9 @@ def _columns(source: Source, table: text.Table, mapping: dict[str, str]) -> tupl
     widest = max(len(cells) for _, cells in table.rows)
     for name, j in at.items():
         if not 0 <= j < widest:
-            raise UsageError(f"--column {name}={j + 1}: the table has {widest} columns", "they count from 1")
+            raise UsageError(
+                f"--column {name}={j + 1}: the table has {widest} columns", "they count from 1"
+            )
     if top < 0:
         rows = (
             k
@@ -112,10 +132,17 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     """Readings at targets, one a row or several."""
     positions = {n: (m[1] or m[3], m[2] or m[4]) for n in at for m in (POSITION.fullmatch(n),) if m}
     ways = {
-        n: (1 if m[1] == "forward" else -1, int(m[2] or 1), m[3] or "") for n in at for m in (WAY.fullmatch(n),) if m
+        n: (1 if m[1] == "forward" else -1, int(m[2] or 1), m[3] or "")
+        for n in at
+        for m in (WAY.fullmatch(n),)
+        if m
     }
     values = {n: (m[1], m[2] or "") for n in at for m in (READING.fullmatch(n),) if m}
-    unknown = [n for n in at if n not in positions and n not in ways and n not in values and not OTHER.fullmatch(n)]
+    unknown = [
+        n
+        for n in at
+        if n not in positions and n not in ways and n not in values and not OTHER.fullmatch(n)
+    ]
     if unknown:
         raise UsageError(
             f"--column {unknown[0]}=... is no column of a recording",
@@ -130,15 +157,21 @@ def _targets(source, options, table, top, at, notices) -> Recording:
         )
     if ways and ("run" in at or "direction" in at):
         raise UsageError(
-            "forward and reverse say run and direction already", "leave run and direction out of the mapping"
+            "forward and reverse say run and direction already",
+            "leave run and direction out of the mapping",
         )
-    moving = (options.component and targets.parsed(options.component).axis) or options.axis.strip().upper()
+    moving = (
+        options.component and targets.parsed(options.component).axis
+    ) or options.axis.strip().upper()
     letters = [letter for letter, _ in positions.values()]
     if moving and moving not in letters:
-        raise UsageError(f"the mapping names no position of {moving}", f"like --column {moving}_mm=Position")
+        raise UsageError(
+            f"the mapping names no position of {moving}", f"like --column {moving}_mm=Position"
+        )
     if not moving and len(letters) > 1:
         raise UsageError(
-            f"the mapping names positions of {', '.join(letters)}", "say which axis moved: --axis Z, or --component EXZ"
+            f"the mapping names positions of {', '.join(letters)}",
+            "say which axis moved: --axis Z, or --component EXZ",
         )
     said = _unit({w[2] for w in ways.values() if w[2]} | {v[1] for v in values.values() if v[1]})
     where = table.rows[top - 1][0] if top else 1
@@ -160,11 +193,15 @@ def _targets(source, options, table, top, at, notices) -> Recording:
         {
             n: []
             for n in at
-            if n != own and (n in positions or OTHER.fullmatch(n)) and n not in ("run", "direction", "t_s")
+            if n != own
+            and (n in positions or OTHER.fullmatch(n))
+            and n not in ("run", "direction", "t_s")
         },
     )
     lists: tuple[list, ...] = (result.run, result.target, result.value, result.line, result.sign)  # type: ignore[assignment]
-    rename = {n: f"{letter}_{'mm' if letter in 'XYZ' else 'deg'}" for n, (letter, _) in positions.items()}
+    rename = {
+        n: f"{letter}_{'mm' if letter in 'XYZ' else 'deg'}" for n, (letter, _) in positions.items()
+    }
     times: list[tuple[int, str]] = []
     every = dict(table.rows)
     both = len({w for w, *_ in ways.values()}) == 2
@@ -184,13 +221,17 @@ def _targets(source, options, table, top, at, notices) -> Recording:
                 cells.append(row[extra] * factors.get(extra, 1.0))  # type: ignore[attr-defined]
             times.append((line, _cell(every[line], at.get("t_s", -1))))
     if (ways or relative) and not options.first:
-        notices.append("forward is taken as +, reverse as - (--first - if forward went towards minus)")
+        notices.append(
+            "forward is taken as +, reverse as - (--first - if forward went towards minus)"
+        )
     result = replace(
         result, columns={rename.get(n, n): c for n, c in result.columns.items()}, t=text.times(source, times, table.decimal) if "t_s" in at and not ways else None,
         sign=result.sign if ways or "direction" in at else (),
     )  # fmt: skip
     heed = replace(options, first=0, bidirectional=None) if ways or relative else options
-    return targets.recording(source, heed, component, unit, result, head={}, notices=notices, faults=faults)
+    return targets.recording(
+        source, heed, component, unit, result, head={}, notices=notices, faults=faults
+    )
 
 
 def _cell(cells: list[str], at: int) -> str:
@@ -204,7 +245,9 @@ def _unit(said: set[str]) -> units.Unit | None:
         return None
     found = {u.name: u for u in (units.named(s, "--column ..._") for s in said)}
     if len(found) > 1:
-        raise UsageError(f"the mapping names readings in {' and in '.join(sorted(found))}", "one unit for all")
+        raise UsageError(
+            f"the mapping names readings in {' and in '.join(sorted(found))}", "one unit for all"
+        )
     return next(iter(found.values()))
 
 
@@ -231,7 +274,10 @@ def _rows(source, options, table, top, at, readings, notices) -> tuple[list, lis
             if name == "direction":
                 way = text.direction(cell)
                 if way is None:
-                    wrong = wrong or f"the direction {cell!r} is none, like + -, up down, forward reverse"
+                    wrong = (
+                        wrong
+                        or f"the direction {cell!r} is none, like + -, up down, forward reverse"
+                    )
                 else:
                     relative = relative or way[1]
                     sign = way[0] * start if way[1] else way[0]
@@ -243,7 +289,9 @@ def _rows(source, options, table, top, at, readings, notices) -> tuple[list, lis
             if value is None and not cell and name in readings:
                 faults.append(Fault(line, name, _sheet.MISSING))
             elif value is None:
-                wrong = wrong or (f"{name} {cell!r} is not a number" if cell else f"{name} is empty")
+                wrong = wrong or (
+                    f"{name} {cell!r} is not a number" if cell else f"{name} is empty"
+                )
             elif name == "run" and not (value == int(value) and 1 <= value <= 1e6):
                 wrong = wrong or f"run {value:g} is not a whole number from 1 on"
             else:

@@ -77,7 +77,11 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 
     quantity = _quantity(source, found, options)
     component = targets.component_of(
-        options, source, targets.axis_in(found.key("USER-TEXT", "axis")), quantity, found.line("USER-TEXT")
+        options,
+        source,
+        targets.axis_in(found.key("USER-TEXT", "axis")),
+        quantity,
+        found.line("USER-TEXT"),
     )
     said = None
     if not options.unit and component.quantity in UNIT_OF:
@@ -89,7 +93,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     columns, noted, more = environment.taken(found.environment)
     flags = " ".join(found.key("TARGET DATA", "flags").split())
     if options.bidirectional is None and FLAGS.get(flags) is False and runs != 1:
-        notices.append(f"Flags: {flags} means one direction in one public writer of this format: --bidirectional no?")
+        notices.append(
+            f"Flags: {flags} means one direction in one public writer of this format: --bidirectional no?"
+        )
     readings = targets.Readings(
         [r for r, _ in rows], [places[k - 1] for _, k in rows], [v for v, _ in rows.values()], [i for _, i in rows.values()],
         columns={n: [v] * len(rows) for n, v in columns.items()},
@@ -101,7 +107,15 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     }  # fmt: skip
     first = 1 if places[-1] >= places[0] else -1
     return targets.recording(
-        source, options, component, unit, readings, head=head, notices=[*notices, *more], faults=faults, first=first
+        source,
+        options,
+        component,
+        unit,
+        readings,
+        head=head,
+        notices=[*notices, *more],
+        faults=faults,
+        first=first,
     )
 
 
@@ -145,7 +159,9 @@ def _sections(content: str) -> _File:
 def _decimal(source: Source, found: _File, options: ReadingOptions, notices: list[str]) -> str:
     cells = [*found.targets, *((row.split()[-1], line) for line, row in found.rows)]
     try:
-        decimal, notice = text.decimal_of((word for word, _ in cells), text.told_decimal(options.extra))
+        decimal, notice = text.decimal_of(
+            (word for word, _ in cells), text.told_decimal(options.extra)
+        )
     except ValueError as error:
         raise RecordingError(
             f"decimal commas and points are mixed: {error}", "say --set decimal=. or --set decimal=,",
@@ -162,7 +178,11 @@ def _count(source: Source, found: _File, section: str, name: str) -> int:
         return 0
     value, line = found.keys[(section, name.lower())]
     if not re.fullmatch(r"[0-9]{1,6}", value) or not 0 < int(value) <= MOST:
-        raise RecordingError(f"{name} is {value!r}: that is not a whole number from 1 on", "", Place(source.name, line))
+        raise RecordingError(
+            f"{name} is {value!r}: that is not a whole number from 1 on",
+            "",
+            Place(source.name, line),
+        )
     return int(value)
 
 
@@ -172,18 +192,24 @@ def _places(source, found, decimal, options, notices) -> list[float]:
     for word, line in found.targets:
         value = text.number(word if decimal == "," else word.rstrip(","), decimal)
         if value is None:
-            raise RecordingError(f"the target {word!r} is not a number", "", Place(source.name, line))
+            raise RecordingError(
+                f"the target {word!r} is not a number", "", Place(source.name, line)
+            )
         result.append(value)
     if not result:
         raise RecordingError(
-            "there are no targets", "they stand below Targets :", Place(source.name, found.line("TARGET DATA"))
+            "there are no targets",
+            "they stand below Targets :",
+            Place(source.name, found.line("TARGET DATA")),
         )
     stated = _count(source, found, "TARGET DATA", "Target-count")
     if stated and stated != len(result):
         at = Place(source.name, found.line("TARGET DATA", "target-count"))
         message = f"Target-count is {stated}, and {len(result)} targets stand below it"
         if options.strict:
-            raise RecordingError(message, "mend the count or the list; --lenient takes the list as it stands", at)
+            raise RecordingError(
+                message, "mend the count or the list; --lenient takes the list as it stands", at
+            )
         notices.append(f"line {at.line}: {message}: the list is taken as it stands")
     return result
 
@@ -211,12 +237,16 @@ def _rows(
             else:
                 rows[(run, target)] = (value, line)
         if wrong and options.strict:
-            raise RecordingError(wrong, "mend the row; --lenient leaves such rows out", Place(source.name, line, row))
+            raise RecordingError(
+                wrong, "mend the row; --lenient leaves such rows out", Place(source.name, line, row)
+            )
         if wrong:
             faults.append(Fault(line, "Run Target Data", wrong))
     if not rows:
         raise RecordingError(
-            "there are no deviations", "they stand below Run Target Data:", Place(source.name, found.line("DEVIATIONS"))
+            "there are no deviations",
+            "they stand below Run Target Data:",
+            Place(source.name, found.line("DEVIATIONS")),
         )
     return rows, faults
 
@@ -227,13 +257,19 @@ def _missing(found, rows, n_targets, runs, faults, notices) -> None:
         runs = max(run for run, _ in rows)
         notices.append(f"Run-count is not stated: {runs} runs, as the rows number them")
     if runs * n_targets > 10 * len(rows) + 1000:
-        notices.append(f"{len(rows)} readings of {runs} runs x {n_targets} targets: the rest is missing")
+        notices.append(
+            f"{len(rows)} readings of {runs} runs x {n_targets} targets: the rest is missing"
+        )
         return
-    gone = [(r, k) for r in range(1, runs + 1) for k in range(1, n_targets + 1) if (r, k) not in rows]
+    gone = [
+        (r, k) for r in range(1, runs + 1) for k in range(1, n_targets + 1) if (r, k) not in rows
+    ]
     line = found.line("DEVIATIONS")
     faults += [Fault(line, f"run {r} target {k}", "the reading is missing") for r, k in gone]
     if gone:
-        some = ", ".join(f"run {r} target {k}" for r, k in gone[:4]) + (", ..." if len(gone) > 4 else "")
+        some = ", ".join(f"run {r} target {k}" for r, k in gone[:4]) + (
+            ", ..." if len(gone) > 4 else ""
+        )
         notices.append(f"{len(gone)} of {runs} x {n_targets} readings are missing: {some}")
 
 
@@ -246,7 +282,11 @@ def _quantity(source: Source, found: _File, options: ReadingOptions) -> str:
         return ""
     words = " ".join(
         found.key(section, name).lower()
-        for section, name in (("HEADER", "file type"), ("TARGET DATA", "filetype"), ("HEADER", "owner"))
+        for section, name in (
+            ("HEADER", "file type"),
+            ("TARGET DATA", "filetype"),
+            ("HEADER", "owner"),
+        )
     )
     hits = {q for word, q in [*KINDS.items(), *WORDS.items()] if word in words}
     return hits.pop() if len(hits) == 1 else ""

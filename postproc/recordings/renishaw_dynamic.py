@@ -28,16 +28,28 @@ FARTHEST = 1e5  # mm
 
 def recognises(source: Source) -> bool:
     head = source.data[:HEADER_MOST]
-    return b"HEADER::" in head[:200] and BEGIN.search(head) is not None and b"TARGET DATA::" not in head
+    return (
+        b"HEADER::" in head[:200]
+        and BEGIN.search(head) is not None
+        and b"TARGET DATA::" not in head
+    )
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
     """A trace, sees = "tool". Raises RecordingError for a broken file, and where axis, unit or command are not said."""
     begin = BEGIN.search(source.data[:HEADER_MOST])
     if begin is None:
-        raise RecordingError("there is no line Data: in the header", "is this an .rtx file?", Place(source.name, 1))
-    lines = source.data[: begin.start()].decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
-    keys = {k.strip().lower(): (v.strip(), i) for i, (k, c, v) in enumerate((x.partition(":") for x in lines), 1) if c}
+        raise RecordingError(
+            "there is no line Data: in the header", "is this an .rtx file?", Place(source.name, 1)
+        )
+    lines = (
+        source.data[: begin.start()].decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
+    )
+    keys = {
+        k.strip().lower(): (v.strip(), i)
+        for i, (k, c, v) in enumerate((x.partition(":") for x in lines), 1)
+        if c
+    }
     at = Place(source.name, len(lines) + 1)
     end = source.data.rfind(END)
     notices: list[str] = []
@@ -60,23 +72,33 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     axis = options.axis.strip().upper() or targets.axis_in(keys.get("axis", ("", 0))[0])
     if axis not in ("X", "Y", "Z"):
         if options.axis:
-            raise UsageError(f"--axis {options.axis} is no linear axis", "an .rtx file is read as positions: X, Y or Z")
+            raise UsageError(
+                f"--axis {options.axis} is no linear axis",
+                "an .rtx file is read as positions: X, Y or Z",
+            )
         raise RecordingError(
-            "the file does not say which axis moved", "say --axis Z", Place(source.name, keys.get("axis", ("", 1))[1])
+            "the file does not say which axis moved",
+            "say --axis Z",
+            Place(source.name, keys.get("axis", ("", 1))[1]),
         )
     position = _position(source, samples, options, at)
     command = _command(source, position, options, at)
     stated = _whole(keys.get("sample no", ("", 0))[0])
     if stated and stated != len(samples):
         notices.append(f"Sample no is {stated}, and there are {len(samples)} samples")
-    notices.append(f"the commands are not in the file: {axis}_cmd_mm is made up ({options.extra['command']})")
+    notices.append(
+        f"the commands are not in the file: {axis}_cmd_mm is made up ({options.extra['command']})"
+    )
     columns = {"run": np.ones(len(samples)), "t_s": np.arange(len(samples)) / rate}
     columns |= {f"{axis}_cmd_mm": command, f"{axis}_act_mm": position}
     head = {
         "machine": options.machine or keys.get("machine", ("", 0))[0],
         "instrument": "Renishaw laser interferometer, dynamic",
     }
-    head |= {"serial_number": keys.get("serial no", ("", 0))[0], "date": keys.get("date", ("", 0))[0]}
+    head |= {
+        "serial_number": keys.get("serial no", ("", 0))[0],
+        "date": keys.get("date", ("", 0))[0],
+    }
     kept = {k: v for k, v in head.items() if v}
     told = {"sees": "tool", "sample_rate_hz": rate, "unit_in_file": options.unit}
     # the commanded position has no line of its own in a binary file
@@ -88,7 +110,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             if x != axis
             for c in ("cmd", "act")
         }
-    return Recording("trace", kept | told | options.head, columns, source.name, at_line, (), tuple(notices))
+    return Recording(
+        "trace", kept | told | options.head, columns, source.name, at_line, (), tuple(notices)
+    )
 
 
 def _whole(value: str) -> int:
@@ -101,15 +125,24 @@ def _rate(source: Source, keys: dict[str, tuple[str, int]]) -> float:
     for name in ("actual sample rate", "sample rate"):
         if name in keys:
             value, line = keys[name]
-            if not re.fullmatch(r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,2})?", value) or not 0 < float(value) < 1e9:
+            if (
+                not re.fullmatch(r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,2})?", value)
+                or not 0 < float(value) < 1e9
+            ):
                 raise RecordingError(
-                    f"{name} is {value!r}: that is not a number of samples a second", "", Place(source.name, line)
+                    f"{name} is {value!r}: that is not a number of samples a second",
+                    "",
+                    Place(source.name, line),
                 )
             return float(value)
-    raise RecordingError("the header does not say the Actual sample rate", "", Place(source.name, 1))
+    raise RecordingError(
+        "the header does not say the Actual sample rate", "", Place(source.name, 1)
+    )
 
 
-def _position(source: Source, samples: np.ndarray, options: ReadingOptions, at: Place) -> np.ndarray:
+def _position(
+    source: Source, samples: np.ndarray, options: ReadingOptions, at: Place
+) -> np.ndarray:
     """mm."""
     if not options.unit:
         low, high = samples.min(), samples.max()
@@ -120,7 +153,9 @@ def _position(source: Source, samples: np.ndarray, options: ReadingOptions, at: 
         )
     unit = units.named(options.unit)
     if unit.quantity != units.LENGTH:
-        raise UsageError(f"--unit {options.unit} is no unit of lengths", "an .rtx file is read as positions")
+        raise UsageError(
+            f"--unit {options.unit} is no unit of lengths", "an .rtx file is read as positions"
+        )
     wrong = np.flatnonzero(~(np.abs(samples) <= FARTHEST / (unit.factor * UM)))
     if len(wrong):
         raise RecordingError(
@@ -130,7 +165,9 @@ def _position(source: Source, samples: np.ndarray, options: ReadingOptions, at: 
     return samples * unit.factor * UM
 
 
-def _command(source: Source, position: np.ndarray, options: ReadingOptions, at: Place) -> np.ndarray:
+def _command(
+    source: Source, position: np.ndarray, options: ReadingOptions, at: Place
+) -> np.ndarray:
     """mm: the commands that the user says the axis had."""
     how = options.extra.get("command", "")
     if how == "still":

@@ -33,7 +33,10 @@ def recognises(source: Source) -> bool:
         b"",
     )
     cells = [c.strip().strip('"') for c in re.split(r"[,;\t]", first.decode("utf-8", "replace"))]
-    return sum(bool(COMPONENT.fullmatch(c)) for c in cells) >= FEWEST and f"{cells[0][:1]}_mm" == cells[0]
+    return (
+        sum(bool(COMPONENT.fullmatch(c)) for c in cells) >= FEWEST
+        and f"{cells[0][:1]}_mm" == cells[0]
+    )
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
@@ -41,7 +44,11 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     every = read_all(source, options)
     if len(every) == 1:
         return every[0]
-    raise RecordingError(f"the file holds {len(every)} components", "say which: --component EXX", Place(source.name, 1))
+    raise RecordingError(
+        f"the file holds {len(every)} components",
+        "say which: --component EXX",
+        Place(source.name, 1),
+    )
 
 
 def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
@@ -56,7 +63,9 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     if "approach" in shared:
         shared[f"approach_{letter}"] = shared.pop("approach")
     shared |= {
-        f"{x}_mm": np.full(len(values), v) for x, v in options.others.items() if x in "XYZ" and f"{x}_mm" not in shared
+        f"{x}_mm": np.full(len(values), v)
+        for x, v in options.others.items()
+        if x in "XYZ" and f"{x}_mm" not in shared
     }
     out = []
     for direction, _, unit, k in found:
@@ -73,14 +82,20 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
         reading = values[:, k] * (ARCSEC if unit == "arcsec" else 1.0)
         along = "XYZ"["ABC".index(direction)] if angle else direction
         quantity = "angle" if angle else "displacement" if direction == letter else "straightness"
-        head = {"instrument": "six degrees of freedom", "quantity": quantity, "sensitive": {along: 1.0}} | dict(
-            options.head
-        )
+        head = {
+            "instrument": "six degrees of freedom",
+            "quantity": quantity,
+            "sensitive": {along: 1.0},
+        } | dict(options.head)
         if options.machine:
             head["machine"] = options.machine
         out.append(
             Recording(
-                "targets", head, shared | {"reading_urad" if angle else "reading_um": reading}, source.name, lines
+                "targets",
+                head,
+                shared | {"reading_urad" if angle else "reading_um": reading},
+                source.name,
+                lines,
             )
         )
     if not out:
@@ -102,12 +117,16 @@ def _table(source: Source, options: ReadingOptions) -> tuple[list[str], np.ndarr
         place = Place(source.name, number, table.delimiter.join(cells))
         if len(cells) != len(names):
             raise RecordingError(
-                f"{len(cells)} cells under {len(names)} columns", "a value is missing or one too many", place
+                f"{len(cells)} cells under {len(names)} columns",
+                "a value is missing or one too many",
+                place,
             )
         row = [text.number(cell, table.decimal) for cell in cells]
         if None in row:
             raise RecordingError(
-                f"{names[row.index(None)]} {cells[row.index(None)]!r} is not a number", "a number in every cell", place
+                f"{names[row.index(None)]} {cells[row.index(None)]!r} is not a number",
+                "a number in every cell",
+                place,
             )
         rows.append([float(v) for v in row if v is not None])
         lines.append(number)

@@ -56,7 +56,9 @@ class Reality:
     def machine(self) -> Machine:
         return self.timeline.machine
 
-    def error(self, state: State, sees: Sequence[str], piece: np.ndarray, tables: bool = True) -> np.ndarray:
+    def error(
+        self, state: State, sees: Sequence[str], piece: np.ndarray, tables: bool = True
+    ) -> np.ndarray:
         """(3, N) mm: actual - commanded, as far as a signal of these kinds ("tool", "scale", "part") shows it.
 
         tables: whether the machine's geometric tables are in it."""
@@ -78,7 +80,11 @@ class Reality:
     def _values(self, state: State, sees: Sequence[str], machine: bool):
         """What every effect gives that such a signal shows. They count heat and time from the program's begin, so its
         first moment goes along as a row in front, and so do the moments at which the spindle's speed changes."""
-        shown = [t for t in self.terms if (t.module.KIND == "machine") == machine and set(t.module.SEES) & set(sees)]
+        shown = [
+            t
+            for t in self.terms
+            if (t.module.KIND == "machine") == machine and set(t.module.SEES) & set(sees)
+        ]
         if not shown:
             return
         first, later = (self._then(state, t) for t in self._moments())
@@ -106,7 +112,9 @@ class Reality:
         return np.zeros(1), start[1:][rpm[1:] != rpm[:-1]]
 
     def _geometry(self, state: State, piece: np.ndarray) -> np.ndarray:
-        bare = replace(self.machine, effects=tuple(e for e in self.machine.effects if e.module is None))
+        bare = replace(
+            self.machine, effects=tuple(e for e in self.machine.effects if e.module is None)
+        )
         position = np.stack([state.position[x] for x in bare.letters])
         approach = np.stack([state.approach[x] for x in bare.letters])
         length = self.timeline.tool(piece)

@@ -41,7 +41,19 @@ class Ask:
     def of(self, key: str, default: float) -> float:
         value = self.given.get(key, default)
         if (
-            key in ("feed", "dwell", "step", "radius", "rate", "hours", "period", "overrun", "way", "slow")
+            key
+            in (
+                "feed",
+                "dwell",
+                "step",
+                "radius",
+                "rate",
+                "hours",
+                "period",
+                "overrun",
+                "way",
+                "slow",
+            )
             and value <= 0
         ):
             raise UsageError(f"{key} = {value:g} is not above zero")
@@ -79,7 +91,9 @@ def positioning(write: Writer, ask: Ask) -> Test:
     write.rest(rest, feed)
     for _ in range(ask.count("runs", 5)):
         _there_and_back(write, axis, at, overrun, feed, dwell)
-    return Test(write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis}, f"positioning of {axis}")
+    return Test(
+        write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis}, f"positioning of {axis}"
+    )
 
 
 def period(write: Writer, ask: Ask) -> Test:
@@ -121,7 +135,9 @@ def arms(write: Writer, ask: Ask) -> Test:
     return Test(write.text(), "laser", settings, f"{axis} on {len(rest) + 1} lines")
 
 
-def _there_and_back(write: Writer, axis: str, at: np.ndarray, overrun: float, feed: float, dwell: float) -> None:
+def _there_and_back(
+    write: Writer, axis: str, at: np.ndarray, overrun: float, feed: float, dwell: float
+) -> None:
     """One run: all targets from below and from above, and the overruns from which they are reached."""
     write.go({axis: float(at[0]) - overrun}, feed)
     for place in at:
@@ -178,7 +194,12 @@ def diagonal(write: Writer, ask: Ask) -> Test:
             write.wait(dwell)
     write.go(place(-beyond), feed)
     along = ",".join(f"{x}{(b - a) / size:.9f}" for x, (a, b) in ends.items())
-    return Test(write.text(), "laser", {"dwell": f"{dwell:g}", "along": along}, f"diagonal of {' '.join(ask.axes)}")
+    return Test(
+        write.text(),
+        "laser",
+        {"dwell": f"{dwell:g}", "along": along},
+        f"diagonal of {' '.join(ask.axes)}",
+    )
 
 
 def ballbar(write: Writer, ask: Ask) -> Test:
@@ -189,10 +210,15 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     centre = {x: round(ask.of(f"at_{x}", v), 3) for x, v in centre.items()}
     reach = min(min(centre[x] - room[x][0], room[x][1] - centre[x]) for x in plane)
     radius = ask.of(
-        "radius", float(next((r for r in (300, 250, 150, 100, 75, 50, 25, 10) if r <= 0.9 * reach), reach / 2))
+        "radius",
+        float(
+            next((r for r in (300, 250, 150, 100, 75, 50, 25, 10) if r <= 0.9 * reach), reach / 2)
+        ),
     )
     if radius > reach:
-        raise UsageError(f"a circle of {radius:g} mm does not fit: {reach:g} mm are left", "radius=... smaller")
+        raise UsageError(
+            f"a circle of {radius:g} mm does not fit: {reach:g} mm are left", "radius=... smaller"
+        )
     feed = ask.of("feed", 1000.0)
     first, second = plane[0], plane[1]
     lead = min(2.0, reach - radius)
@@ -213,7 +239,12 @@ def ballbar(write: Writer, ask: Ask) -> Test:
         write.go({first: centre[first] + radius + lead, second: centre[second]}, feed)
         write.wait(ask.of("dwell", 1.0))
     settings = {"centre": ",".join(f"{x}{centre[x]:.4f}" for x in plane), "radius": f"{radius:g}"}
-    return Test(write.text(), "ballbar", settings, f"ballbar in {first}{second}, {radius:g} mm at {feed:g} mm/min")
+    return Test(
+        write.text(),
+        "ballbar",
+        settings,
+        f"ballbar in {first}{second}, {radius:g} mm at {feed:g} mm/min",
+    )
 
 
 def staircase(write: Writer, ask: Ask) -> Test:
@@ -235,7 +266,8 @@ def staircase(write: Writer, ask: Ask) -> Test:
             write.wait(dwell)
             for size in longest / 500.0 * 2.0 ** np.arange(10):
                 way = max(
-                    round(float(min(size, longest)), write.places[axis]), write.machine.axes[axis].least_increment
+                    round(float(min(size, longest)), write.places[axis]),
+                    write.machine.axes[axis].least_increment,
                 )
                 write.go({axis: place - sign * way}, feed)
                 write.wait(dwell)
@@ -243,7 +275,10 @@ def staircase(write: Writer, ask: Ask) -> Test:
                 write.go({axis: place}, feed)
                 write.wait(dwell)
     return Test(
-        write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis, "runs": f"{runs}"}, f"reversals of {axis}"
+        write.text(),
+        "laser",
+        {"dwell": f"{dwell:g}", "along": axis, "runs": f"{runs}"},
+        f"reversals of {axis}",
     )
 
 
@@ -259,7 +294,9 @@ def feeds(write: Writer, ask: Ask) -> Test:
     rest = {x: v for x, v in middle(write.machine).items() if x != axis}
     write.rest(rest, 1000.0)
     write.go({axis: place}, 1000.0)
-    speeds = np.geomspace(ask.of("slowest", 60.0), ask.of("fastest", 3000.0), ask.count("number", 5))
+    speeds = np.geomspace(
+        ask.of("slowest", 60.0), ask.of("fastest", 3000.0), ask.count("number", 5)
+    )
     for _ in range(ask.count("runs", 2)):
         for speed in speeds:
             write.wait(0.5)
@@ -309,7 +346,9 @@ def rest(write: Writer, ask: Ask) -> Test:
         if rpm > 0 and k in (0, number // 2):
             write.lines.append("M5" if k else f"M3 S{rpm:g}")
         write.wait(period)
-    return Test(write.text(), "laser", {"dwell": f"{period:g}", "along": axis}, f"rest, read along {axis}")
+    return Test(
+        write.text(), "laser", {"dwell": f"{period:g}", "along": axis}, f"rest, read along {axis}"
+    )
 
 
 def volume(write: Writer, ask: Ask) -> Test:
@@ -320,7 +359,9 @@ def volume(write: Writer, ask: Ask) -> Test:
     write.rest({x: v for x, v in middle(write.machine).items() if x not in ask.axes}, feed)
     for k in range(1, number + 1):
         at = {x: _halton(k, base) for x, base in zip(ask.axes, (2, 3, 5), strict=False)}
-        place = {x: round(room[x][0] + share * (room[x][1] - room[x][0]), 3) for x, share in at.items()}
+        place = {
+            x: round(room[x][0] + share * (room[x][1] - room[x][0]), 3) for x, share in at.items()
+        }
         write.go({x: v - OUTRUN for x, v in place.items()}, feed)
         write.go(place, feed)
         write.wait(dwell)
@@ -362,12 +403,20 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
     function, number, keys = TESTS[name]
     slides = [x for x in machine.letters if x in XYZ]
     good = len(set(axes)) == len(axes) and all(x in slides for x in axes)
-    if not good or len(axes) < number or (len(axes) > number and name not in ("diagonal", "volume")):
+    if (
+        not good
+        or len(axes) < number
+        or (len(axes) > number and name not in ("diagonal", "volume"))
+    ):
         raise UsageError(
             f"{head!r} names no {'axis' if number == 1 else f'{number} axes'} of {machine.name}",
             f"like {name}:{''.join(slides[:number])}; its axes are {' '.join(slides)}",
         )
-    known = (*keys, *(f"at_{x}" for x in slides), *(f"down_{x}" for x in slides if name == "diagonal"))
+    known = (
+        *keys,
+        *(f"at_{x}" for x in slides),
+        *(f"down_{x}" for x in slides if name == "diagonal"),
+    )
     given = {}
     for item in rest:
         key, _, value = item.strip().partition("=")
@@ -377,6 +426,7 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
             given[key] = math.nan
         if key not in known or not math.isfinite(given[key]):
             raise UsageError(
-                f"{item!r} is not one of {', '.join(known)} and a number", f"like {name}:{axes},{known[0]}=2"
+                f"{item!r} is not one of {', '.join(known)} and a number",
+                f"like {name}:{axes},{known[0]}=2",
             )
     return function(Writer(machine, dialect), Ask(axes, given))

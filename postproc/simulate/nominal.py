@@ -56,7 +56,9 @@ def against(signal: Signal, nominal: Signal) -> Signal:
             )
         shift += signal.head["sensitive"].get(name[0], 0.0) * away
     for name in columns:
-        if name in nominal.columns and (name == "run" or name[-3:] in ("_mm", "deg") or name.startswith("approach_")):
+        if name in nominal.columns and (
+            name == "run" or name[-3:] in ("_mm", "deg") or name.startswith("approach_")
+        ):
             columns[name] = nominal.columns[name]
     if signal.head["quantity"] != "angle":
         columns[reading] = columns[reading] + shift * 1e3

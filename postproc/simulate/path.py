@@ -34,14 +34,21 @@ class Curves:
     r1: np.ndarray
 
     def pick(self, which: np.ndarray) -> Curves:
-        return Curves(**{name: getattr(self, name)[..., which] for name in Curves.__dataclass_fields__})
+        return Curves(
+            **{name: getattr(self, name)[..., which] for name in Curves.__dataclass_fields__}
+        )
 
     def __len__(self) -> int:
         return len(self.phi)
 
     def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(A, n) place, first and second derivative by t, at t (n,)."""
-        phi, r, dr, w = self.phi + self.sweep * t, self.r0 + (self.r1 - self.r0) * t, self.r1 - self.r0, self.sweep
+        phi, r, dr, w = (
+            self.phi + self.sweep * t,
+            self.r0 + (self.r1 - self.r0) * t,
+            self.r1 - self.r0,
+            self.sweep,
+        )
         out = self.e1 * np.cos(phi) + self.e2 * np.sin(phi)
         along = self.e2 * np.cos(phi) - self.e1 * np.sin(phi)
         return (
@@ -119,7 +126,10 @@ class Path:
         length = self.length[piece]
         share = np.where(length > 0, s / np.where(length > 0, length, 1.0), 0.0)
         way = (self.end - self.begin)[:, piece]
-        place, direction = self.begin[:, piece] + way * share, way / np.where(length > 0, length, 1.0)
+        place, direction = (
+            self.begin[:, piece] + way * share,
+            way / np.where(length > 0, length, 1.0),
+        )
         bend = np.zeros_like(place)
         of = np.flatnonzero(self.curve[piece] >= 0)
         if len(of):
@@ -128,7 +138,9 @@ class Path:
             place[:, of], first, second = c.at(t)
             pace = c.pace(t)
             direction[:, of] = first / pace
-            bend[:, of] = (second - direction[:, of] * (second * direction[:, of]).sum(axis=0)) / pace**2
+            bend[:, of] = (
+                second - direction[:, of] * (second * direction[:, of]).sum(axis=0)
+            ) / pace**2
         return place, direction, bend
 
 
@@ -145,12 +157,20 @@ def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
     arc = np.flatnonzero(steps.arc >= 0)
     curves = _arcs(steps, begin, end, arc)
     straight = np.flatnonzero((steps.arc < 0) & ((length > 0) | ~np.isnan(steps.wait)))
-    lines = {"begin": begin[:, straight], "end": end[:, straight], "step": straight, "key": straight.astype(float)}
+    lines = {
+        "begin": begin[:, straight],
+        "end": end[:, straight],
+        "step": straight,
+        "key": straight.astype(float),
+    }
     owner, key = arc, arc.astype(float)
     if corner > 0:
         cut, cut_owner = _cut_corners(lines, steps, length, turns, linear, corner)
         curves = Curves(
-            **{n: np.concatenate([getattr(curves, n), getattr(cut, n)], axis=-1) for n in Curves.__dataclass_fields__}
+            **{
+                n: np.concatenate([getattr(curves, n), getattr(cut, n)], axis=-1)
+                for n in Curves.__dataclass_fields__
+            }
         )
         owner, key = np.append(owner, cut_owner), np.append(key, cut_owner + 0.5)
     which, t0, t1 = _turning(curves)
@@ -158,7 +178,9 @@ def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
     n, m = len(straight), len(curves)
     ends = [curves.at(np.full(m, t))[0] for t in (0.0, 1.0)]
     step = np.concatenate([lines["step"], owner[which]])
-    order = np.lexsort((np.concatenate([np.zeros(n), t0]), np.concatenate([lines["key"], key[which]])))
+    order = np.lexsort(
+        (np.concatenate([np.zeros(n), t0]), np.concatenate([lines["key"], key[which]]))
+    )
     gone = np.sqrt(((lines["end"] - lines["begin"])[linear] ** 2).sum(axis=0))
     gone = np.where(turns[straight], length[straight], gone)
     path = Path(
@@ -183,17 +205,35 @@ def _arcs(steps: Steps, begin: np.ndarray, end: np.ndarray, of: np.ndarray) -> C
         unit[axis, column] = 1.0
         base[axis, column] = centre
         axial[axis, column] = 0.0
-    return Curves(base, axial, e1, e2, arcs.angle[row], arcs.sweep[row], arcs.radius[row], arcs.radius_end[row])
+    return Curves(
+        base,
+        axial,
+        e1,
+        e2,
+        arcs.angle[row],
+        arcs.sweep[row],
+        arcs.radius[row],
+        arcs.radius_end[row],
+    )
 
 
-def _cut_corners(lines: dict, steps: Steps, length: np.ndarray, turns: np.ndarray, linear: np.ndarray, corner: float):
+def _cut_corners(
+    lines: dict,
+    steps: Steps,
+    length: np.ndarray,
+    turns: np.ndarray,
+    linear: np.ndarray,
+    corner: float,
+):
     """Arcs for the corners between feeds, and the step that each follows; the lines are shortened by what they take."""
     step = lines["step"]
     k = np.arange(len(step) - 1)
     feeds = np.isnan(steps.wait[step]) & ~steps.rapid[step] & ~turns[step]
     feeds &= np.abs(lines["end"] - lines["begin"])[~linear].sum(axis=0) == 0
     joined = feeds[k] & feeds[k + 1] & (steps.arc[step[k] + 1] < 0) & ~steps.stop[step[k]]
-    gap = np.searchsorted(np.flatnonzero(steps.arc >= 0), step)  # arcs before each: none may lie between
+    gap = np.searchsorted(
+        np.flatnonzero(steps.arc >= 0), step
+    )  # arcs before each: none may lie between
     joined &= gap[k] == gap[k + 1]
     k = k[joined]
     size = length[step]
@@ -203,7 +243,9 @@ def _cut_corners(lines: dict, steps: Steps, length: np.ndarray, turns: np.ndarra
     cut = (angle > STRAIGHT) & (angle < BACK)
     k, d1, d2, angle = k[cut], d1[:, cut], d2[:, cut], angle[cut]
     reach = 0.45 * np.minimum(size[k], size[k + 1])
-    off = 2 * np.sin(angle / 4) ** 2 / np.cos(angle / 2)  # how far a circle of radius 1 misses the corner
+    off = (
+        2 * np.sin(angle / 4) ** 2 / np.cos(angle / 2)
+    )  # how far a circle of radius 1 misses the corner
     r = np.minimum(corner / off, reach / np.tan(angle / 2))
     trim = r * np.tan(angle / 2)
     normal = (d2 - d1 * np.cos(angle)) / np.sin(angle)
@@ -222,14 +264,22 @@ def _turning(curves: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for a, b in zip(curves.e1, curves.e2, strict=True):
         size = np.hypot(a, b)
         extreme = np.arctan2(b, a)
-        low, high = np.minimum(curves.phi, curves.phi + curves.sweep), np.maximum(curves.phi, curves.phi + curves.sweep)
+        low, high = (
+            np.minimum(curves.phi, curves.phi + curves.sweep),
+            np.maximum(curves.phi, curves.phi + curves.sweep),
+        )
         first = np.ceil((low - extreme) / np.pi)
-        count = np.where(size > 0, np.maximum(np.floor((high - extreme) / np.pi) - first + 1, 0), 0).astype(np.int64)
+        count = np.where(
+            size > 0, np.maximum(np.floor((high - extreme) / np.pi) - first + 1, 0), 0
+        ).astype(np.int64)
         owner = np.repeat(np.arange(n), count)
         index = first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
         t = (extreme[owner] + index * np.pi - curves.phi[owner]) / span[owner]
         depth = curves.r0[owner] * size[owner]
-        deep = [depth * (1 - np.cos(np.minimum(np.abs(span[owner]) * u, np.pi))) > SHALLOWEST for u in (t, 1 - t)]
+        deep = [
+            depth * (1 - np.cos(np.minimum(np.abs(span[owner]) * u, np.pi))) > SHALLOWEST
+            for u in (t, 1 - t)
+        ]
         keep = (t > 0) & (t < 1) & deep[0] & deep[1]
         owners.append(owner[keep])
         places.append(t[keep])

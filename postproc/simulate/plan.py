@@ -67,7 +67,11 @@ def of(path: Path, limits: Limits, cycle: float) -> Plan:
     joint = _joints(path, limits, bounds, cycle)
     entry = _look_ahead(path.length.tolist(), joint, bounds, limits.smooth)
     v0, v1 = entry[:-1], entry[1:]
-    phases = _smooth(v0, v1, path.length, bounds) if limits.smooth else _trapezoid(v0, v1, path.length, bounds)
+    phases = (
+        _smooth(v0, v1, path.length, bounds)
+        if limits.smooth
+        else _trapezoid(v0, v1, path.length, bounds)
+    )
     wait = path.steps.wait[path.step]
     phases[0][3] = np.where(np.isnan(wait), phases[0][3], wait)
     duration, s, v, a, j = phases
@@ -83,7 +87,9 @@ def _bounds(path: Path, limits: Limits) -> Bounds:
             each = np.where(part > 0, limit[:, None] / part, np.inf)
         return np.min(each, axis=0)
 
-    speed, acceleration, jerk = (least(x, share) for x in (limits.velocity, limits.acceleration, limits.jerk))
+    speed, acceleration, jerk = (
+        least(x, share) for x in (limits.velocity, limits.acceleration, limits.jerk)
+    )
     of = np.flatnonzero(path.curve >= 0)
     if len(of):
         c = path.curves.pick(path.curve[of])
@@ -91,15 +97,30 @@ def _bounds(path: Path, limits: Limits) -> Bounds:
         spiral = c.r0 != c.r1
         plane = np.hypot(c.e1, c.e2)
         turn = np.abs(c.sweep)
-        flat = np.where(spiral, 1.0, outer * turn / np.hypot(outer * turn, c.rise))  # share of the speed in the plane
+        flat = np.where(
+            spiral, 1.0, outer * turn / np.hypot(outer * turn, c.rise)
+        )  # share of the speed in the plane
         rise = np.abs(c.axial) / np.hypot(inner * turn, np.sqrt((c.axial**2).sum(axis=0)))
-        bend = BEND * least(limits.acceleration, plane) * np.maximum(inner, 1e-9) / np.where(spiral, SPIRAL, 1.0)
-        speed[of] = np.minimum.reduce(
-            [least(limits.velocity, plane * flat), least(limits.velocity, rise), np.sqrt(bend) / flat]
+        bend = (
+            BEND
+            * least(limits.acceleration, plane)
+            * np.maximum(inner, 1e-9)
+            / np.where(spiral, SPIRAL, 1.0)
         )
-        acceleration[of] = np.minimum(least(limits.acceleration / 2, plane * flat), least(limits.acceleration, rise))
+        speed[of] = np.minimum.reduce(
+            [
+                least(limits.velocity, plane * flat),
+                least(limits.velocity, rise),
+                np.sqrt(bend) / flat,
+            ]
+        )
+        acceleration[of] = np.minimum(
+            least(limits.acceleration / 2, plane * flat), least(limits.acceleration, rise)
+        )
         jerk[of] = np.minimum(least(limits.jerk, plane * flat), least(limits.jerk, rise))
-    whole = np.bincount(path.step, path.length, len(steps))[path.step]  # G93 gives the time of the block
+    whole = np.bincount(path.step, path.length, len(steps))[
+        path.step
+    ]  # G93 gives the time of the block
     feed = np.where(steps.inverse[path.step], steps.feed[path.step] * whole, steps.feed[path.step])
     speed = np.where(np.isnan(feed), speed, np.minimum(speed, feed))
     fast = ~np.isfinite(speed) | ~np.isfinite(acceleration)
@@ -119,10 +140,14 @@ def _joints(path: Path, limits: Limits, bounds: Bounds, cycle: float) -> np.ndar
         each = np.where(step > EVEN, limits.acceleration[:, None] / step, np.inf)
     soft = np.min(each, axis=0)
     bound = np.where(np.isfinite(soft), soft, 0.0)
-    cap = np.where(np.isfinite(soft), np.minimum(bound * cycle, np.sqrt(0.25 * bound * size)), speed)
+    cap = np.where(
+        np.isfinite(soft), np.minimum(bound * cycle, np.sqrt(0.25 * bound * size)), speed
+    )
     steps, of = path.steps, path.step
     rapid, other = steps.rapid[of], of[1:] != of[:-1]
-    stop = other & (rapid[:-1] | rapid[1:] | steps.stop[of[:-1]] | (path.turns[:-1] != path.turns[1:]))
+    stop = other & (
+        rapid[:-1] | rapid[1:] | steps.stop[of[:-1]] | (path.turns[:-1] != path.turns[1:])
+    )
     # A corner that was cut is the way from one step to the next: its arc belongs to the first, and so to its stop.
     stop |= path.rests[:-1] | path.rests[1:]
     return np.concatenate([[0.0], np.where(stop, 0.0, np.minimum(cap, speed)), [0.0]])
@@ -157,7 +182,9 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
     return (-full + math.sqrt(full * full - 4.0 * (v0 * full - v0 * v0 - 2.0 * a * way))) / 2.0
 
 
-def _trapezoid(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds) -> list[np.ndarray]:
+def _trapezoid(
+    v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bounds
+) -> list[np.ndarray]:
     a = np.where(np.isfinite(bounds.acceleration), bounds.acceleration, 1.0)
     top = np.minimum(bounds.speed, np.sqrt(np.maximum(a * length + (v0**2 + v1**2) / 2, 0.0)))
     top = np.maximum(top, np.maximum(v0, v1))
@@ -166,7 +193,9 @@ def _trapezoid(v0: np.ndarray, v1: np.ndarray, length: np.ndarray, bounds: Bound
     hold = np.where(top > 0, left / np.where(top > 0, top, 1.0), 0.0)
     zero = np.zeros_like(a)
     duration = np.stack([zero, up, zero, hold, zero, down, zero])
-    return _phases(duration, v0, np.stack([zero, a, zero, zero, zero, -a, zero]), np.zeros_like(duration))
+    return _phases(
+        duration, v0, np.stack([zero, a, zero, zero, zero, -a, zero]), np.zeros_like(duration)
+    )
 
 
 def _way(v0: np.ndarray, v1: np.ndarray, a: np.ndarray, j: np.ndarray) -> np.ndarray:

@@ -55,7 +55,11 @@ class Reader:
     """Reads a program, once for each part that is made of it."""
 
     def __init__(
-        self, machine: Machine, make: Callable[[Machine, dict[str, float]], Filter], name: str, feed: float = np.nan
+        self,
+        machine: Machine,
+        make: Callable[[Machine, dict[str, float]], Filter],
+        name: str,
+        feed: float = np.nan,
     ):
         """make(machine, start) gives a filter for a machine that stands at `start`. feed: mm/s, before the first F."""
         self.feed = feed
@@ -66,13 +70,17 @@ class Reader:
         self.corrected = False
         self.spoken = pace.Spoken()
 
-    def read(self, text: Iterable[bytes], part: int = 1, start: dict[str, float] | None = None) -> dict[str, float]:
+    def read(
+        self, text: Iterable[bytes], part: int = 1, start: dict[str, float] | None = None
+    ) -> dict[str, float]:
         """One part's program; returns where the axes stand behind it. Raises ProgramError and GcompError."""
         filter_ = self.make(self.machine, start or {})
         filter_.name = self.name
         self.dialect, self.letters, self.part = filter_.dialect, filter_.machine.letters, part
         self.drops = filter_.setup.block_delete
-        filter_.watchers.append(lambda words, motions, pieces, output, lines: self._batch(words, motions, lines))
+        filter_.watchers.append(
+            lambda words, motions, pieces, output, lines: self._batch(words, motions, lines)
+        )
         for portion in text:
             self.corrected |= bool(MARK.search(portion))
             filter_.feed(MARK.sub(lambda found: found[0].replace(b" ", b"_"), portion))
@@ -113,7 +121,9 @@ class Reader:
         feed = np.where(by_turn, feed * turning, feed)
         wrong = (motions.code != RAPID) & ~(feed > 0)
         for k in np.flatnonzero(wrong)[:1]:
-            raise self._fault(line[k], "the motion has no feed", "an F above zero before it, or --feed")
+            raise self._fault(
+                line[k], "the motion has no feed", "an F above zero before it, or --feed"
+            )
         arc = np.full(n, -1, np.int64)
         arc[motions.arcs.motion] = np.arange(len(motions.arcs)) + sum(map(len, self.arcs))
         self.arcs.append(motions.arcs)
@@ -137,7 +147,9 @@ class Reader:
             }  # fmt: skip
             order += [3.0 * block + place for block, place, _ in events]
             sort = np.argsort(order, kind="stable")
-            columns = {k: np.concatenate([columns[k], rest[k]], axis=-1)[..., sort] for k in columns}
+            columns = {
+                k: np.concatenate([columns[k], rest[k]], axis=-1)[..., sort] for k in columns
+            }
         columns["part"] = np.full(len(columns["line"]), self.part)
         self.columns.append(columns)
 
@@ -170,11 +182,15 @@ class Reader:
         """How long a G4 block waits."""
         seconds = pace.seconds(words, block, self.dialect)
         if seconds < 0 or seconds > pace.LONGEST:
-            raise self._fault(words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?")
+            raise self._fault(
+                words.line[block] + 1, f"a dwell of {seconds:g} s", "is the unit right?"
+            )
         if np.isnan(seconds):
             letters = ", ".join(pace.letters_of_dwell(self.dialect)) or "not known for this control"
             raise self._fault(
-                words.line[block] + 1, f"G4 without a time that {self.dialect.title} knows", f"letters: {letters}"
+                words.line[block] + 1,
+                f"G4 without a time that {self.dialect.title} knows",
+                f"letters: {letters}",
             )
         return seconds
 
@@ -192,10 +208,17 @@ class Reader:
         for k in np.flatnonzero(c.pop("sent"))[:1]:
             self.notices.append(
                 Notice(
-                    "sent", "behind G28 or G30 an axis is taken to come from where it stood before", int(c["line"][k])
+                    "sent",
+                    "behind G28 or G30 an axis is taken to come from where it stood before",
+                    int(c["line"][k]),
                 )
             )
-        arcs = Arcs(**{f.name: np.concatenate([getattr(a, f.name) for a in self.arcs], axis=-1) for f in fields(Arcs)})
+        arcs = Arcs(
+            **{
+                f.name: np.concatenate([getattr(a, f.name) for a in self.arcs], axis=-1)
+                for f in fields(Arcs)
+            }
+        )
         return Steps(begin=begin, arcs=arcs, **c)
 
 

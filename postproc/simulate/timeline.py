@@ -71,7 +71,9 @@ class Timeline:
     def warmth(self) -> history.Warmth:
         return history.warmth(self.path, self.plan, self.conditions.heat)
 
-    def state(self, time: np.ndarray, piece: np.ndarray | None = None, run: np.ndarray | None = None) -> State:
+    def state(
+        self, time: np.ndarray, piece: np.ndarray | None = None, run: np.ndarray | None = None
+    ) -> State:
         """What an effect may look at, at these times (K,). piece (K,): the rows stand at rest in these pieces, at the end of
         which they may be; without, they are samples in motion. run (K,): 1, 2, ... which passage of the instrument."""
         sampled = piece is None
@@ -103,7 +105,10 @@ class Timeline:
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
         warm, step = self.warmth, self.path.step[piece]
-        found = {"T_air_C": warm.air(time), "T_bed_C": warm.following(time, self.conditions.heat.bed_tau)}
+        found = {
+            "T_air_C": warm.air(time),
+            "T_bed_C": warm.following(time, self.conditions.heat.bed_tau),
+        }
         for x in slides:
             found[f"T_screw_{x}_C"] = warm.screw(x, time, piece)
             each = np.array(self.conditions.force.get(x, (0.0,)))
@@ -134,7 +139,9 @@ class Timeline:
         return np.stack([length[i] if i >= 0 else np.zeros(len(piece)) for i in rows])
 
 
-def of(steps: Steps, machine: Machine, limits: Limits, conditions: Conditions, letters: tuple[str, ...]) -> Timeline:
+def of(
+    steps: Steps, machine: Machine, limits: Limits, conditions: Conditions, letters: tuple[str, ...]
+) -> Timeline:
     """The program in time. letters: of the rows of the steps, the machine's axes first."""
     path = paths.of(steps, letters, conditions.corner)
     bounds = limits.tiled(len(letters) - len(limits.velocity))
@@ -150,4 +157,6 @@ def joined(first: State, second: State) -> State:
         return np.concatenate([a, b], axis=-1)
 
     rows = [f.name for f in fields(State) if f.name != "travel"]
-    return replace(first, **{name: both(getattr(first, name), getattr(second, name)) for name in rows})
+    return replace(
+        first, **{name: both(getattr(first, name), getattr(second, name)) for name in rows}
+    )

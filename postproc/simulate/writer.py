@@ -56,7 +56,9 @@ class Writer:
         self.lines.append(f"({name})" if self.dialect.grammar.parentheses else f"; {name}")
         self.lines += modes if self.dialect.one_command else [" ".join(modes)]
         # Every slide is placed first: from there on it is known where the machine stands.
-        self.lines.append("G0 " + " ".join(self.word(x, v) for x, v in sorted(middle(self.machine).items())))
+        self.lines.append(
+            "G0 " + " ".join(self.word(x, v) for x, v in sorted(middle(self.machine).items()))
+        )
 
     def word(self, axis: str, place: float) -> str:
         """The axis' word for a slide position."""
@@ -77,14 +79,25 @@ class Writer:
     def wait(self, seconds: float) -> None:
         self.lines.append(DWELL[self.kind].format(seconds))
 
-    def arc(self, sense: int, plane: str, end: Mapping[str, float], arm: Mapping[str, float], feed: float) -> None:
+    def arc(
+        self,
+        sense: int,
+        plane: str,
+        end: Mapping[str, float],
+        arm: Mapping[str, float],
+        feed: float,
+    ) -> None:
         """An arc from where the tool is; sense +1 from the first letter of the plane to the second; arm: to the centre, mm."""
         if self.round_refused:
-            raise UsageError(self.round_refused, "a diagonal shows squareness at rest: --test diagonal:" + plane)
+            raise UsageError(
+                self.round_refused, "a diagonal shows squareness at rest: --test diagonal:" + plane
+            )
         _, centre, sign = PLANES[plane]
         code = "G3" if sense * sign > 0 else "G2"
         ends = " ".join(self.word(x, end[x]) for x in plane)
-        arms = " ".join(f"{c}{arm[x]:.{self.places[x]}f}" for c, x in zip(centre, plane, strict=True))
+        arms = " ".join(
+            f"{c}{arm[x]:.{self.places[x]}f}" for c, x in zip(centre, plane, strict=True)
+        )
         self.lines.append(f"{code} {ends} {arms} F{feed:g}")
 
     @property
@@ -98,7 +111,14 @@ class Writer:
         if self.kind == "heidenhain":
             title, comment, *blocks = self.lines
             return (
-                "\n".join([f"{title} *", comment, *(f"{b} *" for b in (*blocks, "M30")), "N99999999 %TEST G71 *"])
+                "\n".join(
+                    [
+                        f"{title} *",
+                        comment,
+                        *(f"{b} *" for b in (*blocks, "M30")),
+                        "N99999999 %TEST G71 *",
+                    ]
+                )
                 + "\n"
             )
         tail = ["%"] if self.kind in ("fanuc", "haas") else []
@@ -116,7 +136,9 @@ def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:
             low, high = max(low, float(axis.table.nodes[0])), min(high, float(axis.table.nodes[-1]))
         low, high = max(low, axis.travel[0] + overrun), min(high, axis.travel[1] - overrun)
         if not np.isfinite(low + high) or high <= low:
-            raise UsageError(f"{x} has no room for a test with {overrun:g} mm of overrun", "overrun=... smaller")
+            raise UsageError(
+                f"{x} has no room for a test with {overrun:g} mm of overrun", "overrun=... smaller"
+            )
         result[x] = (low, high)
     return result
 

@@ -21,7 +21,9 @@ REST = "idle"
 SHORT = 0.05  # mm: of a motion that surely makes a block, where the controller does not say how fine its steps are
 MOST = 4096  # entries that may be kept apart
 # M6 and macros may move in ways of their own.
-OTHER = re.compile(rb"M0*(?:6|6[0-9]|9[89]|[1-9][0-9]{2,})(?![0-9])|G0*6[56](?![0-9])|^\$", re.IGNORECASE)
+OTHER = re.compile(
+    rb"M0*(?:6|6[0-9]|9[89]|[1-9][0-9]{2,})(?![0-9])|G0*6[56](?![0-9])|^\$", re.IGNORECASE
+)
 QUESTION = re.compile(rb"\$[#$GIN]", re.IGNORECASE)  # which moves nothing
 AXES = re.compile(rb"[A-CI-KRU-Z]", re.IGNORECASE)
 
@@ -60,7 +62,9 @@ class Account:
         self.source = 0
         self.seconds = 0.0
         self._by: dict[int, Part] = {}
-        self._still: dict[int, WireLine] = {}  # lines without a motion that were sent and not answered
+        self._still: dict[
+            int, WireLine
+        ] = {}  # lines without a motion that were sent and not answered
         self._last: tuple[float, ...] = ()
         self._over = 0  # blocks among the answered parts
         self._rested = -1  # the last line answered before the report of rest before this one
@@ -94,7 +98,9 @@ class Account:
         start, self._last = self._last, end
         if start and end:
             start += (math.nan,) * (len(end) - len(start))
-            if not line.points and all(a == b or (a != a and b != b) for a, b in zip(start, end, strict=True)):
+            if not line.points and all(
+                a == b or (a != a and b != b) for a, b in zip(start, end, strict=True)
+            ):
                 return None
         known = line.straight and bool(start and end)
         places = (start, *line.points, end) if known else ()
@@ -103,7 +109,9 @@ class Account:
     def _is_block(self, places: tuple[tuple[float, ...], ...]) -> bool:
         """Whether it is longer than a step of some motor: then its ends are different whole steps."""
         return any(
-            abs(place[k] - places[0][k]) * self._steps_of(k) >= 1.001 for place in places[1:] for k in range(len(place))
+            abs(place[k] - places[0][k]) * self._steps_of(k) >= 1.001
+            for place in places[1:]
+            for k in range(len(place))
         )
 
     def _steps_of(self, axis: int) -> float:
@@ -129,7 +137,9 @@ class Account:
 
     def _behind(self, line: WireLine) -> None:
         """A line without a motion: over with the last part before it, or at once."""
-        before = next((part for part in reversed(self.parts) if part.line.number < line.number), None)
+        before = next(
+            (part for part in reversed(self.parts) if part.line.number < line.number), None
+        )
         if before is None:
             self.executed, self.source = line.number, line.source
             self.seconds += line.seconds
@@ -217,9 +227,15 @@ class Account:
             return 0.0
         rows = self.order or tuple(range(len(part.places[0])))
         ends = zip(part.places[0], part.places[-1], rows, strict=False)
-        steps = [(b - a, place[k] - a) for a, b, k in ends if k < len(place) and not math.isnan(b - a)]
+        steps = [
+            (b - a, place[k] - a) for a, b, k in ends if k < len(place) and not math.isnan(b - a)
+        ]
         square = sum(way * way for way, _ in steps)
-        return min(1.0, max(0.0, sum(way * gone for way, gone in steps) / square)) if square > 0 else 0.0
+        return (
+            min(1.0, max(0.0, sum(way * gone for way, gone in steps) / square))
+            if square > 0
+            else 0.0
+        )
 
     def lines(self) -> list[WireLine]:
         """Those that the machine may be executing, or will."""

@@ -49,14 +49,22 @@ class Before:
 
     def watch(self, words: Words, motions: Motions, axis: int) -> None:
         """Take a batch's words, and what its motions do along the axis that lifts the tool."""
-        values = [int(m) / 10 ** int(d) for m, d in zip(words.mantissa, words.decimals, strict=True)]
+        values = [
+            int(m) / 10 ** int(d) for m, d in zip(words.mantissa, words.decimals, strict=True)
+        ]
         blocks: dict[int, list[tuple[str, float]]] = {}
-        for block, name, value in zip(words.block.tolist(), map(chr, words.letter), values, strict=True):
+        for block, name, value in zip(
+            words.block.tolist(), map(chr, words.letter), values, strict=True
+        ):
             blocks.setdefault(block, []).append((name, value))
         spelt = {
             block: words.text[first:stop].decode("ascii", "replace").replace(" ", "").upper()
             for block, name, first, stop in zip(
-                words.block.tolist(), words.letter.tolist(), words.start.tolist(), words.stop.tolist(), strict=True
+                words.block.tolist(),
+                words.letter.tolist(),
+                words.start.tolist(),
+                words.stop.tolist(),
+                strict=True,
             )
             if name == ord("T")
         }
@@ -108,11 +116,15 @@ class Before:
             top = float(motions.target[axis][rapid].max()) / TICKS_PER_MM
             self.highest = top if self.highest is None else max(self.highest, top)
         way = np.where(
-            motions.start_known[axis] & motions.target_known[axis], motions.target[axis] - motions.start[axis], 0
+            motions.start_known[axis] & motions.target_known[axis],
+            motions.target[axis] - motions.start[axis],
+            0,
         )
         calls = iter([*called, 1 << 62])
         call = next(calls)
-        for block, code, step in zip(motions.block.tolist(), motions.code.tolist(), way.tolist(), strict=True):
+        for block, code, step in zip(
+            motions.block.tolist(), motions.code.tolist(), way.tolist(), strict=True
+        ):
             while block >= call:  # another tool: what the one before did says nothing
                 self.left, self.cuts, call = "", False, next(calls)
             if code in (FEED, CLOCKWISE, COUNTER):

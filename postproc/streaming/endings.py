@@ -98,7 +98,11 @@ def lost(why: str) -> Outcome:
 
 
 def silent(seconds: float) -> Outcome:
-    return Outcome(ends.DISCONNECTED, f"the controller has said nothing for {seconds:.1f} s, not even its status", LOOK)
+    return Outcome(
+        ends.DISCONNECTED,
+        f"the controller has said nothing for {seconds:.1f} s, not even its status",
+        LOOK,
+    )
 
 
 def failed(error: BaseException, waiting: Sequence[WireLine], protocol: Protocol) -> Outcome:
@@ -122,4 +126,7 @@ def unconfirmed(outcome: Outcome, seconds: float) -> Outcome:
 
 
 def sent(n: int, size: int) -> Outcome:
-    return Outcome(ends.SENT, f"{n} lines, {size} bytes were sent; this link tells nothing of what became of them")
+    return Outcome(
+        ends.SENT,
+        f"{n} lines, {size} bytes were sent; this link tells nothing of what became of them",
+    )

@@ -59,12 +59,21 @@ class Foreknown:
         sent: str = NOTHING,
     ):  # fmt: skip
         self.sent = sent
-        self.controller, self.letters, self.order, self.name, self.grbl = controller, letters, order, name, grbl
+        self.controller, self.letters, self.order, self.name, self.grbl = (
+            controller,
+            letters,
+            order,
+            name,
+            grbl,
+        )
         self.travel = [self._setting(str(130 + k)) for k in order]
         self.soft = self._setting("20") not in (0.0, math.inf)
         mask = self._setting("23")
         homes = int(mask) if "Z" in controller.flags and math.isfinite(mask) else 0
-        self.reach = [(0.0, t) if homes >> k & 1 else (-t, 0.0) for k, t in zip(order, self.travel, strict=True)]
+        self.reach = [
+            (0.0, t) if homes >> k & 1 else (-t, 0.0)
+            for k, t in zip(order, self.travel, strict=True)
+        ]
         feed = next((word for word in controller.modal if word.startswith("F")), "F0")
         self._feed = float(re.sub(r"[^0-9.]", "", feed) or 0) > 0
         self._feeds = any(word in ("G1", "G2", "G3") for word in controller.modal)
@@ -144,4 +153,6 @@ class Foreknown:
         text = line.text.decode("latin-1")
         if not line.source:
             return UsageError(f"{self.sent}: {text}: {message}", advice)
-        return ProgramError(f"{self.sent}: {message}", advice, Place(line.file or self.name, line.source, text))
+        return ProgramError(
+            f"{self.sent}: {message}", advice, Place(line.file or self.name, line.source, text)
+        )

@@ -15,9 +15,7 @@ AUTO = "auto"
 LISTEN = 6.0  # s: a board that restarts when its port is opened greets within this
 POKE_EVERY = 0.7  # s
 QUIET = 0.3  # s without a byte: it has finished speaking
-SETTLED = (
-    0.1  # s, where its greeting is whole: time for what a board does behind it (startup blocks are read from EEPROM)
-)
+SETTLED = 0.1  # s, where its greeting is whole: time for what a board does behind it (startup blocks are read from EEPROM)
 ANSWER = 4.0  # s for the answer to a question
 
 
@@ -45,7 +43,11 @@ class Greeting:
         self._out = b""
         self._begun: float | None = None
         self._heard = 0.0
-        self._pokes = protocols.pokes() if self.auto else [protocols.load(name).POKE] * bool(protocols.load(name).POKE)
+        self._pokes = (
+            protocols.pokes()
+            if self.auto
+            else [protocols.load(name).POKE] * bool(protocols.load(name).POKE)
+        )
         self._poked = 0.0
         self._asked: bytes | None = None
         self._deadline = 0.0
@@ -57,7 +59,9 @@ class Greeting:
     @property
     def moves(self) -> bool:
         """Whether the machine moves by gcomp's order: it homes."""
-        return self._asked is not None and self._asked in self.first and self._asked.startswith(b"$H")
+        return (
+            self._asked is not None and self._asked in self.first and self._asked.startswith(b"$H")
+        )
 
     def bytes_out(self) -> bytes:
         data, self._out = self._out, b""
@@ -84,13 +88,16 @@ class Greeting:
                 self._answered(now)
             elif isinstance(event, Rejected):
                 self._refused(event, now)
-            elif isinstance(event, Restarted):  # it greets late: what was asked is lost, or its answer may still come
+            elif isinstance(
+                event, Restarted
+            ):  # it greets late: what was asked is lost, or its answer may still come
                 self.protocol.forget()
                 self.restarted = True
                 self._asked, self._asks_status, self._settles = None, False, True
             elif isinstance(event, Alarm) and not self.state_only:
                 self._fail(
-                    f"the controller is in alarm: {event.code} {event.meaning}", "clear its cause and start again"
+                    f"the controller is in alarm: {event.code} {event.meaning}",
+                    "clear its cause and start again",
                 )
 
     def tick(self, now: float) -> None:
@@ -106,7 +113,10 @@ class Greeting:
                 self._begin(now)
         elif now > self._deadline:
             if self._asked in self.first:
-                self._fail(f"{self._asked.decode()} was not finished within {ANSWER * 75:.0f} s", "look at the machine")
+                self._fail(
+                    f"{self._asked.decode()} was not finished within {ANSWER * 75:.0f} s",
+                    "look at the machine",
+                )
             elif self._asks_status:
                 self.done = True  # a link without reports
             else:
@@ -120,19 +130,29 @@ class Greeting:
             self._mute, self._out, self._deadline = True, self._out + request, now + ANSWER
             return
         asked = (self._asked or b"").decode()
-        self._fail(f"the controller did not answer {asked} within {ANSWER:g} s", "is another program using the port?")
+        self._fail(
+            f"the controller did not answer {asked} within {ANSWER:g} s",
+            "is another program using the port?",
+        )
 
     def _listen(self, now: float) -> None:
         assert self._begun is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
         whole = [getattr(protocols.load(name), "WHOLE", None) for name in known[:1]]
-        quiet = SETTLED if any(pattern and pattern.search(self.banner) for pattern in whole) else QUIET
-        if (self.banner.strip() and now - self._heard >= quiet and known) or (known and not self._pokes):
+        quiet = (
+            SETTLED if any(pattern and pattern.search(self.banner) for pattern in whole) else QUIET
+        )
+        if (self.banner.strip() and now - self._heard >= quiet and known) or (
+            known and not self._pokes
+        ):
             self.found = known
             self._choose(known[0], now)
         elif now - self._begun > self.listen:
             heard = " ".join(self.banner.split())[:120]
-            unknown = (f"this is no controller that gcomp knows: {heard!r}", "say --protocol, and check --baud")
+            unknown = (
+                f"this is no controller that gcomp knows: {heard!r}",
+                "say --protocol, and check --baud",
+            )
             self._fail(*(unknown if heard else NOBODY))
         elif self._pokes and now >= self._poked + POKE_EVERY:
             self._out += self._pokes[0]
@@ -183,7 +203,8 @@ class Greeting:
     def _refused(self, event: Rejected, now: float) -> None:
         if self._asked in self.first:
             self._fail(
-                f"{(self._asked or b'').decode()} was refused: {event.code} ({event.meaning})", "look at the machine"
+                f"{(self._asked or b'').decode()} was refused: {event.code} ({event.meaning})",
+                "look at the machine",
             )
         elif self._asked == b"$+":  # an older build
             self._script.insert(0, b"$$")
@@ -216,4 +237,7 @@ def unfit(protocol: Protocol, status: Status | None) -> GreetingError | None:
             "the controller is locked (alarm): where it stands is not certain",
             "home it (--home), or unlock it with --unlock if you are sure of its position",
         )
-    return GreetingError(f"the controller is not idle. {told(status)}", "gcomp control --port PORT gives these orders")
+    return GreetingError(
+        f"the controller is not idle. {told(status)}",
+        "gcomp control --port PORT gives these orders",
+    )

@@ -54,7 +54,9 @@ class Hold:
 def words(status: Status, oldest: WireLine | None) -> str:
     """A hold that gcomp did not order, for a person. oldest: the line that waits for its answer."""
     if status.state == "door":
-        return "the safety door is open: close it, then r (or SIGUSR1) goes on; Ctrl-C stops the job"
+        return (
+            "the safety door is open: close it, then r (or SIGUSR1) goes on; Ctrl-C stops the job"
+        )
     if oldest is not None and STOP.search(oldest.text):
         return f"the program stops here, {oldest.where()}: r (or SIGUSR1) goes on; Ctrl-C stops the job"
     return (

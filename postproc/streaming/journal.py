@@ -83,7 +83,9 @@ def record(kind: str, what: object, t: float, executed: int = 0) -> bytes:
         return _record(t=time, **{kind: what.number})
     if isinstance(what, Status):
         detail = {"detail": what.detail} if what.detail else {}
-        return _record(t=time, state=what.state, **detail, place_mm=list(what.place or ()), executed=executed)
+        return _record(
+            t=time, state=what.state, **detail, place_mm=list(what.place or ()), executed=executed
+        )
     return _record(t=time, told=str(what))
 
 
@@ -140,11 +142,15 @@ def read(data: bytes, name: str) -> Past:
             if number == len(lines):
                 break
             raise UsageError(
-                "this is no line of a journal", "", Place(name, number, line[:100].decode("latin-1"))
+                "this is no line of a journal",
+                "",
+                Place(name, number, line[:100].decode("latin-1")),
             ) from None
         if past is None:
             if entry.get("format") != FORMAT:
-                raise UsageError(f"{name} is no journal of gcomp stream", "name the file that --journal wrote")
+                raise UsageError(
+                    f"{name} is no journal of gcomp stream", "name the file that --journal wrote"
+                )
             past = Past(entry, place=tuple(entry.get("place_mm", ())))
         elif "sent" in entry:
             past.sent = int(entry["sent"])
@@ -170,7 +176,9 @@ def _begin_again(past: Past, recent: list[dict[str, Any]]) -> None:
     if "holds" not in past.head:  # written before it was counted what is over
         past.executed = max(past.executed, past.answered - OLD_HOLDS)
     past.recent = recent
-    past.first = next((i for i, entry in enumerate(recent) if int(entry["sent"]) > past.executed), len(recent))
+    past.first = next(
+        (i for i, entry in enumerate(recent) if int(entry["sent"]) > past.executed), len(recent)
+    )
     past.certain = begins(past, past.first)
 
 
@@ -181,7 +189,11 @@ def begins(past: Past, first: int) -> int:
         back -= 1
         left -= _moves(past.recent, back)
     # Lines of another file are those of a tool change, whose own line comes with them.
-    sources = [int(entry["source"]) for entry in past.recent[back:] if entry["source"] and "file" not in entry]
+    sources = [
+        int(entry["source"])
+        for entry in past.recent[back:]
+        if entry["source"] and "file" not in entry
+    ]
     return min(sources, default=int(past.head.get("begin", 1)))
 
 
@@ -189,7 +201,13 @@ def way(past: Past) -> list[tuple[int, list[Spot]]] | None:
     """Where the machine may have stopped: for every line from the last that is surely over its index in `recent`, and its places
     from where the one before ends. None: it is not known."""
     first = max(past.first - 1, 0)
-    start = past.place if past.executed == 0 else tuple(past.recent[first].get("end_mm", ())) if past.recent else ()
+    start = (
+        past.place
+        if past.executed == 0
+        else tuple(past.recent[first].get("end_mm", ()))
+        if past.recent
+        else ()
+    )
     if not any(v is not None for v in start):
         return None
     found, at = [(first, [start])], start
@@ -205,4 +223,6 @@ def way(past: Past) -> list[tuple[int, list[Spot]]] | None:
 
 def _moves(recent: list[dict[str, Any]], i: int) -> bool:
     """Whether an entry has another end than the one before, or is an arc."""
-    return "via_mm" in recent[i] or (i > 0 and recent[i].get("end_mm") != recent[i - 1].get("end_mm"))
+    return "via_mm" in recent[i] or (
+        i > 0 and recent[i].get("end_mm") != recent[i - 1].get("end_mm")
+    )

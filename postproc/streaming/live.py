@@ -39,14 +39,22 @@ def read(controller: Controller, status: Status | None, letters: tuple[str, ...]
     notices: list[str] = []
     if controller.offsets:
         text = "\n".join(controller.offsets).encode()
-        found = offsets.read(text, "the controller's offsets", format="grbl", inch=controller.inches).of(letters)
-        work = {name: place for name, place in found.work.items() if name != "G92" or any(place.values())}
+        found = offsets.read(
+            text, "the controller's offsets", format="grbl", inch=controller.inches
+        ).of(letters)
+        work = {
+            name: place
+            for name, place in found.work.items()
+            if name != "G92" or any(place.values())
+        }
         length = {axis: v for axis, v in found.tools.get(TOOL, {}).items() if axis in letters}
         notices = found.notices
     place: dict[str, float] = {}
     if status is not None and status.place is not None:
         place = {x: v for x, v in zip(CONTROLLER_AXES, status.place, strict=False) if x in letters}
-    return Live(work, length, place, tuple(w for w in controller.modal if w.startswith("G")), tuple(notices))
+    return Live(
+        work, length, place, tuple(w for w in controller.modal if w.startswith("G")), tuple(notices)
+    )
 
 
 def conflicts(live: Live, stated: dict[str, dict[str, float]], start: dict[str, float]) -> None:
@@ -69,7 +77,9 @@ def conflicts(live: Live, stated: dict[str, dict[str, float]], start: dict[str, 
             )
 
 
-def merged(live: Live, assumed: dict[str, dict[str, float]]) -> tuple[dict[str, dict[str, float]], list[Notice]]:
+def merged(
+    live: Live, assumed: dict[str, dict[str, float]]
+) -> tuple[dict[str, dict[str, float]], list[Notice]]:
     """The offsets to use, and what to tell where the machine's file assumed others."""
     notices = []
     for name, mine in assumed.items():
@@ -77,7 +87,10 @@ def merged(live: Live, assumed: dict[str, dict[str, float]]) -> tuple[dict[str, 
         if theirs and any(abs(theirs.get(axis, 0.0) - v) > SAME_MM for axis, v in mine.items()):
             said = " ".join(f"{axis}{v:g}" for axis, v in theirs.items())
             notices.append(
-                Notice(f"live {name}", f"{name} is taken from the controller ({said}), not from the machine's file")
+                Notice(
+                    f"live {name}",
+                    f"{name} is taken from the controller ({said}), not from the machine's file",
+                )
             )
     return {**assumed, **live.work}, notices
 
@@ -99,7 +112,9 @@ def stand(filter_: Filter, live: Live) -> None:
             position[i], known[i] = round(live.place[x] * TICKS_PER_MM), True
     frame = modal.frame
     if frame is not None and any(live.length.values()):
-        length = np.array([round(live.length.get(x, 0.0) * TICKS_PER_MM) for x in letters], np.int64)
+        length = np.array(
+            [round(live.length.get(x, 0.0) * TICKS_PER_MM) for x in letters], np.int64
+        )
         frame = replace(frame, length=length)
     # An axis that the first blocks do not name stays where the controller has it: that is its last command.
     filter_.carry = replace(filter_.carry, issued=np.where(known, position, filter_.carry.issued))

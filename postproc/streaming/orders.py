@@ -13,7 +13,15 @@ from postproc.errors import UsageError
 from postproc.streaming.events import Accepted, Alarm, Rejected, Restarted, Status, Told
 from postproc.streaming.protocols import Protocol
 
-RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND = "reset", "resume", "unlock", "home", "jog", "zero", "send"
+RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND = (
+    "reset",
+    "resume",
+    "unlock",
+    "home",
+    "jog",
+    "zero",
+    "send",
+)
 WORDS = (RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND)
 JOG_FEED = 500.0  # mm/min
 AXIS = re.compile(r"([XYZABCUVW])([-+]?[0-9]*\.?[0-9]+)", re.IGNORECASE)
@@ -21,19 +29,31 @@ POLL = 0.2  # s
 REST = {"idle", "check"}
 # What a state is, and the order that leads out of it.
 STATES = {
-    "hold": ("it holds the feed", "resume goes on with what it has, reset drops it (the position stays, if it stands)"),
-    "door": ("its safety door is open, or was", "close the door, then resume; reset drops what it has"),
+    "hold": (
+        "it holds the feed",
+        "resume goes on with what it has, reset drops it (the position stays, if it stands)",
+    ),
+    "door": (
+        "its safety door is open, or was",
+        "close the door, then resume; reset drops what it has",
+    ),
     "alarm": (
         "it is locked after an alarm, or since it was switched on",
         "home it; or unlock, if its position is sure",
     ),
     "sleep": ("it sleeps", "reset wakes it; then home, or unlock if its position is sure"),
     "check": ("it is in check mode", "reset ends that"),
-    "run": ("it executes something", "wait; or reset stops it (in motion it then locks, and must be homed)"),
+    "run": (
+        "it executes something",
+        "wait; or reset stops it (in motion it then locks, and must be homed)",
+    ),
     "jog": ("it jogs", "wait; reset stops it"),
     "home": ("it homes", "wait; reset stops that, and it must be homed anew"),
     "tool": ("it waits for a tool", "put it in, then resume"),
-    "off": ("it is switched off, or in emergency stop", "switch it on at its own panel, and home it"),
+    "off": (
+        "it is switched off, or in emergency stop",
+        "switch it on at its own panel, and home it",
+    ),
     "unhomed": ("it is not homed", "home it at its own panel"),
 }
 
@@ -56,7 +76,9 @@ def line_of(order: str, words: list[str]) -> bytes:
     if order == SEND:
         text = " ".join(words).strip()
         if not text or any(ord(c) > 126 or c in "!~?\n\r" for c in text):
-            raise UsageError("send takes one line of plain text", "gcomp control --port P send '$$'")
+            raise UsageError(
+                "send takes one line of plain text", "gcomp control --port P send '$$'"
+            )
         return text.encode("ascii")
     if words:
         raise UsageError(f"{order} takes no words", f"gcomp control --port P {order}")
@@ -68,7 +90,8 @@ def _axes(order: str, words: list[str]) -> bytes:
         letters = [w.upper() for w in words]
         if not letters or any(not re.fullmatch("[XYZABCUVW]", w) for w in letters):
             raise UsageError(
-                "zero takes letters of axes", "gcomp control --port P zero X Y: the work zero of X and Y is here"
+                "zero takes letters of axes",
+                "gcomp control --port P zero X Y: the work zero of X and Y is here",
             )
         return ("G10 L20 P0 " + " ".join(f"{w}0" for w in letters)).encode()
     feed, moves = JOG_FEED, []
@@ -79,10 +102,13 @@ def _axes(order: str, words: list[str]) -> bytes:
             moves.append(word.upper())
         else:
             raise UsageError(
-                f"jog does not know {word!r}", "gcomp control --port P jog X10 Y-5 F800: mm from here, mm/min"
+                f"jog does not know {word!r}",
+                "gcomp control --port P jog X10 Y-5 F800: mm from here, mm/min",
             )
     if not moves or feed <= 0:
-        raise UsageError("jog needs an axis and a way", "gcomp control --port P jog Z5: 5 mm up from here")
+        raise UsageError(
+            "jog needs an axis and a way", "gcomp control --port P jog Z5: 5 mm up from here"
+        )
     return f"$J=G91 G21 {' '.join(moves)} F{feed:g}".encode()
 
 
@@ -101,25 +127,43 @@ class Order:
         """Raises UsageError where the controller would not take it now."""
         state = status.state if status else "idle"
         if self.order == RESUME and state not in ("hold", "door", "tool"):
-            raise UsageError(f"there is nothing to resume: the controller is {state}", told(status) if status else "")
-        if self.order in (JOG, ZERO, SEND) and state not in REST | {"jog"} and not self.line.startswith(b"$"):
-            raise UsageError(f"the controller takes no line now: {told(status) if status else state}", "see above")
+            raise UsageError(
+                f"there is nothing to resume: the controller is {state}",
+                told(status) if status else "",
+            )
+        if (
+            self.order in (JOG, ZERO, SEND)
+            and state not in REST | {"jog"}
+            and not self.line.startswith(b"$")
+        ):
+            raise UsageError(
+                f"the controller takes no line now: {told(status) if status else state}",
+                "see above",
+            )
         if self.order == JOG and state not in ("idle", "jog"):
-            raise UsageError(f"a jog needs an idle controller: {told(status) if status else state}", "see above")
+            raise UsageError(
+                f"a jog needs an idle controller: {told(status) if status else state}", "see above"
+            )
 
     def begin(self, now: float) -> None:
         self._begun = now
         if self.order in (RESET, RESUME):
             data = self.protocol.urgent("stop" if self.order == RESET else "resume")
             if not data:
-                raise UsageError(f"{self.protocol.controller.name} has no such order on the wire", "use its own panel")
+                raise UsageError(
+                    f"{self.protocol.controller.name} has no such order on the wire",
+                    "use its own panel",
+                )
             self._out, self._answered = data, True
             if self.order == RESET:
                 self.protocol.forget()
         else:
             self._out = self.protocol.send(1, self.protocol.prepare(self.line) or self.line)
             if not self._out:
-                raise UsageError(f"{self.protocol.controller.name} has no such order on the wire", "use its own panel")
+                raise UsageError(
+                    f"{self.protocol.controller.name} has no such order on the wire",
+                    "use its own panel",
+                )
 
     def bytes_out(self) -> bytes:
         data, self._out = self._out, b""
@@ -139,7 +183,10 @@ class Order:
                 self._reported(event)
 
     def _reported(self, status: Status) -> None:
-        self.status, waits = status, self.order in (HOME, JOG, SEND) and status.state in ("run", "jog", "home")
+        self.status, waits = (
+            status,
+            self.order in (HOME, JOG, SEND) and status.state in ("run", "jog", "home"),
+        )
         if self._answered and self._fresh:
             self._rests = 0 if waits else self._rests + 1
             self.done = self._rests >= 2

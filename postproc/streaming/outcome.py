@@ -47,7 +47,11 @@ class Outcome:
             lines.append(f"the tool is in, or just before, {self.at.where()}")
         if self.unanswered:
             first, last = self.unanswered[0], self.unanswered[-1]
-            which = f"wire line {first.number}" if first is last else f"wire lines {first.number} to {last.number}"
+            which = (
+                f"wire line {first.number}"
+                if first is last
+                else f"wire lines {first.number} to {last.number}"
+            )
             source = (
                 f"source line {first.source}"
                 if first.source == last.source
@@ -55,7 +59,9 @@ class Outcome:
             )
             lines.append(f"sent and not answered: {which} ({source}); they may have been executed")
         if self.last_certain and self.kind != DONE:
-            lines.append(f"last line answered: wire line {self.last_certain} (source line {self.certain_source})")
+            lines.append(
+                f"last line answered: wire line {self.last_certain} (source line {self.certain_source})"
+            )
         if self.advice:
             lines.append(self.advice)
         return "\n    ".join(lines)
@@ -75,7 +81,11 @@ class Tally:
 
 
 def with_rest(
-    outcome: Outcome, last: WireLine | None, unanswered: Sequence[WireLine], tally: Tally, at: WireLine | None = None
+    outcome: Outcome,
+    last: WireLine | None,
+    unanswered: Sequence[WireLine],
+    tally: Tally,
+    at: WireLine | None = None,
 ) -> Outcome:
     """The outcome with what is certain and what is not; last: the line answered last; at: where the tool is."""
     return Outcome(
@@ -90,7 +100,11 @@ def verdict(tally: Tally, off: float | None, check: bool) -> tuple[str, str, str
     if tally.rejected:
         which = "\n    ".join(f"{line.where()}: {said}" for line, said in tally.rejected[:20])
         more = f"\n    and {len(tally.rejected) - 20} more" if len(tally.rejected) > 20 else ""
-        return ERROR, f"{len(tally.rejected)} of {tally.sent} lines were refused:\n    {which}{more}", ""
+        return (
+            ERROR,
+            f"{len(tally.rejected)} of {tally.sent} lines were refused:\n    {which}{more}",
+            "",
+        )
     if off is not None:
         return (
             ALTERED, f"all {tally.sent} lines were accepted, but the machine stands {off:.3f} mm from where the last one ends",
@@ -101,13 +115,18 @@ def verdict(tally: Tally, off: float | None, check: bool) -> tuple[str, str, str
 
 
 def off_by(
-    place: tuple[float, ...] | None, end: tuple[float, ...], order: tuple[int, ...] | None, limit: float
+    place: tuple[float, ...] | None,
+    end: tuple[float, ...],
+    order: tuple[int, ...] | None,
+    limit: float,
 ) -> float | None:
     """mm between the reported place and where the last line ends (`order`: its axes among the reported ones), if that is more
     than the limit; None: it is not, or it is not known."""
     if place is None or not end or order is None:
         return None
     rows = order or range(len(end))
-    pairs = [(place[i], b) for i, b in zip(rows, end, strict=False) if i < len(place)]  # some axes are not reported
+    pairs = [
+        (place[i], b) for i, b in zip(rows, end, strict=False) if i < len(place)
+    ]  # some axes are not reported
     worst = max((abs(a - b) for a, b in pairs if not math.isnan(b)), default=0.0)
     return worst if worst > limit else None

@@ -25,7 +25,13 @@ class Block:
     __slots__ = ("acceleration", "entry", "least", "length", "most", "rate")
 
     def __init__(self, length: float, rate: float, acceleration: float, most: float, least: float):
-        self.length, self.rate, self.acceleration, self.most, self.least = length, rate, acceleration, most, least
+        self.length, self.rate, self.acceleration, self.most, self.least = (
+            length,
+            rate,
+            acceleration,
+            most,
+            least,
+        )
         self.entry = most
 
     def seconds(self, leave: float) -> float:
@@ -42,7 +48,9 @@ class Pace:
     """add() every line of a job in order, then end(). wire: s that a line takes on the link at least; order: where each axis of a
     line's end stands in the settings. total: s."""
 
-    def __init__(self, controller: Controller, order: Sequence[int], wire: Callable[[WireLine], float]):
+    def __init__(
+        self, controller: Controller, order: Sequence[int], wire: Callable[[WireLine], float]
+    ):
         self._rates = [self._of(controller, 110 + k) / 60 for k in order]
         self._accelerations = [self._of(controller, 120 + k) for k in order]
         self._deviation = self._of(controller, 11, DEVIATION)
@@ -96,7 +104,11 @@ class Pace:
             return
         if line.points:  # round a curve no faster than its own junctions allow
             rate = min(rate, math.sqrt(self._chords(places, acceleration)))
-        most = min(rate * rate, self._before, self._junction(enter, acceleration)) if self._queue else 0.0
+        most = (
+            min(rate * rate, self._before, self._junction(enter, acceleration))
+            if self._queue
+            else 0.0
+        )
         self._queue.append(Block(line.length, rate, acceleration, most, self._wire(line)))
         self._before, self._direction = rate * rate, leave
         if len(self._queue) > self._ahead:
@@ -116,10 +128,15 @@ class Pace:
 
     def _chords(self, places: Sequence[Sequence[float]], acceleration: float) -> float:
         """Square of the speed at which a curve's chords may follow each other: a circle of its radius."""
-        first, second = _unit(places[0], places[1]), _unit(places[1], places[2]) if len(places) > 2 else None
+        first, second = (
+            _unit(places[0], places[1]),
+            _unit(places[1], places[2]) if len(places) > 2 else None,
+        )
         if first is None or second is None:
             return math.inf
-        turn = math.acos(max(-1.0, min(1.0, sum(a * b for a, b in zip(first, second, strict=True)))))
+        turn = math.acos(
+            max(-1.0, min(1.0, sum(a * b for a, b in zip(first, second, strict=True))))
+        )
         chord = math.dist(places[0][: len(first)], places[1][: len(first)])
         return acceleration * chord / turn if turn > 1e-6 and chord == chord else math.inf
 
@@ -170,4 +187,7 @@ def _unit(a: Sequence[float], b: Sequence[float]) -> list[float] | None:
 
 def _limit(most: Sequence[float], direction: Sequence[float]) -> float:
     """How much along a direction when each axis has its own most (planner.c, limit_value_by_axis_maximum)."""
-    return min((limit / abs(d) for limit, d in zip(most, direction, strict=True) if abs(d) > 1e-12), default=math.inf)
+    return min(
+        (limit / abs(d) for limit, d in zip(most, direction, strict=True) if abs(d) > 1e-12),
+        default=math.inf,
+    )

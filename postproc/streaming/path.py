@@ -47,7 +47,11 @@ class Path:
     distance, nearest: mm beside the path, and the line that is nearest, as they were seen last; doubts: how often."""
 
     def __init__(
-        self, controller: Controller, order: tuple[int, ...] = (), limit: float = Limits.path_mm, watched: bool = True
+        self,
+        controller: Controller,
+        order: tuple[int, ...] = (),
+        limit: float = Limits.path_mm,
+        watched: bool = True,
     ):
         self.order = order
         self.account = Account(controller, order)
@@ -80,7 +84,9 @@ class Path:
             self.doubts += 1
             before, self._beside = self._beside, status.place
             return LOOK if self.doubts == 1 else OFF if self._same(before, status.place) else ""
-        if self.doubts and (status.state == REST or (status.state in JUDGED and status.detail == "0")):
+        if self.doubts and (
+            status.state == REST or (status.state in JUDGED and status.detail == "0")
+        ):
             self.doubts, self._beside = 0, None
             return CLEAR
         return ""

@@ -19,8 +19,16 @@ class Poll:
 
     def due(self, now: float, limits: Limits, watched: bool, doubts: bool, answered: float) -> bool:
         """watched: whether the path is; doubts: whether a report was beside it; answered: when a line was answered last."""
-        late = answered + limits.soon / 2  # a motion takes longer than those before: where does it go?
-        pause = limits.poll if not watched else limits.soon if doubts or self.asked < late < now else limits.watch
+        late = (
+            answered + limits.soon / 2
+        )  # a motion takes longer than those before: where does it go?
+        pause = (
+            limits.poll
+            if not watched
+            else limits.soon
+            if doubts or self.asked < late < now
+            else limits.watch
+        )
         return now - self.asked >= (AGAIN if self.waits else pause)
 
     def ask(self, now: float) -> None:

@@ -75,7 +75,11 @@ class Load:
         if self.worst <= MOST:
             return ""
         carries = self.rate / self.worst_size
-        where = "source line {0}" if self.worst_lines[0] == self.worst_lines[1] else "source lines {0} to {1}"
+        where = (
+            "source line {0}"
+            if self.worst_lines[0] == self.worst_lines[1]
+            else "source lines {0} to {1}"
+        )
         return (
             f"{where.format(*self.worst_lines)} need {self.worst_rate:.0f} lines/s of {self.worst_size:.0f} bytes, and the link "
             f"carries {carries:.0f} ({self.rate:.0f} bytes/s): the machine will slow down or stutter there, {self.over:.1f} s of "

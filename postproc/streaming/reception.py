@@ -49,12 +49,14 @@ class Reception:
         wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
         letter = value & 0x7F if self.seven else value
         if wrong and self.begun:
-            self.fault = (
-                f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or the frame is another"
-            )
+            self.fault = f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or the frame is another"
         elif letter == DC4 and self.begun:
             self._closed("DC4")
-        elif letter in SKIPPED or letter in (0x0D, DC4) or (not self.begun and (wrong or not 0x20 < letter < 0x7F)):
+        elif (
+            letter in SKIPPED
+            or letter in (0x0D, DC4)
+            or (not self.begun and (wrong or not 0x20 < letter < 0x7F))
+        ):
             return  # what a plug makes, and a tape's leader
         elif letter not in b"\n\t" and not 0x20 <= letter < 0x7F:
             self.fault = f"{here}: byte {value:#04x} is no letter of a program: it was damaged on the way, or frame or speed are others"
@@ -76,9 +78,7 @@ class Reception:
         if how == "%" and not opened:
             self.fault = "it ends with %, and the % before it is missing: its beginning may be, too"
         elif how == "DC4" and self._text.startswith(b"%\n"):
-            self.fault = (
-                f"the control has stopped (DC4) after {self.lines} lines, and the % that ends the program is missing"
-            )
+            self.fault = f"the control has stopped (DC4) after {self.lines} lines, and the % that ends the program is missing"
         else:
             self._whole()
 

@@ -71,11 +71,15 @@ def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Bef
                 break
     filter_.feed(b"".join(batch))
     if not rest:
-        raise UsageError(f"line {line} is beyond the program's {number} lines", "name an earlier line")
+        raise UsageError(
+            f"line {line} is beyond the program's {number} lines", "name an earlier line"
+        )
     return before, b"".join(rest)
 
 
-def refuse(filter_: Filter, rest: bytes, line: int, what: str = "the job can not begin again here") -> None:
+def refuse(
+    filter_: Filter, rest: bytes, line: int, what: str = "the job can not begin again here"
+) -> None:
     """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all before it."""
     modal = filter_.modal
     frame = modal.frame
@@ -89,10 +93,14 @@ def refuse(filter_: Filter, rest: bytes, line: int, what: str = "the job can not
         raise no("the program has ended before this line", "name an earlier line")
     if modal.beside.on or modal.codes.get("cutter", NONE) in filter_.dialect.beside:
         raise no("cutter radius compensation (G41, G42) is on", earlier)
-    if modal.cycle is not None or (modal.codes.get("motion", NONE) >= FIRST_CYCLE and modal.codes["motion"] != 800):
+    if modal.cycle is not None or (
+        modal.codes.get("motion", NONE) >= FIRST_CYCLE and modal.codes["motion"] != 800
+    ):
         raise no("a canned cycle is in force", earlier)
     if modal.codes.get("distance") == 910 and kind_of(filter_) == PRINTER:
-        raise no("G91 is in force, and this firmware counts E by it too", "name a line behind a G90")
+        raise no(
+            "G91 is in force, and this firmware counts E by it too", "name a line behind a G90"
+        )
     moving = [i for i, x in enumerate(filter_.setup.axes) if x in "XYZ"]
     unknown = [filter_.setup.axes[i] for i in moving if not modal.known[i]]
     if unknown:
@@ -116,7 +124,10 @@ def refuse(filter_: Filter, rest: bytes, line: int, what: str = "the job can not
     motion = modal.codes.get("motion", NONE)
     first = next((t for t in rest.split(b"\n") if MOVES.search(COMMENT.sub(b"", t))), b"")
     if motion in (20, 30) and not MOTION_CODE.search(COMMENT.sub(b"", first)):
-        raise no("it goes on with an arc whose G2 or G3 stands in a line before", "name the line that has the G code")
+        raise no(
+            "it goes on with an arc whose G2 or G3 stands in a line before",
+            "name the line that has the G code",
+        )
 
 
 def digits(value: float) -> str:
@@ -129,7 +140,12 @@ class Preamble:
     """The blocks of one restart, in the program's language."""
 
     def __init__(
-        self, filter_: Filter, before: Before, safe: dict[str, float], stands: dict[str, float], stays: bool = False
+        self,
+        filter_: Filter,
+        before: Before,
+        safe: dict[str, float],
+        stands: dict[str, float],
+        stays: bool = False,
     ):
         self.filter, self.before, self.stays = filter_, before, stays
         self.modal, self.dialect, self.setup = filter_.modal, filter_.dialect, filter_.setup
@@ -142,7 +158,8 @@ class Preamble:
         if "diameter" in self.dialect.groups and modal.codes.get("diameter") in (70, 80):
             self.half["X"] = 2 if modal.codes["diameter"] == 70 else 1
         self.place = {
-            x: (modal.position[i] - origin[i]) / TICKS_PER_MM * self.half[x] for i, x in enumerate(self.setup.axes)
+            x: (modal.position[i] - origin[i]) / TICKS_PER_MM * self.half[x]
+            for i, x in enumerate(self.setup.axes)
         }
         # Never back in: where it stands farther out than that already, it goes across from there.
         self.top = max(-math.inf if stays else self._top(safe), stands.get(self.lift, -math.inf))
@@ -156,8 +173,16 @@ class Preamble:
                 f"a {self.kind} goes out along {self.lift} first, and --safe-{other.lower()} says nothing of it",
                 f"say --safe-{self.lift.lower()}",
             )
-        if self.kind == LATHE and self.before.left != OUT and (self.before.left == IN or self.lift not in safe):
-            how = {IN: "towards the axis: it cuts a bore", ALONG: "along Z alone", "": "not at all yet"}
+        if (
+            self.kind == LATHE
+            and self.before.left != OUT
+            and (self.before.left == IN or self.lift not in safe)
+        ):
+            how = {
+                IN: "towards the axis: it cuts a bore",
+                ALONG: "along Z alone",
+                "": "not at all yet",
+            }
             by_hand = "bring the tool out by hand and send the rest as a program of its own"
             say = (
                 ""
@@ -202,7 +227,11 @@ class Preamble:
         """All blocks."""
         before = self.before
         still = {self.lift, *self.dialect.carried}
-        across = [x for x, known in zip(self.setup.axes, self.modal.known, strict=True) if known and x not in still]
+        across = [
+            x
+            for x, known in zip(self.setup.axes, self.modal.known, strict=True)
+            if known and x not in still
+        ]
         plane = [] if self.kind == PRINTER else self.known("G18" if self.kind == LATHE else "G17")
         lines = self.joined(self.known("G21", "G90") + plane + self.known("G94"))
         lines += self._heat()
@@ -227,14 +256,28 @@ class Preamble:
             lines.append(f"G1 F{before.feed:g}")
         if before.path:
             lines.append(before.path)
-        modes = [self.word("plane", "G17") if self.kind != PRINTER or self.modal.codes.get("plane") != 170 else ""]
-        modes += [self.word("units", "G21"), self.word("distance", "G90"), self.word("feed mode", "G94")]
+        modes = [
+            self.word("plane", "G17")
+            if self.kind != PRINTER or self.modal.codes.get("plane") != 170
+            else ""
+        ]
+        modes += [
+            self.word("units", "G21"),
+            self.word("distance", "G90"),
+            self.word("feed mode", "G94"),
+        ]
         if not before.path:
             modes.append(self.word("path"))
-        modes.append("" if self.modal.codes.get("arc centre", 911) == 911 else self.word("arc centre"))
+        modes.append(
+            "" if self.modal.codes.get("arc centre", 911) == 911 else self.word("arc centre")
+        )
         lines += self.joined([m for m in modes if m])
         lines += self._carried()  # behind G90, which counts for E too
-        if before.feed and self.modal.codes.get("feed mode") != 930 and not self.dialect.one_command:
+        if (
+            before.feed
+            and self.modal.codes.get("feed mode") != 930
+            and not self.dialect.one_command
+        ):
             # Behind G94 and G95: LinuxCNC sets F to zero there.
             lines.append(f"F{before.feed / (MM_PER_INCH if before.inch else 1.0):.7g}")
         if self.modal.codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
@@ -259,7 +302,8 @@ class Preamble:
             others = [x for i, x in enumerate(self.setup.axes) if length[i] and x != "Z"]
             if others or 431 not in self.dialect.by_number:
                 raise UsageError(
-                    "a tool length is in force that gcomp can not restore", "name a line before it is called"
+                    "a tool length is in force that gcomp can not restore",
+                    "name a line before it is called",
                 )
             lines.append(f"G43.1 Z{digits(length[self.setup.axes.index('Z')] / TICKS_PER_MM)}")
         return lines
@@ -268,7 +312,9 @@ class Preamble:
         """Speed, direction and coolant; a wait for the spindle in the control's own unit of time."""
         before = self.before
         if before.spindle == "M5":
-            return ([before.speed] if before.speed and not self.dialect.one_command else []) + before.coolant
+            return (
+                [before.speed] if before.speed and not self.dialect.one_command else []
+            ) + before.coolant
         if before.surface:
             raise UsageError(
                 "constant surface speed (G96) is in force, and the limit of the spindle's speed is not followed",
@@ -284,7 +330,9 @@ class Preamble:
         by = self.dialect.dwell
         letter = next(x for x in "XFSP" if x in by)
         if letter == "X" and self.kind == MILL and "P" in by:
-            return f"G4 P{SPIN_UP * 1000:.0f}"  # X in a G4 would be an axis to whoever reads over it
+            return (
+                f"G4 P{SPIN_UP * 1000:.0f}"  # X in a G4 would be an axis to whoever reads over it
+            )
         return f"G4 {letter}{SPIN_UP:g}" + (
             "." if letter in "XP" and self.dialect.name.startswith(("haas", "fanuc")) else ""
         )
@@ -292,7 +340,11 @@ class Preamble:
     def _heat(self) -> list[str]:
         """A printer's heaters, each waited for, before anything moves: a cold nozzle sticks to the part."""
         codes = {"bed": "M190", "chamber": "M191", "nozzle": "M109"}
-        warm = [f"{code} S{self.before.heat[x]:g}" for x, code in codes.items() if self.before.heat.get(x)]
+        warm = [
+            f"{code} S{self.before.heat[x]:g}"
+            for x, code in codes.items()
+            if self.before.heat.get(x)
+        ]
         return warm + ([self.before.fan] if self.before.fan else [])
 
     def _carried(self) -> list[str]:
@@ -309,4 +361,6 @@ def preamble(
 ) -> list[bytes]:  # fmt: skip
     """The blocks that bring it about, in the program's language. safe: of the axis that takes the tool out (Z, on a lathe X in
     radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine coordinates. stays: nothing shall move, only modes come back. Raises UsageError."""
-    return [line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}, stays).lines()]
+    return [
+        line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}, stays).lines()
+    ]

@@ -42,7 +42,13 @@ class Sender:
         order: tuple[int, ...] | None = (), path: Path | None = None, spindle_off: bool = False,
     ):  # fmt: skip
         self.spindle_off = spindle_off
-        self.protocol, self.limits, self.on_error, self.check, self.order = protocol, limits, on_error, check, order
+        self.protocol, self.limits, self.on_error, self.check, self.order = (
+            protocol,
+            limits,
+            on_error,
+            check,
+            order,
+        )
         self.path = path or Path(protocol.controller, order or (), watched=False)
         self.account = self.path.account
         self.outcome: Outcome | None = None
@@ -70,7 +76,9 @@ class Sender:
         self._pending: Outcome | None = None
         self._hold = Hold()
         self._ended = self._begun = self._check_off = False
-        self._confirmed = self._looks = False  # that it has stopped; it is held to see whether it stands on the path
+        self._confirmed = self._looks = (
+            False  # that it has stopped; it is held to see whether it stands on the path
+        )
         for text in (*protocol.opening, *[protocol.check_mode()] * check):
             self._insert(text)
 
@@ -129,7 +137,12 @@ class Sender:
             self.resume(now)
         elif self.asks:
             line, words = self.asks[0]
-            self._end_soon(endings.refused(line, words, len(self._sent), self.protocol), now, HALTING, hold=True)
+            self._end_soon(
+                endings.refused(line, words, len(self._sent), self.protocol),
+                now,
+                HALTING,
+                hold=True,
+            )
 
     def stop(self, now: float, why: str = "stopped by the user") -> None:
         """What was sent and not executed is dropped, where the protocol can do that."""
@@ -198,7 +211,13 @@ class Sender:
     # -- the parts -----------------------------------------------------------------------------------------------------
 
     def _fill(self, now: float) -> None:
-        if self._ended and not self._queue and self.check and not self._check_off and not self._sent:
+        if (
+            self._ended
+            and not self._queue
+            and self.check
+            and not self._check_off
+            and not self._sent
+        ):
             self._check_off = True
             self._insert(self.protocol.check_mode())
         if self.path.watched and self.status is None and now - self._moved < AGAIN:
@@ -231,31 +250,53 @@ class Sender:
         late = now - self._ticked - LOOKS
         self._ticked = now
         if late > 0:
-            self._heard, self._moved, self._deadline = self._heard + late, self._moved + late, self._deadline + late
+            self._heard, self._moved, self._deadline = (
+                self._heard + late,
+                self._moved + late,
+                self._deadline + late,
+            )
             self._idle_since = None if self._idle_since is None else self._idle_since + late
 
     def _poll(self, now: float) -> None:
         request = self.protocol.urgent("status")
         watched = self.path.watched and self.state in (RUNNING, HELD)
-        if request and self._reports.due(now, self.limits, watched, self.path.doubts > 0, self._moved):
+        if request and self._reports.due(
+            now, self.limits, watched, self.path.doubts > 0, self._moved
+        ):
             self._urgent += request
             self._reports.ask(now)
 
     def _watch(self, now: float) -> None:
         """The clock's part: orders that are overdue, silence, standstill, the end."""
         if now >= self._deadline and self._pending is not None:
-            silent = self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
+            silent = (
+                self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
+            )
             late = endings.unconfirmed(self._pending, self.limits.grace)
             self.outcome = self._told(late if silent else self._pending)
             return
-        text = next((self._sent[k].text for k in self.protocol.outstanding()[:1] if k in self._sent), b"")
+        text = next(
+            (self._sent[k].text for k in self.protocol.outstanding()[:1] if k in self._sent), b""
+        )
         polls = bool(self.protocol.urgent("status"))
         patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
         if polls and self._reports.waits and now - max(self._heard, self._moved) > patience:
             self._finish(endings.silent(now - self._heard))
-        elif not polls and text and self.state == RUNNING and not self._hold.stands and now - self._moved > patience:
+        elif (
+            not polls
+            and text
+            and self.state == RUNNING
+            and not self._hold.stands
+            and now - self._moved > patience
+        ):
             self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
-        elif self._ended and not self._queue and not self._sent and not self._out and not (self._pending or self.asks):
+        elif (
+            self._ended
+            and not self._queue
+            and not self._sent
+            and not self._out
+            and not (self._pending or self.asks)
+        ):
             self._drain(now)
 
     def _drain(self, now: float) -> None:
@@ -330,7 +371,9 @@ class Sender:
             if self.state == RUNNING:
                 self.hold(now)
             return
-        self._end_soon(endings.refused(line, words, len(self._sent), self.protocol), now, HALTING, hold=True)
+        self._end_soon(
+            endings.refused(line, words, len(self._sent), self.protocol), now, HALTING, hold=True
+        )
 
     def _alarmed(self, event: events.Alarm, now: float) -> None:
         if self.state == STOPPING:
@@ -351,14 +394,23 @@ class Sender:
 
     def _reported(self, status: events.Status, now: float) -> None:
         asked = self._reports.asked if self.protocol.urgent("status") else math.inf
-        asked_after_drain = self._drained is not None and self._reports.waits and self._reports.asked >= self._drained
+        asked_after_drain = (
+            self._drained is not None
+            and self._reports.waits
+            and self._reports.asked >= self._drained
+        )
         self._reports.waits = False
         self.status = status
         self.log.append(("status", status, now))
         if status.state == "alarm" and self.state != STOPPING:
             self._finish(endings.alarm_state())
             return
-        if self.state == HALTING and status.state in ("hold", "idle") and status.detail != "1" and not self._urgent:
+        if (
+            self.state == HALTING
+            and status.state in ("hold", "idle")
+            and status.detail != "1"
+            and not self._urgent
+        ):
             if self.spindle_off and status.state == "hold":
                 self._urgent += self.protocol.urgent("spindle stop")
             self._deadline = min(self._deadline, now)
@@ -386,9 +438,13 @@ class Sender:
         """A hold, or its end, that was not ordered; or an order that was lost."""
         self._idle_since, self._rests, self._moved = None, 0, now
         if news == holds.AGAIN:
-            self._urgent += self.protocol.urgent("hold")  # it was lost on the way, or while EEPROM was written
+            self._urgent += self.protocol.urgent(
+                "hold"
+            )  # it was lost on the way, or while EEPROM was written
         elif self.state in (RUNNING, HELD) and news == holds.FOREIGN:
-            self.log.append(("hold", holds.words(status, next(iter(self._sent.values()), None)), now))
+            self.log.append(
+                ("hold", holds.words(status, next(iter(self._sent.values()), None)), now)
+            )
         elif self.state in (RUNNING, HELD):
             self.log.append(("resumed", "the machine goes on, and not by gcomp's order", now))
             if not self.asks:
@@ -403,10 +459,13 @@ class Sender:
             if self._sent and self.state == RUNNING:
                 self._idle_since = now if self._idle_since is None else self._idle_since
                 waiting = self.waiting[:1]
-                patience = max(self.limits.stall, self.protocol.patience(waiting[0].text) if waiting else 0.0)
+                patience = max(
+                    self.limits.stall, self.protocol.patience(waiting[0].text) if waiting else 0.0
+                )
                 if now - max(self._idle_since, self._moved) >= patience:
                     self._stalled(
-                        now, f"it stands still ({status.state}) and has answered nothing for {now - self._moved:.1f} s"
+                        now,
+                        f"it stands still ({status.state}) and has answered nothing for {now - self._moved:.1f} s",
                     )
             elif asked_after_drain and self.state == RUNNING:
                 self._rests += 1
@@ -418,7 +477,11 @@ class Sender:
     # -- ends ----------------------------------------------------------------------------------------------------------
 
     def _done(self, status: events.Status | None = None) -> None:
-        off = None if status is None or self.check else off_by(status.place, self._end, self.order, self.limits.off_mm)
+        off = (
+            None
+            if status is None or self.check
+            else off_by(status.place, self._end, self.order, self.limits.off_mm)
+        )
         self._finish(Outcome(*verdict(self.tally, off, self.check)))
 
     def _stalled(self, now: float, how: str) -> None:
@@ -429,7 +492,9 @@ class Sender:
         self._out += again  # a numbered line that the receiver will not take twice
         self._moved, self._idle_since = now, None
 
-    def _end_soon(self, outcome: Outcome, now: float, state: str = HALTING, hold: bool = False) -> None:
+    def _end_soon(
+        self, outcome: Outcome, now: float, state: str = HALTING, hold: bool = False
+    ) -> None:
         """Nothing more leaves; the outcome stands, and is told when the controller has come to rest, or the grace is over."""
         if self._pending is None or state == STOPPING:
             self._pending = outcome

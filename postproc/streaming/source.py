@@ -22,7 +22,9 @@ from postproc.units import MM_PER_INCH, TICKS_PER_INCH, TICKS_PER_MM
 
 BATCH = 64  # lines
 RAPID_MM_MIN = 3000.0  # where neither machine nor controller says how fast a rapid is
-LOST = re.compile(rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE)  # where it ends is not known
+LOST = re.compile(
+    rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE
+)  # where it ends is not known
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P *([0-9.]+)", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
 
@@ -46,10 +48,19 @@ class Source:
         self.delivered: list[WireLine] = []
         self._rest = b""
         self._seen: list[tuple[Words, Motions, Pieces, bytes, int]] = []
-        known, place = filter_.modal.known.tolist(), (filter_.modal.position / TICKS_PER_MM).tolist()
-        self._end: tuple[float, ...] = tuple(v if k else math.nan for k, v in zip(known, place, strict=True))
+        known, place = (
+            filter_.modal.known.tolist(),
+            (filter_.modal.position / TICKS_PER_MM).tolist(),
+        )
+        self._end: tuple[float, ...] = tuple(
+            v if k else math.nan for k, v in zip(known, place, strict=True)
+        )
         ends = "|".join(map(str, filter_.dialect.ends))
-        self._ends = re.compile(rf"(?<![A-Z])M0*(?:{ends})(?![0-9.])".encode(), re.IGNORECASE) if ends else None
+        self._ends = (
+            re.compile(rf"(?<![A-Z])M0*(?:{ends})(?![0-9.])".encode(), re.IGNORECASE)
+            if ends
+            else None
+        )
         filter_.watchers.append(lambda *seen: self._seen.append(seen))
 
     def feed(self, data: bytes) -> list[WireLine]:
@@ -95,7 +106,11 @@ class Source:
         first = self.filter.summary.lines
         self._seen.clear()
         try:
-            out = self.filter.feed(text) if text.endswith(b"\n") else self.filter.feed(text) + self.filter.finish()
+            out = (
+                self.filter.feed(text)
+                if text.endswith(b"\n")
+                else self.filter.feed(text) + self.filter.finish()
+            )
         except ProgramError:
             self.delivered = self._seen_lines()
             raise
@@ -103,7 +118,9 @@ class Source:
             return self._lines(out.split(b"\n"), [first + 1] * (out.count(b"\n") + 1), None)
         return self._seen_lines()
 
-    def _of_pass(self, words: Words, motions: Motions, pieces: Pieces, output: bytes, before: int) -> list[WireLine]:
+    def _of_pass(
+        self, words: Words, motions: Motions, pieces: Pieces, output: bytes, before: int
+    ) -> list[WireLine]:
         """Wire lines of one batch of the filter; `before`: lines handled before it."""
         n = words.text.count(b"\n") + (not words.text.endswith(b"\n"))
         texts = output.split(b"\n")
@@ -114,7 +131,9 @@ class Source:
         added = np.bincount(line[~first], minlength=n)
         source = np.repeat(np.arange(n), 1 + added)
         own = list(range(len(texts)))
-        if len(texts) == len(source) + 1:  # gcomp's mark stands before the first block that was changed
+        if (
+            len(texts) == len(source) + 1
+        ):  # gcomp's mark stands before the first block that was changed
             mark = next(i for i, text in enumerate(texts) if b"GCOMP " in text)
             own.pop(mark)
             texts.pop(mark)
@@ -130,7 +149,9 @@ class Source:
             k = int(line[i])
             count[k] += not first[i]
             slots[k, int(count[k])] = i
-        return self._lines(texts, (source + before + 1).tolist(), (motions, pieces, slots, before + 1))
+        return self._lines(
+            texts, (source + before + 1).tolist(), (motions, pieces, slots, before + 1)
+        )
 
     def _lines(self, texts: list[bytes], source: list[int], motion) -> list[WireLine]:
         result = []
@@ -156,7 +177,18 @@ class Source:
                 seconds += float(dwell[1]) if dwell else 0.0
             self._end = end
             result.append(
-                WireLine(self.number, k, piece, wire, end, correction, length, seconds, points, straight=straight)
+                WireLine(
+                    self.number,
+                    k,
+                    piece,
+                    wire,
+                    end,
+                    correction,
+                    length,
+                    seconds,
+                    points,
+                    straight=straight,
+                )
             )
             self.number += 1
             self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
@@ -185,7 +217,11 @@ class _Values:
         known = motions.target_known[:, pieces.motion]
         self.end = np.where(known, pieces.end / TICKS_PER_MM, np.nan)
         self.correction = np.where(known, (pieces.end - pieces.nominal) / TICKS_PER_MM, 0.0)
-        delta = np.where(known & motions.start_known[:, pieces.motion], (pieces.end - pieces.start) / TICKS_PER_MM, 0.0)
+        delta = np.where(
+            known & motions.start_known[:, pieces.motion],
+            (pieces.end - pieces.start) / TICKS_PER_MM,
+            0.0,
+        )
         length = np.linalg.norm(delta, axis=0)
         arc = pieces.arc >= 0
         if arc.any():
@@ -206,7 +242,9 @@ class _Values:
         timed = motions.inverse[motion] & (pieces.code != RAPID) & (motions.feed[motion] > 0)
         seconds = length / feed * 60.0
         seconds = np.where(
-            timed, np.maximum(pieces.share, 0) * 60.0 / np.where(timed, motions.feed[motion], 1.0), seconds
+            timed,
+            np.maximum(pieces.share, 0) * 60.0 / np.where(timed, motions.feed[motion], 1.0),
+            seconds,
         )
         known_code = motions.code[motion] != FOREIGN
         self.length, self.seconds = length, np.where(known_code, seconds, 0.0)

@@ -23,7 +23,9 @@ LINES = 200  # of the path that are kept: more than a planner and a receive buff
 class Trace:
     """head() once, then row() for every report. letters: the machine's axes, all of them reported; start: where they stand."""
 
-    def __init__(self, machine: str, letters: tuple[str, ...], controller: str, start: tuple[float, ...] = ()):
+    def __init__(
+        self, machine: str, letters: tuple[str, ...], controller: str, start: tuple[float, ...] = ()
+    ):
         self.letters = letters
         self.axes = len(letters)
         self._info = {
@@ -40,7 +42,9 @@ class Trace:
             names += [f"{x}_cmd_{unit}", f"{x}_act_{unit}"]
         names.append("line")
         columns = np.array(rows, float).reshape(-1, len(names)).T
-        return contract.write(Recording("trace", dict(self._info), dict(zip(names, columns, strict=True))))
+        return contract.write(
+            Recording("trace", dict(self._info), dict(zip(names, columns, strict=True)))
+        )
 
     def head(self) -> str:
         return self._recording([])

@@ -23,9 +23,7 @@ from postproc.streaming.protocols import Controller
 NEAR_MM = 0.1  # of the way: a journal's arcs are chords that miss by 45 um, a report is rounded
 FEED = re.compile(r"F *0*[1-9]|F *0*\.0*[1-9]", re.IGNORECASE)
 HOMED, UNLOCKED = "homed", "unlocked"
-TOUCHED = (
-    "or touch off the work zero anew, look where the tool stands, and say --zero-is-right (--yes does not say that)"
-)
+TOUCHED = "or touch off the work zero anew, look where the tool stands, and say --zero-is-right (--yes does not say that)"
 
 
 def moved(past: dict[str, dict[str, float]], now: dict[str, dict[str, float]]) -> str:
@@ -42,7 +40,9 @@ def moved(past: dict[str, dict[str, float]], now: dict[str, dict[str, float]]) -
 def stopped(past: Past) -> str:
     """How the job's end may have cost the zero, in words; ""."""
     if past.outcome in (ALARM, RESET) or past.state == "alarm":
-        return "the job ended in an alarm, or the controller restarted in it: steps may have been lost"
+        return (
+            "the job ended in an alarm, or the controller restarted in it: steps may have been lost"
+        )
     still = past.state == "idle" or (past.state in ("hold", "door") and past.detail in ("", "0"))
     if past.outcome == ABORTED and not still:
         return "the job was stopped while the machine moved: steps may have been lost"
@@ -54,7 +54,9 @@ def forgot(past: Past, controller: Controller) -> bool:
     a hold, the reset that leads out of it does that too, and nothing follows."""
     if past.outcome not in ("", DISCONNECTED) or past.state in ("hold", "door"):
         return False
-    fed = any(FEED.search(str(e.get("text", ""))) for e in past.recent if int(e["sent"]) <= past.answered)
+    fed = any(
+        FEED.search(str(e.get("text", ""))) for e in past.recent if int(e["sent"]) <= past.answered
+    )
     return fed and "F0" in controller.modal
 
 
@@ -70,7 +72,10 @@ def found(past: Past, place: tuple[float, ...], near: float) -> tuple[int | None
         width = min(len(here), *map(len, places))
         points = np.array([[np.nan if v is None else v for v in at[:width]] for at in places])
         unknown = np.isnan(points) | np.isnan(here[:width])
-        points, to = np.where(unknown, 0.0, points), np.where(unknown.any(axis=0), 0.0, here[:width])
+        points, to = (
+            np.where(unknown, 0.0, points),
+            np.where(unknown.any(axis=0), 0.0, here[:width]),
+        )
         points[:, unknown.any(axis=0)] = 0.0
         _, off = nearest(np.vstack([points, points[-1:]]), to)
         if off <= near:
@@ -85,8 +90,12 @@ def beside(past: Past, place: tuple[float, ...], near: float, letters: tuple[str
     if index is not None:
         return ""
     if math.isnan(off):
-        return "where the machine can have stopped is not known, from the journal or from its reports"
-    said = " ".join(f"{x}{v:.3f}" for x, v in zip(letters, place, strict=False) if not math.isnan(v))
+        return (
+            "where the machine can have stopped is not known, from the journal or from its reports"
+        )
+    said = " ".join(
+        f"{x}{v:.3f}" for x, v in zip(letters, place, strict=False) if not math.isnan(v)
+    )
     return f"the controller stands at {said} (machine coordinates), {off:.3f} mm from where the journal left it"
 
 
@@ -104,7 +113,12 @@ def within(controller: Controller) -> float:
 
 
 def doubt(
-    past: Past | None, live: Live, letters: tuple[str, ...], controller: Controller, restarted: bool, done: str
+    past: Past | None,
+    live: Live,
+    letters: tuple[str, ...],
+    controller: Controller,
+    restarted: bool,
+    done: str,
 ) -> str:
     """Why the zero may not be where the job had it, in words; "": it is. past: the job's journal; letters: the machine's axes in
     its order; restarted: it has greeted as one that has just started; done: HOMED, UNLOCKED or "",
@@ -113,7 +127,11 @@ def doubt(
         return words
     if done == HOMED:
         lost = past is not None and past.head.get("zero") == UNLOCKED
-        return "the job ran on a controller that was unlocked and not homed: homing moves its zero" if lost else ""
+        return (
+            "the job ran on a controller that was unlocked and not homed: homing moves its zero"
+            if lost
+            else ""
+        )
     if restarted:
         return (
             "the controller has just restarted and was not homed since: it has forgotten where the machine stands (where opening the "
@@ -133,4 +151,7 @@ def refuse(words: str, controller: Controller) -> None:
     """Raises UsageError for a doubt."""
     if words:
         home = "home it (--home), " if controller.homing is not False else ""
-        raise UsageError(f"nothing was sent: the zero may be lost. {words[0].upper()}{words[1:]}", f"{home}{TOUCHED}")
+        raise UsageError(
+            f"nothing was sent: the zero may be lost. {words[0].upper()}{words[1:]}",
+            f"{home}{TOUCHED}",
+        )

@@ -48,5 +48,7 @@ def sentences(sets: list[list[str]]) -> list[str]:
         elif len(names) == 2:
             told.append(f"these readings can not part {names[0]} from {names[1]}")
         else:
-            told.append(f"these readings can not part {', '.join(names[:-1])} and {names[-1]} from each other")
+            told.append(
+                f"these readings can not part {', '.join(names[:-1])} and {names[-1]} from each other"
+            )
     return told

@@ -21,7 +21,9 @@ from postproc.volumetric import VolumetricError
 from postproc.volumetric.unknowns import Unknowns
 
 SAME = 1e-3  # mm
-STATED = 1.0  # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
+STATED = (
+    1.0  # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
+)
 FITS = 0.1  # mm: lengths from a station fit its place so well where it is the right one
 PLACES = ("mx_mm", "my_mm", "mz_mm")
 SHIFTS = ("dx_um", "dy_um", "dz_um")
@@ -49,7 +51,9 @@ class Rows:
     def __len__(self) -> int:
         return self.value.size
 
-    def residual(self, off: np.ndarray, own: np.ndarray, nominal: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    def residual(
+        self, off: np.ndarray, own: np.ndarray, nominal: np.ndarray, angle: np.ndarray
+    ) -> np.ndarray:
         """(R,) mm or rad: model less reading. off (3, N) mm at the tip; own: nuisances; nominal (3, N) mm: of the tip; angle
         (N,) rad."""
         if self.kind == "cloud":
@@ -66,7 +70,12 @@ class Rows:
         return said + own[1] * self._way if self.kind == "straightness" else said
 
     def slopes(
-        self, columns: np.ndarray, off: np.ndarray, own: np.ndarray, nominal: np.ndarray, angles: np.ndarray
+        self,
+        columns: np.ndarray,
+        off: np.ndarray,
+        own: np.ndarray,
+        nominal: np.ndarray,
+        angles: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """(R, P) by the unknowns, whose columns (P, 3, N) act at the tip, and (R, M) by the nuisances."""
         n = self.q.shape[1]
@@ -75,7 +84,10 @@ class Rows:
             if self.kind == "cloud":
                 each = 1e-7
                 turned = [
-                    (_turn(own[:3] + each * e) - _turn(own[:3] - each * e)) @ self.value / (2 * each) for e in np.eye(3)
+                    (_turn(own[:3] + each * e) - _turn(own[:3] - each * e))
+                    @ self.value
+                    / (2 * each)
+                    for e in np.eye(3)
                 ]
                 more = [-t.ravel() for t in turned] + [-np.repeat(e, n) for e in np.eye(3)]
                 return by, np.array(more).T
@@ -104,7 +116,9 @@ def nominal_tip(machine: Machine, q: np.ndarray, tool: np.ndarray) -> np.ndarray
     m = replace(machine, tool=tool)
     if machine.chain.rotary:
         return tips(m, q)
-    slides = np.array([q[m.letters.index(x)] if x in m.letters else np.zeros(q.shape[1]) for x in XYZ])
+    slides = np.array(
+        [q[m.letters.index(x)] if x in m.letters else np.zeros(q.shape[1]) for x in XYZ]
+    )
     return slides + tool[:, None]
 
 
@@ -113,7 +127,9 @@ def to_machine(machine: Machine, q: np.ndarray) -> np.ndarray:
     turn = np.repeat(np.eye(3)[:, :, None], q.shape[1], axis=2)
     for x in machine.chain.rotary:
         if machine.chain.side(x) == "workpiece":
-            turn = np.einsum("ijn,jkn->ikn", turn, rotation(x, np.radians(q[machine.letters.index(x)])))
+            turn = np.einsum(
+                "ijn,jkn->ikn", turn, rotation(x, np.radians(q[machine.letters.index(x)]))
+            )
     return turn.transpose(1, 0, 2)
 
 
@@ -136,7 +152,9 @@ def rows_of(recording: Recording, machine: Machine, others: dict[str, float]) ->
     )  # fmt: skip
 
 
-def _places(recording: Recording, machine: Machine, others: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+def _places(
+    recording: Recording, machine: Machine, others: dict[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
     n = len(recording)
     q, approach = np.zeros((len(machine.letters), n)), np.zeros((len(machine.letters), n))
     for i, x in enumerate(machine.letters):
@@ -146,7 +164,9 @@ def _places(recording: Recording, machine: Machine, others: dict[str, float]) ->
             q[i] = others[x]
         elif x in machine.chain.axes and x in XYZ:
             raise VolumetricError(
-                f"where {x} stood is not recorded", f"a column {x}_mm, or --others {x}0", Place(recording.file, 1)
+                f"where {x} stood is not recorded",
+                f"a column {x}_mm, or --others {x}0",
+                Place(recording.file, 1),
             )
     for x in recording.axes:
         if x not in machine.chain.axes:
@@ -178,7 +198,9 @@ def _clouds(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
         if value.shape[1] < 4:
             raise VolumetricError("a cloud of fewer than four points has no frame of its own", "more points in each setup", Place(recording.file, 1))  # fmt: skip
         nominal = nominal_tip(machine, base.q[:, which], base.tool)
-        found.append(_picked(base, which, kind="cloud", value=value, start=_aligned(value, nominal)))
+        found.append(
+            _picked(base, which, kind="cloud", value=value, start=_aligned(value, nominal))
+        )
     return found
 
 
@@ -196,12 +218,16 @@ def _lengths(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     return found
 
 
-def _station(recording: Recording, which: np.ndarray, value: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+def _station(
+    recording: Recording, which: np.ndarray, value: np.ndarray, nominal: np.ndarray
+) -> np.ndarray:
     """(4,) mm: place and dead path of a station: as said, else of the circle through the lengths (squares are linear in it)."""
     columns = [f"station_{x}_mm" for x in XYZ]
     if all(c in recording.columns for c in columns):
         place = np.array([recording.columns[c][which[0]] for c in columns])
-        return np.append(place, float((value - np.linalg.norm(nominal - place[:, None], axis=0)).mean()))
+        return np.append(
+            place, float((value - np.linalg.norm(nominal - place[:, None], axis=0)).mean())
+        )
     from scipy.optimize import least_squares
 
     middle, far = nominal.mean(axis=1), float(value.mean())
@@ -209,10 +235,14 @@ def _station(recording: Recording, which: np.ndarray, value: np.ndarray, nominal
     for way in np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T:
         size = float(np.linalg.norm(way))
         begin = np.append(middle + (way / size * far if size else 0.0 * way), 0.0)
-        done = least_squares(lambda s: np.linalg.norm(nominal - s[:3, None], axis=0) + s[3] - value, begin)
+        done = least_squares(
+            lambda s: np.linalg.norm(nominal - s[:3, None], axis=0) + s[3] - value, begin
+        )
         if best is None or done.cost < best.cost:
             best = done
-        if best.cost < FITS**2 * len(value):  # what is left are errors of a machine, not another place
+        if best.cost < FITS**2 * len(
+            value
+        ):  # what is left are errors of a machine, not another place
             break
     assert best is not None
     return np.asarray(best.x)
@@ -222,7 +252,9 @@ def _spheres(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     found = []
     for which in _parts(recording, "sphere"):
         place = nominal_tip(machine, base.q[:, which], base.tool).mean(axis=1)
-        found.append(_picked(base, which, kind="sphere", value=np.zeros((3, len(which))), start=place))
+        found.append(
+            _picked(base, which, kind="sphere", value=np.zeros((3, len(which))), start=place)
+        )
     return found
 
 
@@ -231,16 +263,38 @@ def _lines(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     along = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
     reading = recording.reading
     if recording.quantity == "angle":
-        rotation = next((r for r in XYZ + ROTARY if abs(recording.sensitive.get(r, 0.0)) > 0.999), "")
+        rotation = next(
+            (r for r in XYZ + ROTARY if abs(recording.sensitive.get(r, 0.0)) > 0.999), ""
+        )
         if len(moved) != 1 or not rotation:
-            raise VolumetricError("angles are read while one axis moves, about one axis", "", Place(recording.file, 1))
+            raise VolumetricError(
+                "angles are read while one axis moves, about one axis", "", Place(recording.file, 1)
+            )
         row = 3 + (ROTARY.index(rotation) if rotation in ROTARY else XYZ.index(rotation))
         sign = float(np.sign(recording.sensitive[rotation]))
-        return [replace(base, kind="angle", value=sign * reading, start=np.zeros(1), letter=moved[0], row=row)]
-    across = recording.quantity == "straightness" or (len(moved) == 1 and abs(along[XYZ.index(moved[0])]) < 0.045)
+        return [
+            replace(
+                base,
+                kind="angle",
+                value=sign * reading,
+                start=np.zeros(1),
+                letter=moved[0],
+                row=row,
+            )
+        ]
+    across = recording.quantity == "straightness" or (
+        len(moved) == 1 and abs(along[XYZ.index(moved[0])]) < 0.045
+    )
     kind = "straightness" if across else "line"
     return [
-        _picked(base, which, kind=kind, value=reading[which], start=np.zeros(2 if across else 1), along=along)
+        _picked(
+            base,
+            which,
+            kind=kind,
+            value=reading[which],
+            start=np.zeros(2 if across else 1),
+            along=along,
+        )
         for which in _parts(recording, "setup")
     ]
 

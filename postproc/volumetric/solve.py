@@ -35,14 +35,23 @@ class Fit:
     def values(self, group: Group) -> tuple[np.ndarray, np.ndarray]:
         """(K,) at its nodes (or the one number), and (K,) their standard uncertainty; mm or rad."""
         where = self.unknowns.slices[self.unknowns.groups.index(group)]
-        u = np.sqrt(np.maximum(np.einsum("km,mn,kn->k", group.basis, self.covariance[where, where], group.basis), 0.0))
+        u = np.sqrt(
+            np.maximum(
+                np.einsum("km,mn,kn->k", group.basis, self.covariance[where, where], group.basis),
+                0.0,
+            )
+        )
         return group.basis @ self.numbers[where], u
 
-    def at(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def at(
+        self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(3, N) mm deviation of the tip by what was found, and (3, N) its standard uncertainty, covariances and all."""
         columns = self.unknowns.columns(q, approach, tool)
         off = np.einsum("p,pin->in", self.numbers, columns)
-        return off, np.sqrt(np.maximum(np.einsum("pin,pr,rin->in", columns, self.covariance, columns), 0.0))
+        return off, np.sqrt(
+            np.maximum(np.einsum("pin,pr,rin->in", columns, self.covariance, columns), 0.0)
+        )
 
 
 def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
@@ -51,7 +60,8 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     number = sum(map(len, rows))
     if number <= own:
         raise VolumetricError(
-            f"{number} readings, and the set-ups alone have {own} unknowns", "more readings in each set-up"
+            f"{number} readings, and the set-ups alone have {own} unknowns",
+            "more readings in each set-up",
         )
     said = [not np.isnan(r.u) for r in rows]
     rows = [r if s else replace(r, u=FIRST * unit_of(r)) for r, s in zip(rows, said, strict=True)]
@@ -91,11 +101,19 @@ class _Fixed:
 
     @classmethod
     def of(cls, r: Rows, unknowns: Unknowns) -> _Fixed:
-        columns, known = unknowns.columns(r.q, r.approach, r.tool), unknowns.already(r.q, r.approach, r.tool)
+        columns, known = (
+            unknowns.columns(r.q, r.approach, r.tool),
+            unknowns.already(r.q, r.approach, r.tool),
+        )
         if r.kind == "shift" and unknowns.bare.chain.rotary:
             turn = to_machine(unknowns.bare, r.q)
-            columns, known = np.einsum("ijn,pjn->pin", turn, columns), np.einsum("ijn,jn->in", turn, known)
-        return cls(columns, angle_columns(unknowns, r), nominal_tip(unknowns.bare, r.q, r.tool), known)
+            columns, known = (
+                np.einsum("ijn,pjn->pin", turn, columns),
+                np.einsum("ijn,jn->in", turn, known),
+            )
+        return cls(
+            columns, angle_columns(unknowns, r), nominal_tip(unknowns.bare, r.q, r.tool), known
+        )
 
 
 def _solved(
@@ -128,7 +146,9 @@ def _solved(
         return made
 
     scale = np.concatenate([unknowns.prior, np.ones(len(start) - p)])
-    done = least_squares(residual, start, jacobian, x_scale=scale, method="trf", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    done = least_squares(
+        residual, start, jacobian, x_scale=scale, method="trf", xtol=1e-12, ftol=1e-12, gtol=1e-12
+    )
     return done.x, np.asarray(done.jac), done.fun
 
 
@@ -146,7 +166,9 @@ def _leverage(jacobian: np.ndarray, rows: Sequence[Rows], which: Rows) -> float:
 def _leverage_all(jacobian: np.ndarray, unknowns: Unknowns, number: int) -> float:
     """How many of the unknowns the readings decide, and not the prior."""
     prior = jacobian[number : number + unknowns.number]
-    return unknowns.number - float(np.trace(np.linalg.solve(jacobian.T @ jacobian, prior.T @ prior)))
+    return unknowns.number - float(
+        np.trace(np.linalg.solve(jacobian.T @ jacobian, prior.T @ prior))
+    )
 
 
 def corners(fitted: Fit, tool: np.ndarray) -> float:
@@ -154,7 +176,9 @@ def corners(fitted: Fit, tool: np.ndarray) -> float:
     m = fitted.unknowns.bare
     slides = [x for x in XYZ if x in m.letters]
     ends = np.array(
-        np.meshgrid(*[[m.axes[x].travel[0], sum(m.axes[x].travel) / 2, m.axes[x].travel[1]] for x in slides])
+        np.meshgrid(
+            *[[m.axes[x].travel[0], sum(m.axes[x].travel) / 2, m.axes[x].travel[1]] for x in slides]
+        )
     )
     q = np.zeros((len(m.letters), ends[0].size))
     for x, row in zip(slides, ends.reshape(len(slides), -1), strict=True):

@@ -57,13 +57,28 @@ def components(
                 if XYZ[row] not in machine.chain.axes:
                     continue
                 fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
-            found.append(Group(f"{name}{x}", x, row, at, null_space(np.array(fixed)), LENGTH if row < 3 else ANGLE))
+            found.append(
+                Group(
+                    f"{name}{x}",
+                    x,
+                    row,
+                    at,
+                    null_space(np.array(fixed)),
+                    LENGTH if row < 3 else ANGLE,
+                )
+            )
     stated = {name for name in machine.square_stated if name[2] in slides}
     for a, b in ((a, b) for i, a in enumerate(slides) for b in slides[i + 1 :]):
         rotation = next(r for r, x in zip(ROTARY, XYZ, strict=True) if x not in (a, b))
-        name = next((n for n in (f"{rotation}0{a}", f"{rotation}0{b}") if n in stated), LEANS[a + b])
+        name = next(
+            (n for n in (f"{rotation}0{a}", f"{rotation}0{b}") if n in stated), LEANS[a + b]
+        )
         found.append(Group(name, name[2], ROTARY.index(name[0]), np.zeros(0), np.eye(1), SQUARE))
-    found += [Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH) for x in slides if x in two_way]
+    found += [
+        Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH)
+        for x in slides
+        if x in two_way
+    ]
     return [g for g in found if g.name not in zero and g.size]
 
 
@@ -107,7 +122,11 @@ class Unknowns:
         for group, where in zip(self.groups, self.slices, strict=True):
             one = _off(self._alone(group, tool), q)
             if not len(group.nodes):
-                half = approach[self.bare.letters.index(group.letter)] / 2 if group.name.startswith("B:") else ONE
+                half = (
+                    approach[self.bare.letters.index(group.letter)] / 2
+                    if group.name.startswith("B:")
+                    else ONE
+                )
                 result[where] = one * half
                 continue
             hats = _hats(group.nodes, q[self.bare.letters.index(group.letter)])
@@ -119,7 +138,9 @@ class Unknowns:
         result = np.zeros((self.number, q.shape[1]))
         for group, where in zip(self.groups, self.slices, strict=True):
             if group.letter == letter and group.row == row and len(group.nodes):
-                result[where] = group.basis.T @ _hats(group.nodes, q[self.bare.letters.index(letter)])
+                result[where] = group.basis.T @ _hats(
+                    group.nodes, q[self.bare.letters.index(letter)]
+                )
         return result
 
     def already(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
@@ -137,7 +158,9 @@ class Unknowns:
             table = AxisTable(group.letter, np.array([min(low, -1e6), max(high, 1e6)]), both, both)
             return replace(m, axes={**m.axes, group.letter: replace(axis, table=table)})
         if group.letter in ROTARY:
-            return replace(m, axes={**m.axes, group.letter: replace(axis, location=np.eye(6)[group.row])})
+            return replace(
+                m, axes={**m.axes, group.letter: replace(axis, location=np.eye(6)[group.row])}
+            )
         return replace(m, square={group.letter: np.eye(3)[group.row]})
 
 

@@ -38,7 +38,9 @@ def _told(group: Group) -> bool:
 
 def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     """For a person: set-ups and what is left of them, the errors with u, what is not told."""
-    out = [f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of {len(fit.unknowns.groups)} errors"]
+    out = [
+        f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of {len(fit.unknowns.groups)} errors"
+    ]
     for r, left in zip(fit.rows, fit.left, strict=True):
         one = unit_of(r)
         name = "urad" if r.kind == "angle" else "um"
@@ -58,7 +60,9 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
                 f"  {g.name:<5} {float(np.ptp(value)) / one:8.2f} {unit} from end to end, u {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
             )
         else:
-            out.append(f"  {g.name:<5} {float(value[0]) / one:8.2f} {unit}, u {float(u[0]) / one:.2g}")
+            out.append(
+                f"  {g.name:<5} {float(value[0]) / one:8.2f} {unit}, u {float(u[0]) / one:.2g}"
+            )
     if zero:
         out.append(f"  taken as zero: {', '.join(sorted(zero))}")
     out.append("")
@@ -103,12 +107,20 @@ def folder(
     m = fit.unknowns.bare
     hidden = open_names(fit)
     known = [g for g in fit.unknowns.groups if g.name not in hidden]
-    data: dict[str, Any] = {"format": "gcomp-machine/1", **head, "control": like["control"], "chain": like["chain"]}
+    data: dict[str, Any] = {
+        "format": "gcomp-machine/1",
+        **head,
+        "control": like["control"],
+        "chain": like["chain"],
+    }
     data |= {k: like[k] for k in ("diameter", "reversal", "limits") if k in like}
     data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
     comments = {
         "": "\n".join(
-            ["Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece.", *_not_told(fit)]
+            [
+                "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece.",
+                *_not_told(fit),
+            ]
         )
     }
     texts: dict[str, str] = {}
@@ -123,34 +135,56 @@ def folder(
         sections[x]["table"] = f"{x}.csv"
         texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
     data["axes"] = sections
-    square = {g.name: fit.values(g) for g in known if not len(g.nodes) and g.name[1] == "0" and g.name[0] in ROTARY}
+    square = {
+        g.name: fit.values(g)
+        for g in known
+        if not len(g.nodes) and g.name[1] == "0" and g.name[0] in ROTARY
+    }
     if square:
         data["squareness"] = {n: round(float(v[0]) / URAD, 4) for n, (v, _) in square.items()}
-        data["squareness"]["u"] = {n: round(2 * float(u[0]) / URAD, 4) for n, (_, u) in square.items()}
+        data["squareness"]["u"] = {
+            n: round(2 * float(u[0]) / URAD, 4) for n, (_, u) in square.items()
+        }
         comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square}
     if tool.any():
         data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in m.letters}
-        comments |= {f"tool.{x}": "the point that was measured: change it to where your tool ends" for x in XYZ}
+        comments |= {
+            f"tool.{x}": "the point that was measured: change it to where your tool ends"
+            for x in XYZ
+        }
     return {"machine.toml": machine_toml(data, comments), **texts}
 
 
 def turned(
-    fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tables: Mapping[str, str], files: list[str]
+    fit: Fit,
+    like: Mapping[str, Any],
+    head: Mapping[str, Any],
+    tables: Mapping[str, str],
+    files: list[str],
 ) -> dict[str, str]:
     """File name to text of the machine with how its rotary axes lie; its slides keep their map. tables: the other files of its folder."""
     hidden = open_names(fit)
     data = {k: v for k, v in like.items() if k not in ("name", "title")} | dict(head)
-    data["source"] = f"{like.get('source', '')}; rotary axes: gcomp volumetric from {', '.join(files)}".lstrip("; ")
+    data["source"] = (
+        f"{like.get('source', '')}; rotary axes: gcomp volumetric from {', '.join(files)}".lstrip(
+            "; "
+        )
+    )
     data["signs"] = "unverified"
     square = dict(like.get("squareness", {}))
     square_u, location = dict(square.pop("u", {})), dict(like.get("location", {}))
-    comments = {"": "\n".join(["How the rotary axes lie was found by gcomp volumetric.", *_not_told(fit)])}
+    comments = {
+        "": "\n".join(["How the rotary axes lie was found by gcomp volumetric.", *_not_told(fit)])
+    }
     for g in fit.unknowns.groups:
         if g.name in hidden:
             continue
         value, u = fit.values(g)
         if g.name[0] in ROTARY:
-            square[g.name], square_u[g.name] = round(float(value[0]) / URAD, 4), round(2 * float(u[0]) / URAD, 4)
+            square[g.name], square_u[g.name] = (
+                round(float(value[0]) / URAD, 4),
+                round(2 * float(u[0]) / URAD, 4),
+            )
         else:
             location[f"{g.name}_um"] = round(float(value[0]) / UM, 4)
             comments[f"location.{g.name}_um"] = f"u = {float(u[0]) / UM:.2g} um, k = 1"
@@ -178,7 +212,10 @@ def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tu
         unit, one = ("urad", URAD) if COMPONENTS.index(name[:2]) >= 3 else ("um", UM)
         if turned and name == along:
             both = np.hypot(u, half_u)
-            values |= {f"{name}_um_fwd": (value + half) / one, f"{name}_um_rev": (value - half) / one}
+            values |= {
+                f"{name}_um_fwd": (value + half) / one,
+                f"{name}_um_rev": (value - half) / one,
+            }
             known |= {f"{name}_um_fwd": 2 * both / one, f"{name}_um_rev": 2 * both / one}
         else:
             values[f"{name}_{unit}"], known[f"{name}_{unit}"] = value / one, 2 * u / one
@@ -193,5 +230,16 @@ def without_errors(machine: Machine) -> Machine:
     """The machine as its control believes it to be."""
     from dataclasses import replace
 
-    axes = {x: replace(a.bare, uncertainty=None, measured_at=np.zeros(3)) for x, a in machine.axes.items()}
-    return replace(machine, axes=axes, square={}, effects=(), control_tables=(), growth=(), reversal=machine.reversal)
+    axes = {
+        x: replace(a.bare, uncertainty=None, measured_at=np.zeros(3))
+        for x, a in machine.axes.items()
+    }
+    return replace(
+        machine,
+        axes=axes,
+        square={},
+        effects=(),
+        control_tables=(),
+        growth=(),
+        reversal=machine.reversal,
+    )

@@ -12,16 +12,23 @@ from proof.generator.cases import KINDS, Case, make
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m proof.generator", description=__doc__)
     parser.add_argument(
-        "--seed", required=True, help="any word; everything follows from it, the kind and the case's number"
+        "--seed",
+        required=True,
+        help="any word; everything follows from it, the kind and the case's number",
     )
     parser.add_argument("--kind", required=True, choices=KINDS)
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("-o", "--output", type=Path, required=True, help="folder for the cases")
-    parser.add_argument("--truth", type=Path, help="folder for what is hidden; default: truth, beside the output")
+    parser.add_argument(
+        "--truth", type=Path, help="folder for what is hidden; default: truth, beside the output"
+    )
     options = parser.parse_args()
     truth = options.truth or options.output.resolve().parent / "truth"
-    if truth.resolve() == options.output.resolve() or options.output.resolve() in truth.resolve().parents:
+    if (
+        truth.resolve() == options.output.resolve()
+        or options.output.resolve() in truth.resolve().parents
+    ):
         parser.error(f"the truth ({truth}) must not lie among the cases ({options.output})")
     for number in range(options.first, options.first + options.count):
         write(make(options.seed, options.kind, number), options.output, truth)
@@ -29,7 +36,10 @@ def main() -> None:
 
 def write(case: Case, output: Path, truth: Path) -> None:
     """A case under output/<name>; its answers into truth.json and details.json, follow-up files under truth/follow_up/<name>."""
-    for folder, texts in ((output / case.name, case.files), (truth / "follow_up" / case.name, case.follow_up)):
+    for folder, texts in (
+        (output / case.name, case.files),
+        (truth / "follow_up" / case.name, case.follow_up),
+    ):
         for path, text in texts.items():
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_text(text, encoding="utf-8")

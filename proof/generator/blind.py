@@ -42,7 +42,9 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
     design = replace(base, tracks=[])
     if spot == "lead_multiples":
         lead = float(rng.choice([5.0, 10.0]))
-        first = designs.axis_line(rng, machine, axis, axis, 0.0, base.channels, how="round", both=True)
+        first = designs.axis_line(
+            rng, machine, axis, axis, 0.0, base.channels, how="round", both=True
+        )
         span = machine.axes[axis]
         count = int(min(40, 0.9 * span.length / 7.3))
         second = _pitched(rng, machine, axis, first, 7.3, count)
@@ -56,15 +58,21 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
         )  # fmt: skip
     if spot == "one_direction":
         first = designs.axis_line(rng, machine, axis, axis, 0.0, base.channels, both=False)
-        second = designs.axis_line(rng, machine, axis, axis, first.end + 900, base.channels, both=True)
+        second = designs.axis_line(
+            rng, machine, axis, axis, first.end + 900, base.channels, both=True
+        )
         names = {n: reversal.DRAW[n] for n in ("backlash", "backlash_position", "windup")}
         return Spot(
             spot, replace(design, tracks=[first, second]), 1, names, axis, [f"{n}:{axis}" for n in names],
             "the same targets from both directions",
         )  # fmt: skip
     if spot == "one_arm":
-        first = designs.axis_line(rng, machine, axis, axis, 0.0, base.channels, both=True, two=False)
-        second = designs.axis_line(rng, machine, axis, axis, first.end + 900, base.channels, both=True, two=True)
+        first = designs.axis_line(
+            rng, machine, axis, axis, 0.0, base.channels, both=True, two=False
+        )
+        second = designs.axis_line(
+            rng, machine, axis, axis, first.end + 900, base.channels, both=True, two=True
+        )
         turn = unmeasured_turn(machine, axis, rng)
         return Spot(
             spot, replace(design, tracks=[first, second]), 1, {"abbe": turn}, axis, [f"abbe:{axis}", f"pitch_shape:{axis}"],
@@ -73,8 +81,13 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
     plane = "XY" if machine.form == "mill" else "XZ"
     feed = float(rng.choice([1500.0, 2000.0]))
     seen = designs.ballbars(rng, machine, plane, [1, 1], [feed], 0.0, count=720)
-    more = designs.ballbars(rng, machine, plane, [1, -1, 1, -1], [500.0, 3000.0], seen[-1].end + 900, count=720)
-    pair: dict[str, Callable] = {"squareness": position.squareness, "servo_mismatch": servo.servo_mismatch}
+    more = designs.ballbars(
+        rng, machine, plane, [1, -1, 1, -1], [500.0, 3000.0], seen[-1].end + 900, count=720
+    )
+    pair: dict[str, Callable] = {
+        "squareness": position.squareness,
+        "servo_mismatch": servo.servo_mismatch,
+    }
     return Spot(
         spot, replace(design, tracks=[*seen, *more]), 2, pair, "X", [f"squareness:{plane}", f"servo_mismatch:{plane}"],
         "the circle in both senses and at two feeds",
@@ -103,7 +116,11 @@ def unmeasured_turn(machine: Machine, axis: str, rng: np.random.Generator) -> Ca
         arm = others[0] if len(others) == 1 else str(inner.choice(others))
         place = scene.machine.axes[arm]
         zero = place.low - 0.2 * place.length
-        centre, width, lean = inner.uniform(0.3, 0.7), inner.uniform(0.15, 0.3), inner.uniform(-1, 1)
+        centre, width, lean = (
+            inner.uniform(0.3, 0.7),
+            inner.uniform(0.15, 0.3),
+            inner.uniform(-1, 1),
+        )
 
         def on(track: Track) -> Shift:
             u = share(scene, track, axis)

@@ -19,7 +19,14 @@ from proof.generator.streams import digest, log_uniform, stream
 from proof.generator.world import World
 
 KINDS = ("single", "pair", "triple", "null", "adversarial", "alien", "masked", "withheld", "blind")
-ADVERSE = ("outliers", "warming_ballbar", "clock_offset", "worse_map", "missing_dwell", "sensor_drift")
+ADVERSE = (
+    "outliers",
+    "warming_ballbar",
+    "clock_offset",
+    "worse_map",
+    "missing_dwell",
+    "sensor_drift",
+)
 CONFUSABLE = [
     ("screw_heat", "scale"), ("backlash", "windup"), ("tool_wear", "spindle_growth"), ("laser_air", "screw_heat"),
     ("squareness", "servo_lag"), ("squareness", "servo_mismatch"), ("backlash", "backlash_position"), ("scale", "cosine"),
@@ -99,7 +106,15 @@ def _hide(rng: np.random.Generator, scene: Scene, kind: str, spot, group) -> lis
     everything = physics.names()
     if spot:
         shown = scene.design.tracks[len(scene.design.tracks) - spot.later :]
-        found = _find(rng, scene, spot.hidden, _wanted(rng), [], oracle.Oracle(scene.machine, shown), axes=[spot.axis])
+        found = _find(
+            rng,
+            scene,
+            spot.hidden,
+            _wanted(rng),
+            [],
+            oracle.Oracle(scene.machine, shown),
+            axes=[spot.axis],
+        )
         return [found] if found else []
     judge = oracle.Oracle(scene.machine, scene.design.tracks)
     if kind == "alien":
@@ -118,7 +133,9 @@ def _hide(rng: np.random.Generator, scene: Scene, kind: str, spot, group) -> lis
         first, second = CONFUSABLE[int(rng.integers(len(CONFUSABLE)))]
         for name in (first, second):
             axes = [h.effect.axis[0] for h in hidden if h.effect.axis] or None
-            found = _find(rng, scene, {name: everything[name]}, _wanted(rng), hidden, judge, axes=axes)
+            found = _find(
+                rng, scene, {name: everything[name]}, _wanted(rng), hidden, judge, axes=axes
+            )
             hidden += [found] if found else []
     most = 8.0 if kind == "masked" else 16.0
     for _ in range(count - len(hidden)):
@@ -144,7 +161,9 @@ def _find(
         for _ in range(tries):
             axis = str(rng.choice(axes or scene.design.moving))
             effect = names[name](scene, axis, stream(int(rng.integers(1 << 62))))
-            if effect is None or any((h.effect.name, h.effect.axis) == (effect.name, effect.axis) for h in others):
+            if effect is None or any(
+                (h.effect.name, h.effect.axis) == (effect.name, effect.axis) for h in others
+            ):
                 continue
             rows = [project(scene.machine, t, effect.on(t)) for t in scene.design.tracks]
             unit = oracle.peak(judge.tracks, [rows[k] for k in at])
@@ -209,7 +228,12 @@ def _truth(scene: Scene, hidden: list[Hidden], which: range) -> list[dict]:
     answers = []
     for j, (h, rows, energy) in enumerate(zip(hidden, signals, energies, strict=True)):
         largest = oracle.peak(tracks, rows)
-        bands = ((0, 2), (2, 4), (4, 8), (8, 16))  # a blind test may show less than 2 um of what it hides
+        bands = (
+            (0, 2),
+            (2, 4),
+            (4, 8),
+            (8, 16),
+        )  # a blind test may show less than 2 um of what it hides
         band = next((f"{low}-{high}" for low, high in bands if largest < high * 0.9999), "8-16")
         apart = energy
         same: list[str] = []
@@ -243,16 +267,25 @@ def _withhold(rng: np.random.Generator, design: Design) -> str:
     """Take a group of channels out of the design, one that something in it depends on."""
     found = ["temperature"] * 2
     pressed = [t for t in design.tracks if np.abs(t.force).max(initial=0.0) > 50]
-    if any(t.quantity == "displacement" if t.kind == "targets" else t.head["sees"] == "tool" for t in pressed):
+    if any(
+        t.quantity == "displacement" if t.kind == "targets" else t.head["sees"] == "tool"
+        for t in pressed
+    ):
         found.append("force")
     if any(t.spindle for t in design.tracks if t.kind == "targets"):
         found += ["spindle"] * 2
     if not any(c[1] in machines.ABC for c in design.machine.components()) and any(
-        t.kind == "targets" and len(t.moving) == 1 and t.quantity == "displacement" for t in design.tracks
+        t.kind == "targets" and len(t.moving) == 1 and t.quantity == "displacement"
+        for t in design.tracks
     ):
         found.append("rotation")
     group = str(rng.choice(found))
-    gone = {"temperature": ("air", "bed", "screw"), "force": ("force",), "spindle": ("spindle",), "rotation": ()}[group]
+    gone = {
+        "temperature": ("air", "bed", "screw"),
+        "force": ("force",),
+        "spindle": ("spindle",),
+        "rotation": (),
+    }[group]
     design.channels.update(dict.fromkeys(gone, False))
     return group
 
@@ -270,7 +303,11 @@ def _adverse(rng: np.random.Generator, design: Design) -> list[str]:
 
 
 def _faults(rng: np.random.Generator, adverse: list[str]) -> Faults:
-    outliers, warming, ringing = rng.uniform(0.02, 0.05), rng.uniform(3.0, 12.0), rng.uniform(2.0, 5.0)
+    outliers, warming, ringing = (
+        rng.uniform(0.02, 0.05),
+        rng.uniform(3.0, 12.0),
+        rng.uniform(2.0, 5.0),
+    )
     return Faults(
         outliers if "outliers" in adverse else 0.0, warming if "warming_ballbar" in adverse else 0.0,
         ringing if "missing_dwell" in adverse else 0.0,

@@ -101,7 +101,17 @@ def _file(
         if not turning:
             return None
         component = str(rng.choice(turning))
-        return [axis_line(rng, machine, component[2], XYZ["ABC".index(component[1])], now, channels, angle=True)]
+        return [
+            axis_line(
+                rng,
+                machine,
+                component[2],
+                XYZ["ABC".index(component[1])],
+                now,
+                channels,
+                angle=True,
+            )
+        ]
     if name == "diagonal":
         return [diagonal(rng, machine, str(rng.choice(planes)), now, channels)]
     if name == "gauge":
@@ -109,8 +119,13 @@ def _file(
     if name == "ballbar":
         flat = machine.form == "mill" and (rng.random() < 0.75 or turning_mill(machine))
         plane = "XY" if flat else str(rng.choice(planes))
-        senses = [1, -1, 1, -1] if rng.random() < 0.85 else ([1, -1] if rng.random() < 0.5 else [1, 1])
-        slow, fast = float(rng.choice([300.0, 500.0, 800.0])), float(rng.choice([2000.0, 3000.0, 4000.0]))
+        senses = (
+            [1, -1, 1, -1] if rng.random() < 0.85 else ([1, -1] if rng.random() < 0.5 else [1, 1])
+        )
+        slow, fast = (
+            float(rng.choice([300.0, 500.0, 800.0])),
+            float(rng.choice([2000.0, 3000.0, 4000.0])),
+        )
         feeds = [slow, fast] if rng.random() < 0.8 else [float(rng.choice([1000.0, 2000.0]))]
         return ballbars(rng, machine, plane, senses, feeds, now)
     if name == "trace":
@@ -159,7 +174,17 @@ def spread(rng, axis, n: int, how: str) -> np.ndarray:
 
 
 def axis_line(
-    rng, machine, letter, sensed, now, channels, angle=False, how=None, both=None, two=None, count=None
+    rng,
+    machine,
+    letter,
+    sensed,
+    now,
+    channels,
+    angle=False,
+    how=None,
+    both=None,
+    two=None,
+    count=None,
 ) -> Track:
     """Positioning, straightness or angle along one axis. sensed: the direction of the reading."""
     axis = machine.axes[letter]
@@ -172,7 +197,9 @@ def axis_line(
     two = bool(rng.random() < 0.35) if two is None else two
     both = bool(rng.random() < 0.93) if both is None else both
     runs = int(rng.integers(3, 6))
-    loads = [float(np.round(rng.uniform(300, 700))) if rng.random() < 0.2 else 0.0 for _ in range(runs)]
+    loads = [
+        float(np.round(rng.uniform(300, 700))) if rng.random() < 0.2 else 0.0 for _ in range(runs)
+    ]
     if rng.random() < 0.3:
         loads = [0.0] * runs
     what = "angle" if angle else ("displacement" if sensed == letter else "straightness")
@@ -180,7 +207,11 @@ def axis_line(
     sensitive[XYZ.index(sensed)] = 1.0
     name = "laser" if what == "displacement" else what
     head = _head(
-        "targets", machine, f"{name} interferometer", quantity=what, sensitive=_vector(machine, sensitive, angle)
+        "targets",
+        machine,
+        f"{name} interferometer",
+        quantity=what,
+        sensitive=_vector(machine, sensitive, angle),
     )
     made = tracks.targets(
         rng, machine, head, line, places(rng, machine, free, two), runs=runs,
@@ -209,7 +240,13 @@ def diagonal(rng, machine, plane, now, channels, both=None) -> Track:
     unit = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
     free = [x for x in machine.axes if x not in plane]
     runs = int(rng.integers(3, 5))
-    head = _head("targets", machine, "laser interferometer", quantity="displacement", sensitive=_vector(machine, unit))
+    head = _head(
+        "targets",
+        machine,
+        "laser interferometer",
+        quantity="displacement",
+        sensitive=_vector(machine, unit),
+    )
     made = tracks.targets(
         rng, machine, head, np.round(line, 3), places(rng, machine, free, False), runs=runs,
         feed=float(rng.choice([1000.0, 2000.0])), start=now, dwell=(3.5, 5.5), gap=(130, 600), both=both is not False,
@@ -229,7 +266,13 @@ def gauge(rng, machine, now) -> Track:
     runs = int(rng.integers(28, 50))
     sensitive = np.zeros(3)
     sensitive[XYZ.index(letter)] = 1.0
-    head = _head("targets", machine, "in-process gauge", quantity="displacement", sensitive=_vector(machine, sensitive))
+    head = _head(
+        "targets",
+        machine,
+        "in-process gauge",
+        quantity="displacement",
+        sensitive=_vector(machine, sensitive),
+    )
     made = tracks.targets(
         rng, machine, head, line, places(rng, machine, [x for x in machine.axes if x != letter], False), runs=runs,
         feed=3000.0, start=now, dwell=(2.0, 3.5), gap=(140, 320), both=False, over=4.0, strokes=True, loads=[0.0] * runs,
@@ -253,7 +296,9 @@ def gauge(rng, machine, now) -> Track:
 def ballbars(rng, machine, plane, senses, feeds, now, count=None) -> list[Track]:
     """One file a feed, the bar left as it is set up."""
     spans = [machine.axes[x].length for x in plane]
-    radius = float(max(r for r in (50.0, 75.0, 100.0, 150.0) if r <= 50.0 or 2 * r + 30 <= min(spans)))
+    radius = float(
+        max(r for r in (50.0, 75.0, 100.0, 150.0) if r <= 50.0 or 2 * r + 30 <= min(spans))
+    )
     centre = np.zeros(3)
     for x, axis in machine.axes.items():
         centre[XYZ.index(x)] = round(axis.middle)
@@ -261,27 +306,45 @@ def ballbars(rng, machine, plane, senses, feeds, now, count=None) -> list[Track]
         centre[2] = 0.0
     theta, lead = rng.uniform(-np.pi, np.pi), rng.uniform(0.8, 3.2)
     count = count or int(rng.choice([360, 720, 1080]))
-    noise = {"sd": rng.uniform(0.2, 0.6), "white": rng.uniform(0.05, 0.2), "rho": rng.uniform(0.4, 0.75)}
+    noise = {
+        "sd": rng.uniform(0.2, 0.6),
+        "white": rng.uniform(0.05, 0.2),
+        "rho": rng.uniform(0.4, 0.75),
+    }
     made = []
     for feed in feeds:
         where = {x: float(centre[XYZ.index(x)]) for x in plane}
-        head = _head("ballbar", machine, "ballbar", centre=where, radius_mm=radius, feed_mm_min=feed)
-        made.append(tracks.ballbar(rng, machine, head, plane, centre, radius, feed, now, senses, count, theta, lead))
-        made[-1].noise = noise | {"length": rng.normal(0, 3), "u": rng.normal(0, 4), "v": rng.normal(0, 4)}
+        head = _head(
+            "ballbar", machine, "ballbar", centre=where, radius_mm=radius, feed_mm_min=feed
+        )
+        made.append(
+            tracks.ballbar(
+                rng, machine, head, plane, centre, radius, feed, now, senses, count, theta, lead
+            )
+        )
+        made[-1].noise = noise | {
+            "length": rng.normal(0, 3),
+            "u": rng.normal(0, 4),
+            "v": rng.normal(0, 4),
+        }
         now = made[-1].end + rng.uniform(250, 500)
     return made
 
 
 def trace(rng, machine, now, channels, sees) -> Track:
     pair = "XY" if machine.form == "mill" else "XZ"
-    centre = np.array([float(round(machine.axes[x].middle)) if x in machine.axes else 0.0 for x in XYZ])
+    centre = np.array(
+        [float(round(machine.axes[x].middle)) if x in machine.axes else 0.0 for x in XYZ]
+    )
     if turning_mill(machine):
         centre[2] = 0.0
     speeds = {
         "creep": float(rng.choice([10.0, 15.0, 20.0])), "brisk": float(rng.choice([800.0, 1200.0])), "cut": 400.0,
         "long": float(rng.choice([5000.0, 6000.0, 7500.0])), "circle": float(rng.choice([1000.0, 1500.0, 2000.0])), "radius": 12.0,
     }  # fmt: skip
-    head = _head("trace", machine, "grid encoder" if sees == "tool" else "controller log", sees=sees)
+    head = _head(
+        "trace", machine, "grid encoder" if sees == "tool" else "controller log", sees=sees
+    )
     cut = rng.uniform(300, 1200, 2) * (rng.permutation([1.0, 0.1]) if rng.random() < 0.8 else 1.0)
     made = tracks.trace(rng, machine, head, pair, centre, now, 3, speeds, -cut, 250.0)
     made.noise = {

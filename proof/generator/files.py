@@ -65,7 +65,11 @@ def recording(
     if track.kind == "features":
         return "\n".join(head) + "\n" + _features(track, rows, rng)
     t = track.time + late
-    names, formats, columns = ["run", "t_s"], ["%d", "%.4f" if track.kind == "trace" else "%.3f"], [track.run, t]
+    names, formats, columns = (
+        ["run", "t_s"],
+        ["%d", "%.4f" if track.kind == "trace" else "%.3f"],
+        [track.run, t],
+    )
 
     def put(name: str, form: str, values) -> None:
         names.append(name)
@@ -111,14 +115,22 @@ def _temperatures(world: World, track: Track, channels, rng, warm, put) -> None:
     drift = warm * np.linspace(0, 1, n)
     if channels["air"]:
         smooth = 0.0 if track.kind == "trace" else 1.0
-        put("T_air_C", "%.2f", world.at(world.air, track.time) + smooth * rng.normal(0, 0.03, n) + drift)
+        put(
+            "T_air_C",
+            "%.2f",
+            world.at(world.air, track.time) + smooth * rng.normal(0, 0.03, n) + drift,
+        )
     if track.kind == "trace":
         return
     if channels["bed"]:
         put("T_bed_C", "%.2f", world.at(world.bed, track.time) + rng.normal(0, 0.03, n))
     if channels["screw"]:
         for x in track.moving:
-            put(f"T_screw_{x}_C", "%.2f", world.at(world.sensor(x), track.time) + rng.normal(0, 0.05, n) + drift)
+            put(
+                f"T_screw_{x}_C",
+                "%.2f",
+                world.at(world.sensor(x), track.time) + rng.normal(0, 0.05, n) + drift,
+            )
 
 
 def _features(track: Track, rows: np.ndarray, rng: np.random.Generator) -> str:
@@ -126,7 +138,9 @@ def _features(track: Track, rows: np.ndarray, rng: np.random.Generator) -> str:
     for f, value in zip(track.features, rows[:, 0], strict=True):
         for k in range(3):
             size = f["nominal"] + (value + rng.normal(0, track.noise["sd"])) * 1e-3
-            lines.append(f"{f['feature']},{f['kind']},{f['axis']},{f['nominal']:.4f},{size:.4f},{f['part']},{k + 1}")
+            lines.append(
+                f"{f['feature']},{f['kind']},{f['axis']},{f['nominal']:.4f},{size:.4f},{f['part']},{k + 1}"
+            )
     return "\n".join(lines) + "\n"
 
 

@@ -26,7 +26,9 @@ class Axis:
     acceleration: float  # mm/s2
     measured_at: dict[str, float]
     nodes: np.ndarray
-    tables: dict[str, tuple[np.ndarray, np.ndarray]]  # component to forward, reverse; the same array where one-way
+    tables: dict[
+        str, tuple[np.ndarray, np.ndarray]
+    ]  # component to forward, reverse; the same array where one-way
     screw_lead: float
 
     @property
@@ -53,7 +55,9 @@ class Machine:
     square: dict[str, float]
     tool: dict[str, float]
     stated_um: float  # standard uncertainty of the map, in its source
-    errors: dict[str, np.ndarray] = field(default_factory=dict)  # component to (2 WAVES,) um or urad
+    errors: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # component to (2 WAVES,) um or urad
 
     @property
     def letters(self) -> str:
@@ -99,7 +103,8 @@ class Machine:
         order, carrying = self.order
         at = order.index(component[2])
         arm = np.tile(
-            [self.tool.get(x, 0.0) - self.axes[component[2]].measured_at.get(x, 0.0) for x in XYZ], (len(value), 1)
+            [self.tool.get(x, 0.0) - self.axes[component[2]].measured_at.get(x, 0.0) for x in XYZ],
+            (len(value), 1),
         )
         for other in order[at if at < carrying else at + 1 :]:
             arm[:, XYZ.index(other)] += position[:, XYZ.index(other)]
@@ -107,7 +112,9 @@ class Machine:
         turn[:, ABC.index(component[1])] = value * 1e-3
         return np.cross(turn, arm)
 
-    def deviation(self, position: np.ndarray, direction: np.ndarray, known: bool = False) -> np.ndarray:
+    def deviation(
+        self, position: np.ndarray, direction: np.ndarray, known: bool = False
+    ) -> np.ndarray:
         """(N, 3) um of the true geometry, or of the map only."""
         total = np.zeros(position.shape)
         for component in self.components():
@@ -155,7 +162,9 @@ def draw(rng: np.random.Generator, masked: bool = False) -> Machine:
             square |= {"B0Z": rng.normal(0, 30), "A0Z": rng.normal(0, 30)}
         place = str(rng.choice(["zero", "middle"], p=[0.7, 0.3]))
         # a rotation of a mill acts with the arm of the third axis: the plane of the tests is where that arm is zero
-        lows = {x: 0.0 if place == "zero" else -spans[x] / 2 for x in "XY"} | {"Z": -spans["Z"] if turning else 0.0}
+        lows = {x: 0.0 if place == "zero" else -spans[x] / 2 for x in "XY"} | {
+            "Z": -spans["Z"] if turning else 0.0
+        }
         tool = {}
     else:
         spans = {"X": _round(rng.uniform(150, 280)), "Z": _round(rng.uniform(300, 1000))}
@@ -169,7 +178,9 @@ def draw(rng: np.random.Generator, masked: bool = False) -> Machine:
         at = {}
         if turning and form != "mill" and x == "Z":
             at = {"X": round(lows["X"] + float(rng.choice([0.0, 0.5])) * spans["X"], 1)}
-        axes[x] = _axis(rng, x, lows[x], lows[x] + span, least, fast, at, size, "".join(spans), turning, masked)
+        axes[x] = _axis(
+            rng, x, lows[x], lows[x] + span, least, fast, at, size, "".join(spans), turning, masked
+        )
     return Machine(
         form, f"{form}-{number}", title, control, chain, axes, {k: float(np.round(v, 3)) for k, v in square.items()}, tool,
         round(float(rng.uniform(0.2, 0.45)), 2),
@@ -188,7 +199,9 @@ def _axis(rng, x, low, high, least, fast, at, size, letters, turning, masked) ->
     tables: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     reach = size * (1.0 if masked else min(1.0, (high - low) / 250.0) * rng.uniform(0.6, 1.0))
     own = _smooth(rng, u, reach)
-    gap = rng.uniform(0.6, 4.0) * (1 + 0.3 * np.sin(np.pi * u * rng.uniform(0.5, 2) + rng.uniform(0, 6)))
+    gap = rng.uniform(0.6, 4.0) * (
+        1 + 0.3 * np.sin(np.pi * u * rng.uniform(0.5, 2) + rng.uniform(0, 6))
+    )
     tables[f"E{x}{x}"] = (np.round(own - gap / 2, 3), np.round(own + gap / 2, 3))  # a slide lags
     for other in letters:
         if other == x:
@@ -203,7 +216,10 @@ def _axis(rng, x, low, high, least, fast, at, size, letters, turning, masked) ->
     if turning and (len(letters) == 3 or x == "Z"):
         for turn in "ABC" if len(letters) == 3 else "B":
             value = np.round(
-                _smooth(rng, u, log_uniform(rng, 8.0, 45.0) if len(letters) == 2 else rng.uniform(3, 12)), 3
+                _smooth(
+                    rng, u, log_uniform(rng, 8.0, 45.0) if len(letters) == 2 else rng.uniform(3, 12)
+                ),
+                3,
             )
             tables[f"E{turn}{x}"] = (value, value)
     return Axis(
@@ -221,8 +237,12 @@ def _smooth(rng, u: np.ndarray, reach: float) -> np.ndarray:
     return value * reach / max(np.ptp(value), 1e-9)
 
 
-def errors_of(machine: Machine, rng: np.random.Generator, factor: float = 1.0) -> dict[str, np.ndarray]:
+def errors_of(
+    machine: Machine, rng: np.random.Generator, factor: float = 1.0
+) -> dict[str, np.ndarray]:
     """How the map is wrong: of the stated size, or `factor` times it."""
     size = machine.stated_um * factor / np.sqrt(WAVES)
     found = {c: rng.normal(0, size, 2 * WAVES) for c in machine.components()}
-    return found | {name: rng.normal(0, 2 * machine.stated_um * factor, 1) for name in machine.square}
+    return found | {
+        name: rng.normal(0, 2 * machine.stated_um * factor, 1) for name in machine.square
+    }

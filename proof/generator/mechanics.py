@@ -34,7 +34,13 @@ def iwan(way: np.ndarray, yields: np.ndarray, shares: np.ndarray) -> np.ndarray:
 
 
 def lugre(
-    dt: float, v: np.ndarray, forward: float, reverse: float, peak: float, stribeck: float, bristle: float
+    dt: float,
+    v: np.ndarray,
+    forward: float,
+    reverse: float,
+    peak: float,
+    stribeck: float,
+    bristle: float,
 ) -> np.ndarray:
     """LuGre's friction force (N,) for speeds v (mm/s): Coulomb level `forward` or `reverse` by direction, times `peak` near
     rest; stribeck mm/s; bristle mm. The bristle's equation is linear between samples and is solved exactly there."""
@@ -56,7 +62,9 @@ def second_order(dt: float, u: np.ndarray, omega: float, zeta: float) -> np.ndar
     return _filtered(b, a, u)
 
 
-def loop_response(dt: float, force: np.ndarray, integral: float | None, mechanical: float) -> np.ndarray:
+def loop_response(
+    dt: float, force: np.ndarray, integral: float | None, mechanical: float
+) -> np.ndarray:
     """Following error of a position loop under a force, in units of force / stiffness: a lag of `mechanical` s twice and,
     where the loop has an integral of `integral` s, back to zero."""
     b, a = bilinear([1.0], [mechanical**2, 2 * mechanical, 1.0], 1 / dt)
@@ -72,7 +80,12 @@ def _filtered(b: np.ndarray, a: np.ndarray, u: np.ndarray) -> np.ndarray:
 
 
 def slip_steps(
-    way: np.ndarray, v: np.ndarray, hold: float, slide: float, fastest: float, rng: np.random.Generator
+    way: np.ndarray,
+    v: np.ndarray,
+    hold: float,
+    slide: float,
+    fastest: float,
+    rng: np.random.Generator,
 ) -> np.ndarray:
     """Saw-tooth of a slide that sticks until the drive is `hold` mm ahead, then jumps to 2 slide - hold; above `fastest`
     mm/s it follows evenly. (N,) mm beyond the even lag; each hold differs by a tenth."""

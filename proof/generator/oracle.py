@@ -136,7 +136,9 @@ def _map_columns(machine: Machine, track: Track, pick: np.ndarray) -> np.ndarray
                 shift.turn[:, ABC.index(component[1])] = wave
             found.append(project(machine, thin, None if blind else shift))
     for name in machine.square:
-        found.append(project(machine, thin, None if blind else Shift(tool=machine.lean(name, position))))
+        found.append(
+            project(machine, thin, None if blind else Shift(tool=machine.lean(name, position)))
+        )
     return np.array(found)
 
 

@@ -11,7 +11,13 @@ from proof.generator.tracks import Track
 
 
 def features(
-    rng: np.random.Generator, machine: Machine, head: dict, start: float, parts: int, minutes: float, changes: int
+    rng: np.random.Generator,
+    machine: Machine,
+    head: dict,
+    start: float,
+    parts: int,
+    minutes: float,
+    changes: int,
 ) -> Track:
     """Features of parts that were cut one after the other, from `start`. A row of the track is a point of a feature; what a
     feature's error is of its points is in `features`: points, their weights and the axis along which they count."""
@@ -22,13 +28,34 @@ def features(
             i, span = XYZ.index(x), machine.axes[x].length
             sizes = [np.round(rng.uniform(0.3, 0.55) * span) for _ in range(2)]
             shapes += [
-                _across(f"{x}{k + 1}", "centre_distance", x, i, size, middle, 1, 1, 0) for k, size in enumerate(sizes)
+                _across(f"{x}{k + 1}", "centre_distance", x, i, size, middle, 1, 1, 0)
+                for k, size in enumerate(sizes)
             ]
             shapes.append(
-                _across(f"{x}P", "pocket_size", x, i, np.round(rng.uniform(0.2, 0.4) * span), middle, 1, -1, 1)
+                _across(
+                    f"{x}P",
+                    "pocket_size",
+                    x,
+                    i,
+                    np.round(rng.uniform(0.2, 0.4) * span),
+                    middle,
+                    1,
+                    -1,
+                    1,
+                )
             )
             shapes.append(
-                _across(f"{x}B", "boss_diameter", x, i, np.round(rng.uniform(0.1, 0.2) * span), middle, -1, 1, -1)
+                _across(
+                    f"{x}B",
+                    "boss_diameter",
+                    x,
+                    i,
+                    np.round(rng.uniform(0.1, 0.2) * span),
+                    middle,
+                    -1,
+                    1,
+                    -1,
+                )
             )
     else:
         low, span = max(machine.axes["X"].low, 0.0), machine.axes["X"].high
@@ -70,7 +97,14 @@ def features(
     for x in moving:
         axis = machine.axes[x]
         moved.append(
-            (start, start + parts * minutes * 60, x, axis.low + 0.2 * axis.length, axis.high - 0.2 * axis.length, 8.0)
+            (
+                start,
+                start + parts * minutes * 60,
+                x,
+                axis.low + 0.2 * axis.length,
+                axis.high - 0.2 * axis.length,
+                8.0,
+            )
         )
     every = max(2, parts // (changes + 1))
     return Track(

@@ -39,7 +39,11 @@ def project(machine: Machine, track: Track, shift: Shift | None) -> np.ndarray:
         return np.zeros((n, columns))
     if track.kind == "trace":
         seen = shift.scale if track.head["sees"] == "scale" else shift.tool
-        return np.zeros((n, columns)) if seen is None else seen[:, [XYZ.index(x) for x in machine.axes]]
+        return (
+            np.zeros((n, columns))
+            if seen is None
+            else seen[:, [XYZ.index(x) for x in machine.axes]]
+        )
     found = np.zeros((n, 1))
     if track.quantity == "angle":
         if shift.turn is not None:
@@ -63,7 +67,9 @@ def normals(track: Track) -> np.ndarray:
     return arm / np.linalg.norm(arm, axis=1)[:, None]
 
 
-def measured(machine: Machine, track: Track, shift: Shift, rng: np.random.Generator, faults: Faults) -> np.ndarray:
+def measured(
+    machine: Machine, track: Track, shift: Shift, rng: np.random.Generator, faults: Faults
+) -> np.ndarray:
     """(rows, columns) um as the file will hold them. Deviations of the machine included where the instrument sees them."""
     whole = Shift(tool=machine.deviation(track.position, track.direction))
     if track.quantity == "angle":
@@ -77,21 +83,33 @@ def measured(machine: Machine, track: Track, shift: Shift, rng: np.random.Genera
     rows = project(machine, track, whole)
     n = len(rows)
     if track.kind == "targets":
-        student = rng.standard_t(noise["freedom"], n) * np.sqrt((noise["freedom"] - 2) / noise["freedom"])
-        rows[:, 0] += noise["zero"] + noise["sd"] * student + noise["walk"] * np.cumsum(rng.normal(0, 1, n))
-        gross = np.flatnonzero(rng.random(n) < 0.003 + faults.outliers)  # some slips are in every file
+        student = rng.standard_t(noise["freedom"], n) * np.sqrt(
+            (noise["freedom"] - 2) / noise["freedom"]
+        )
+        rows[:, 0] += (
+            noise["zero"] + noise["sd"] * student + noise["walk"] * np.cumsum(rng.normal(0, 1, n))
+        )
+        gross = np.flatnonzero(
+            rng.random(n) < 0.003 + faults.outliers
+        )  # some slips are in every file
         size = (12.0 if faults.outliers else 4.0) * noise["sd"]
         rows[gross, 0] += rng.choice([-1.0, 1.0], len(gross)) * size * rng.uniform(1, 3, len(gross))
-        rows[:, 0] += faults.ringing * rng.exponential(0.5, n) * np.cos(rng.uniform(0, 2 * np.pi, n))
+        rows[:, 0] += (
+            faults.ringing * rng.exponential(0.5, n) * np.cos(rng.uniform(0, 2 * np.pi, n))
+        )
     elif track.kind == "ballbar":
-        rows[:, 0] = _radial(track, tool, noise) + noise["length"] + _ar(rng, n, noise["sd"], noise["rho"])
+        rows[:, 0] = (
+            _radial(track, tool, noise) + noise["length"] + _ar(rng, n, noise["sd"], noise["rho"])
+        )
         rows[:, 0] += rng.normal(0, noise["white"], n)
         spread = (track.time - track.time[0]) / np.ptp(track.time)
         rows[:, 0] += faults.warming * (1 - np.exp(-2 * spread)) / (1 - np.exp(-2))
         lost = np.flatnonzero(rng.random(n) < 0.2 * faults.outliers)
         rows[lost, 0] += rng.normal(0, 12, len(lost))
     elif track.kind == "trace":
-        outside = 3.0 if track.head["sees"] == "tool" else 0.0  # um of a zero that an outside instrument has
+        outside = (
+            3.0 if track.head["sees"] == "tool" else 0.0
+        )  # um of a zero that an outside instrument has
         for k in range(rows.shape[1]):
             rows[:, k] += _ar(rng, n, noise["sd"], noise["rho"]) + rng.normal(0, outside)
     else:
@@ -105,7 +123,10 @@ def _radial(track: Track, tool: np.ndarray, noise: dict) -> np.ndarray:
     letters = list(track.head["centre"])
     beside = np.array([noise["u"], noise["v"]]) * 1e-3
     arm = [
-        track.position[:, XYZ.index(x)] + tool[:, XYZ.index(x)] * 1e-3 - track.head["centre"][x] - beside[k]
+        track.position[:, XYZ.index(x)]
+        + tool[:, XYZ.index(x)] * 1e-3
+        - track.head["centre"][x]
+        - beside[k]
         for k, x in enumerate(letters)
     ]
     return (np.hypot(*arm) - track.head["radius_mm"]) * 1e3

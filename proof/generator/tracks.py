@@ -111,7 +111,15 @@ def targets(
             if strokes:
                 for x in moving:
                     i = XYZ.index(x)
-                    active.append((now, now + 0.95 * pause, x, *sorted((line[0, i], line[-1, i])), feed / 60 * 0.7))
+                    active.append(
+                        (
+                            now,
+                            now + 0.95 * pause,
+                            x,
+                            *sorted((line[0, i], line[-1, i])),
+                            feed / 60 * 0.7,
+                        )
+                    )
             now += pause
     forces = np.zeros((len(time), 3))
     forces[:, XYZ.index(moving[0])] = force
@@ -153,7 +161,14 @@ def ballbar(
         sense += [d] * count
         now = clock[-1] + 8.0 + before * dt
     active = [
-        (s.time[0], s.time[-1], x, centre[XYZ.index(x)] - radius, centre[XYZ.index(x)] + radius, speed * 0.64)
+        (
+            s.time[0],
+            s.time[-1],
+            x,
+            centre[XYZ.index(x)] - radius,
+            centre[XYZ.index(x)] + radius,
+            speed * 0.64,
+        )
         for s in sweeps
         for x in plane
     ]
@@ -197,7 +212,9 @@ def trace(
     )  # fmt: skip
 
 
-def _program(machine: Machine, pair: str, centre: np.ndarray, speeds: dict[str, float]) -> Iterator[tuple]:
+def _program(
+    machine: Machine, pair: str, centre: np.ndarray, speeds: dict[str, float]
+) -> Iterator[tuple]:
     """Moves: ("dwell", s), ("to", offset (2,), mm/min, loaded), ("turn", radius, sense, mm/min)."""
     yield "dwell", 0.5
     for axis in (0, 1):
@@ -240,7 +257,9 @@ def _sampled(
             _, radius, sense, feed = move
             length = 2 * np.pi * radius
             s = _ramp(length, feed / 60, grip, rate)
-            parts.append(np.c_[radius * (1 - np.cos(s / radius)), sense * radius * np.sin(s / radius)])
+            parts.append(
+                np.c_[radius * (1 - np.cos(s / radius)), sense * radius * np.sin(s / radius)]
+            )
             loads.append(np.zeros(len(s)))
             continue
         _, goal, feed, loaded = move

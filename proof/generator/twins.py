@@ -77,10 +77,14 @@ def _block(scene: Scene, name: str, axis: str) -> tuple[list[Callable[[Track], S
             _smooth(scene, axis, x, k) for x in scene.machine.axes if x != axis for k in range(2, 5)
         ], f"{name}:{axis}"
     if name == "servo_mismatch":
-        pairs = sorted({t.moving for t in scene.design.tracks if t.kind == "ballbar" and axis in t.moving})
+        pairs = sorted(
+            {t.moving for t in scene.design.tracks if t.kind == "ballbar" and axis in t.moving}
+        )
         if not pairs:
             return [], ""
-        return _block(scene, "servo_lag", next(x for x in pairs[0] if x != axis))[0], f"{name}:{pairs[0]}"
+        return _block(scene, "servo_lag", next(x for x in pairs[0] if x != axis))[
+            0
+        ], f"{name}:{pairs[0]}"
     drawn = [physics.names()[name](scene, axis, stream("twin", name, axis, k)) for k in range(2)]
     made = [e for e in drawn if e is not None]
     return [e.on for e in made], f"{name}:{made[0].axis}" if made and made[0].axis else name

@@ -33,8 +33,12 @@ class World:
     def air(self) -> np.ndarray:
         room, t = self.design.room, self.clock
         walk = np.cumsum(self.rng.normal(0, room["walk"] * np.sqrt(STEP / 3600), len(t)))
-        swing = room["swing"] * (np.sin(2 * np.pi * t / room["period"] + room["phase"]) - np.sin(room["phase"]))
-        heated = room["heating"] * (1 - np.exp(-np.maximum(t - room["heating_at"], 0) / room["heating_tau"]))
+        swing = room["swing"] * (
+            np.sin(2 * np.pi * t / room["period"] + room["phase"]) - np.sin(room["phase"])
+        )
+        heated = room["heating"] * (
+            1 - np.exp(-np.maximum(t - room["heating_at"], 0) / room["heating_tau"])
+        )
         return room["start"] + swing + heated + walk
 
     @cached_property
@@ -72,9 +76,12 @@ class World:
                 for begun, ended, letter, low, high, speed in track.active:
                     if letter != x or ended <= begun:
                         continue
-                    share = np.clip((np.minimum(ended, t + STEP) - np.maximum(begun, t)) / STEP, 0, 1)
+                    share = np.clip(
+                        (np.minimum(ended, t + STEP) - np.maximum(begun, t)) / STEP, 0, 1
+                    )
                     under = np.exp(
-                        -(np.maximum(np.maximum(low - nodes, nodes - high), 0) ** 2) / (2 * (2 * spacing) ** 2)
+                        -(np.maximum(np.maximum(low - nodes, nodes - high), 0) ** 2)
+                        / (2 * (2 * spacing) ** 2)
                     )
                     where = under + room["bearing"] * np.exp(-(nodes - nodes[0]) / 60.0)
                     power += np.outer(share * min(speed, 40.0) / 20.0, where)

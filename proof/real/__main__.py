@@ -19,10 +19,16 @@ from proof.real.run import run
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help="these only: " + ", ".join(c.name for c in CASES))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
-        "-o", metavar="FOLDER", help="where recordings, machines and answers go (default: a temporary one)"
+        "names", nargs="*", metavar="NAME", help="these only: " + ", ".join(c.name for c in CASES)
+    )
+    parser.add_argument(
+        "-o",
+        metavar="FOLDER",
+        help="where recordings, machines and answers go (default: a temporary one)",
     )
     parser.add_argument("--quick", action="store_true", help="without the long logs")
     parser.add_argument("--json", metavar="FILE", help="the results, for other programs")

@@ -68,10 +68,16 @@ def text(name: str) -> str:
 
 def ecmc(name: str, travel: tuple[float, float], u_um: float) -> Callable[[Path], Job]:
     def make(folder: Path) -> Job:
-        machine = convert.bare("slit", "One linear axis", SLIT_SOURCE, {"X": travel}, "w-b-X-t", "linuxcnc")
+        machine = convert.bare(
+            "slit", "One linear axis", SLIT_SOURCE, {"X": travel}, "w-b-X-t", "linuxcnc"
+        )
         source = f"{ECMC}, {ECMC_FILE}"
-        report = convert.iso_report(text(f"{name}.md"), "slit", "external reference sensor", source, u_um)
-        return Job([put(folder, {f"{name}.csv": report}) / f"{name}.csv"], put(folder / "slit", machine))
+        report = convert.iso_report(
+            text(f"{name}.md"), "slit", "external reference sensor", source, u_um
+        )
+        return Job(
+            [put(folder, {f"{name}.csv": report}) / f"{name}.csv"], put(folder / "slit", machine)
+        )
 
     return make
 
@@ -79,7 +85,12 @@ def ecmc(name: str, travel: tuple[float, float], u_um: float) -> Callable[[Path]
 def chamber(folder: Path) -> Job:
     source = "N. Bade, TUHH, PythonChamberApp, docs/MovementAccuracy"
     machine = convert.bare(
-        "chamber", "Bed of a measurement chamber", source, {"Z": (0.0, 900.0)}, "w-Z-b-t", "linuxcnc"
+        "chamber",
+        "Bed of a measurement chamber",
+        source,
+        {"Z": (0.0, 900.0)},
+        "w-Z-b-t",
+        "linuxcnc",
     )
     recording = put(folder, {"z.csv": convert.dial_gauge(text("chamber_z.csv"), source)}) / "z.csv"
     return Job([recording], put(folder / "chamber", machine), ("--holdout", "run=3"))
@@ -89,7 +100,9 @@ def servo(loaded: bool) -> Callable[[Path], Job]:
     def make(folder: Path) -> Job:
         machine = convert.bare("sts3215", "Servo with a lever of 100 mm, arc at its tip", SERVO, {"X": (0.0, 629.0)}, "w-b-X-t", "linuxcnc")  # fmt: skip
         recording = convert.servo_rests(text("sts3215_single.csv"), SERVO, loaded)
-        return Job([put(folder, {"rests.csv": recording}) / "rests.csv"], put(folder / "sts3215", machine))
+        return Job(
+            [put(folder, {"rests.csv": recording}) / "rests.csv"], put(folder / "sts3215", machine)
+        )
 
     return make
 

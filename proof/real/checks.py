@@ -43,7 +43,12 @@ def accepted(answer: dict[str, Any]) -> list[dict[str, Any]]:
 
 def named(answer: dict[str, Any], name: str, parameter: str) -> dict[str, Any] | None:
     return next(
-        (e["parameters"][parameter] for e in accepted(answer) if key(e) == name and parameter in e["parameters"]), None
+        (
+            e["parameters"][parameter]
+            for e in accepted(answer)
+            if key(e) == name and parameter in e["parameters"]
+        ),
+        None,
     )
 
 
@@ -57,7 +62,9 @@ def reversal(outcome: Outcome, axis: str) -> dict[float, float]:
     """Forward - reverse of what the effects explain, um, at every target."""
     (path,) = outcome.recordings
     columns = convert.recording_columns(path)
-    first = next(i for i, x in enumerate(path.read_text().splitlines(), 1) if not x.startswith("# "))
+    first = next(
+        i for i, x in enumerate(path.read_text().splitlines(), 1) if not x.startswith("# ")
+    )
     explained: dict[tuple[float, float], list[float]] = {}
     for row in outcome.residuals:
         i = int(row["row"]) - first - 1
@@ -77,7 +84,9 @@ def reversal_at(places: list[float], known: list[float], near: float) -> Callabl
         found = reversal(outcome, "X")
         columns = convert.recording_columns(outcome.recordings[0])
         x, way, y = (np.array(columns[n]) for n in ("X_mm", "approach_X", "reading_um"))
-        middle = [np.median(y[(x == p) & (way > 0)]) - np.median(y[(x == p) & (way < 0)]) for p in places]
+        middle = [
+            np.median(y[(x == p) & (way > 0)]) - np.median(y[(x == p) & (way < 0)]) for p in places
+        ]
         off = max(abs(found.get(p, 0.0) - m) for p, m in zip(places, middle, strict=True))
         text = ", ".join(f"{found.get(p, 0.0):.1f}" for p in places)
         theirs = ", ".join(f"{m:.1f}" for m in middle)
@@ -98,7 +107,9 @@ def reversal_of_table(axis: str, near: float) -> Callable[[Outcome], Check]:
         columns = convert.recording_columns(outcome.recordings[0])
         read = dict(
             zip(
-                zip(columns[f"{axis}_mm"], columns[f"approach_{axis}"], strict=True), columns["reading_um"], strict=True
+                zip(columns[f"{axis}_mm"], columns[f"approach_{axis}"], strict=True),
+                columns["reading_um"],
+                strict=True,
             )
         )
         off = [found[x] - (read[x, 1.0] - read[x, -1.0]) for x in found]
@@ -118,7 +129,9 @@ def within_readings(axis: str, travel: tuple[float, float]) -> Callable[[Outcome
         largest = max(map(abs, convert.recording_columns(outcome.recordings[0])["reading_um"]))
         text = f"the written machine errs by up to {outcome.far:.0f} um between {travel[0]:g} and {travel[1]:g} mm; read were {largest:.0f} um at most"
         return Check(
-            text, outcome.far < 3 * largest, "what is written into the machine runs away where nobody measured"
+            text,
+            outcome.far < 3 * largest,
+            "what is written into the machine runs away where nobody measured",
         )
 
     return check
@@ -133,9 +146,13 @@ def lost_motion_of_chamber(outcome: Outcome) -> Check:
         if len(set(way[z == p])) == 2
     ]
     mean = -float(np.mean(both))
-    found = named(outcome.answer, "backlash:Z", "size_um") or named(outcome.answer, "windup:Z", "size_um")
+    found = named(outcome.answer, "backlash:Z", "size_um") or named(
+        outcome.answer, "windup:Z", "size_um"
+    )
     right = found is not None and found["ci95"][0] <= mean <= found["ci95"][1]
-    return Check(f"{interval(found, 'um')}; mean of the table {mean:.1f} um, of a gauge of 10 um", right)
+    return Check(
+        f"{interval(found, 'um')}; mean of the table {mean:.1f} um, of a gauge of 10 um", right
+    )
 
 
 def servo(outcome: Outcome) -> Check:
@@ -144,7 +161,9 @@ def servo(outcome: Outcome) -> Check:
     return Check(f"{text} counts at the middle target", bool(found) and abs(found[0] - 7.03) < 1)
 
 
-def within(name: str, parameter: str, low: float, high: float, unit: str) -> Callable[[Outcome], Check]:
+def within(
+    name: str, parameter: str, low: float, high: float, unit: str
+) -> Callable[[Outcome], Check]:
     def check(outcome: Outcome) -> Check:
         found = named(outcome.answer, name, parameter)
         return Check(interval(found, unit), found is not None and low <= found["value"] <= high)
@@ -155,18 +174,27 @@ def within(name: str, parameter: str, low: float, high: float, unit: str) -> Cal
 def steady_lag(outcome: Outcome) -> Check:
     """Off by speed, where both speeds agree and a place has three digits that are worth something."""
     said, right = [], True
-    read = [{n: np.array(v) for n, v in convert.recording_columns(p).items()} for p in outcome.recordings]
+    read = [
+        {n: np.array(v) for n, v in convert.recording_columns(p).items()}
+        for p in outcome.recordings
+    ]
     for axis in "XYZ":
         over = under = 0.0
         for c in read:
             v, real = c[f"{axis}_cmd_velocity_mm_s"], c[f"{axis}_act_velocity_mm_s"]
-            steady = (np.abs(v) > 5) & (np.abs(real - v) < 0.03 * np.abs(v)) & (np.abs(c[f"{axis}_cmd_mm"]) < 100)
+            steady = (
+                (np.abs(v) > 5)
+                & (np.abs(real - v) < 0.03 * np.abs(v))
+                & (np.abs(c[f"{axis}_cmd_mm"]) < 100)
+            )
             over += float(((c[f"{axis}_cmd_mm"] - c[f"{axis}_act_mm"]) * v)[steady].sum())
             under += float((v**2)[steady].sum())
         found = named(outcome.answer, f"servo_lag:{axis}", "tau_ms")
         by_hand = f"by division {1e3 * over / under:.2f}" if under else "no place under 100 mm"
         said.append(f"{axis} {interval(found, 'ms')}, {by_hand}")
-        right &= found is not None and (not under or found["ci95"][0] <= 1e3 * over / under <= found["ci95"][1])
+        right &= found is not None and (
+            not under or found["ci95"][0] <= 1e3 * over / under <= found["ci95"][1]
+        )
     return Check("; ".join(said), right)
 
 
@@ -176,12 +204,19 @@ def feed_drive(outcome: Outcome) -> Check:
     (path,) = outcome.recordings
     c = {n: np.array(v) for n, v in convert.recording_columns(path).items()}
     speed = np.gradient(c["X_act_mm"], c["t_s"])
-    (a, b), *_ = np.linalg.lstsq(np.c_[c["X_cmd_mm"] - c["X_act_mm"], speed], c["X_drive_V"], rcond=None)
-    kp, force = -a / b, float(np.median(c["force_X_N"][c["X_drive_V"] != 0] / c["X_drive_V"][c["X_drive_V"] != 0]))
+    (a, b), *_ = np.linalg.lstsq(
+        np.c_[c["X_cmd_mm"] - c["X_act_mm"], speed], c["X_drive_V"], rcond=None
+    )
+    kp, force = (
+        -a / b,
+        float(np.median(c["force_X_N"][c["X_drive_V"] != 0] / c["X_drive_V"][c["X_drive_V"] != 0])),
+    )
     lag = 1e3 * (1 + 203.5 / (-b * 1e3 * force)) / kp
     step = 20.4 / (-b * force * kp) * 1e3
     found = named(outcome.answer, "servo_lag:X", "tau_ms")
-    mass = named(outcome.again, "inertia:X", "N_per_m_s2") or named(outcome.answer, "inertia:X", "N_per_m_s2")
+    mass = named(outcome.again, "inertia:X", "N_per_m_s2") or named(
+        outcome.answer, "inertia:X", "N_per_m_s2"
+    )
     viscous = named(outcome.answer, "viscous_friction:X", "N_per_m_s")
     dry = named(outcome.answer, "coulomb_friction:X", "size_N")
     text = (

@@ -33,7 +33,13 @@ def targets(
 ) -> str:  # fmt: skip
     """Readings at rest of one axis along itself."""
     lines = head(
-        "targets", machine, instrument, source, quantity='"displacement"', sensitive=f"{{ {axis} = 1.0 }}", **more
+        "targets",
+        machine,
+        instrument,
+        source,
+        quantity='"displacement"',
+        sensitive=f"{{ {axis} = 1.0 }}",
+        **more,
     )
     lines.append(",".join(columns))
     lines += [",".join(x if isinstance(x, str) else f"{x:.7g}" for x in row) for row in rows]
@@ -41,7 +47,12 @@ def targets(
 
 
 def bare(
-    name: str, title: str, source: str, travel: dict[str, tuple[float, float]], chain: str, control: str
+    name: str,
+    title: str,
+    source: str,
+    travel: dict[str, tuple[float, float]],
+    chain: str,
+    control: str,
 ) -> dict[str, str]:
     """A machine as its drawing has it: no error in any table. File name to text."""
     text = [
@@ -50,7 +61,13 @@ def bare(
     ]  # fmt: skip
     files = {}
     for axis, (low, high) in travel.items():
-        text += [f"[axes.{axis}]", f"travel = [{low}, {high}]", "least_increment = 0.0001", f'table = "{axis}.csv"', ""]
+        text += [
+            f"[axes.{axis}]",
+            f"travel = [{low}, {high}]",
+            "least_increment = 0.0001",
+            f'table = "{axis}.csv"',
+            "",
+        ]
         files[f"{axis}.csv"] = f"{axis}_mm,E{axis}{axis}_um\n{low},0\n{high},0\n"
     zeros = ", ".join(f"{axis} = 0.0" for axis in travel)
     return {"machine.toml": "\n".join([*text, "[offsets]", f"G54 = {{ {zeros} }}", ""]), **files}
@@ -65,12 +82,18 @@ def merged(table: str) -> str:
         name = re.sub(r"_(fwd|rev)$", "", column)
         if name not in names:
             names.append(name)
-    lines = [*comments, "# both directions are their mean: lost motion is taken out", ",".join(names)]
+    lines = [
+        *comments,
+        "# both directions are their mean: lost motion is taken out",
+        ",".join(names),
+    ]
     for row in rows:
         cells = [
             row[n]
             if n in row
-            else f"{(float(row[f'{n}_fwd']) + float(row[f'{n}_rev'])) / 2:.4f}".rstrip("0").rstrip(".")
+            else f"{(float(row[f'{n}_fwd']) + float(row[f'{n}_rev'])) / 2:.4f}".rstrip("0").rstrip(
+                "."
+            )
             for n in names
         ]
         lines.append(",".join(cells))
@@ -79,7 +102,11 @@ def merged(table: str) -> str:
 
 def concealed(folder: Path, axis: str) -> dict[str, str]:
     """A machine folder without the lost motion of one axis."""
-    files = {p.name: p.read_text(encoding="utf-8") for p in folder.iterdir() if p.suffix in (".toml", ".csv")}
+    files = {
+        p.name: p.read_text(encoding="utf-8")
+        for p in folder.iterdir()
+        if p.suffix in (".toml", ".csv")
+    }
     files[f"{axis}.csv"] = merged(files[f"{axis}.csv"])
     return files
 
@@ -93,13 +120,18 @@ def iso_tables(text: str) -> list[tuple[int, float, int, float]]:
         cells = line.strip().split("|")
         if way and cells[0].strip().isdigit():
             target, *read = [float(c) for c in cells[1:] if c.strip()]
-            rows += [(way, run, target, (value - target) * 1e3) for run, value in enumerate(read, 1)]
+            rows += [
+                (way, run, target, (value - target) * 1e3) for run, value in enumerate(read, 1)
+            ]
     order = sorted(rows, key=lambda r: (-r[0], r[1], r[0] * r[2]))
     return [(run, target, w, reading) for w, run, target, reading in order]
 
 
 def iso_report(text: str, machine: str, instrument: str, source: str, u_um: float) -> str:
-    rows = [(str(run), target, str(way), round(reading, 6)) for run, target, way, reading in iso_tables(text)]
+    rows = [
+        (str(run), target, str(way), round(reading, 6))
+        for run, target, way, reading in iso_tables(text)
+    ]
     columns = ("run", "X_mm", "approach_X", "reading_um")
     return targets("X", rows, columns, machine, instrument, source, u_um=str(u_um))
 
@@ -113,9 +145,18 @@ def dial_gauge(text: str, source: str) -> str:
         for row in table if way < 0 else table[::-1]:
             if row[f"run_{run}_mm"]:
                 z = float(row["z_mm"])
-                rows.append((str(run), z, str(way), round((first - float(row[f"run_{run}_mm"]) - z) * 1e3, 3)))
+                rows.append(
+                    (
+                        str(run),
+                        z,
+                        str(way),
+                        round((first - float(row[f"run_{run}_mm"]) - z) * 1e3, 3),
+                    )
+                )
     columns = ("run", "Z_mm", "approach_Z", "reading_um")
-    return targets("Z", rows, columns, "measurement chamber", "dial gauge, 0.01 mm", source, u_um="2.9")
+    return targets(
+        "Z", rows, columns, "measurement chamber", "dial gauge, 0.01 mm", source, u_um="2.9"
+    )
 
 
 def servo_rests(text: str, source: str, loaded: bool) -> str:
@@ -131,16 +172,22 @@ def servo_rests(text: str, source: str, loaded: bool) -> str:
         rows.append((*cells, float(row["band"]) * PULL_N) if loaded else cells)
     columns = ["run", "t_s", "X_mm", "approach_X", "reading_um"] + (["force_X_N"] if loaded else [])
     instrument = "the servo's own encoder, 4096 counts, as arc at 100 mm"
-    return targets("X", rows, columns, "sts3215", instrument, source, u_um=f"{COUNT_MM * 1e3 / 12**0.5:.1f}")
+    return targets(
+        "X", rows, columns, "sts3215", instrument, source, u_um=f"{COUNT_MM * 1e3 / 12**0.5:.1f}"
+    )
 
 
 def recording_columns(path: Path) -> dict[str, list[float]]:
     """Numbers of a contract recording, read without the tool."""
-    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("# ")]
+    lines = [
+        line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("# ")
+    ]
     rows = list(csv.DictReader(lines))
     return {name: [float(r[name]) for r in rows] for name in rows[0]}
 
 
 def head_of(path: Path) -> dict:
-    lines = [line[2:] for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")]
+    lines = [
+        line[2:] for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")
+    ]
     return tomllib.loads("\n".join(lines))

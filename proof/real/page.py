@@ -38,7 +38,11 @@ def row(r: dict[str, Any]) -> str:
         said += "; the rest *unknown*"
     if r["size"]:
         said += f". {r['size']}"
-    held = f"{number(r['before'])} -> {number(r['after'])}" if r["before"] is not None else "- (printed as one mean)"
+    held = (
+        f"{number(r['before'])} -> {number(r['after'])}"
+        if r["before"] is not None
+        else "- (printed as one mean)"
+    )
     if (
         r["about_mean"] is not None
         and r["before"]

@@ -32,7 +32,9 @@ class Result:
     others: list[str]
     equivalents: list[str]
     size: str
-    about_mean: float | None  # um rms of the held-out readings about their mean, from the readings alone
+    about_mean: (
+        float | None
+    )  # um rms of the held-out readings about their mean, from the readings alone
     before: float | None
     after: float | None
     floor: float | None
@@ -58,12 +60,20 @@ def gcomp(*words: str) -> str:
         check=False,
     )
     if done.returncode:
-        raise Refused(done.stderr.strip().splitlines()[0] if done.stderr.strip() else f"exit status {done.returncode}")
+        raise Refused(
+            done.stderr.strip().splitlines()[0]
+            if done.stderr.strip()
+            else f"exit status {done.returncode}"
+        )
     return done.stdout
 
 
 def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]:
-    files = {"--json": f"answer{step}.json", "--residuals": f"residuals{step}.csv", "--write-machine": f"machine{step}"}
+    files = {
+        "--json": f"answer{step}.json",
+        "--residuals": f"residuals{step}.csv",
+        "--write-machine": f"machine{step}",
+    }
     words = [w for option, name in files.items() for w in (option, str(folder / name))]
     call = [
         "diagnose",
@@ -78,7 +88,9 @@ def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]
     gcomp(*call)
     answer = json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
     # What is not told apart, or does not foretell targets between, is written only when it is asked for: here it is.
-    names = [f"{e['effect']}:{e['axis'] or ''}" for e in answer["effects"] if e["status"] == "accepted"]
+    names = [
+        f"{e['effect']}:{e['axis'] or ''}" for e in answer["effects"] if e["status"] == "accepted"
+    ]
     for name in names if step == 1 else ():
         try:
             gcomp(*call, "--accept", name)
@@ -91,7 +103,16 @@ def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]
 def far(axis: str, machine: Path, folder: Path) -> float:
     """um: the largest reading of a positioning test over the whole travel of a machine."""
     target = folder / "positioning.csv"
-    gcomp("simulate", "--test", f"positioning:{axis}", "--machine", str(machine), "-o", str(target), "--quiet")
+    gcomp(
+        "simulate",
+        "--test",
+        f"positioning:{axis}",
+        "--machine",
+        str(machine),
+        "-o",
+        str(target),
+        "--quiet",
+    )
     return max(map(abs, convert.recording_columns(target)["reading_um"]))
 
 
@@ -100,7 +121,9 @@ def spread(rows: list[dict[str, str]]) -> float | None:
     signals: dict[tuple[str, str], list[float]] = {}
     for row in rows:
         if row["held_out"] == "1" and row["signal"].startswith("reading"):
-            signals.setdefault((row["recording"], row["signal"]), []).append(float(row["measured_um"]))
+            signals.setdefault((row["recording"], row["signal"]), []).append(
+                float(row["measured_um"])
+            )
     squares = [(v - np.mean(values)) ** 2 for values in signals.values() for v in values]
     return float(np.sqrt(np.mean(squares))) if squares else None
 
@@ -111,7 +134,10 @@ def run(case: Case, folder: Path) -> Result | None:
     job = case.make(folder)
     if job is None:
         return None
-    told = {k: getattr(case, k) for k in ("name", "title", "whom", "licence", "known", "concealed", "note")}
+    told = {
+        k: getattr(case, k)
+        for k in ("name", "title", "whom", "licence", "known", "concealed", "note")
+    }
     try:
         answer = diagnose(job, job.machine, folder, 1)
         again = diagnose(job, folder / "machine1", folder, 2)
@@ -129,13 +155,19 @@ def run(case: Case, folder: Path) -> Result | None:
     reasons = []
     if not case.right:
         if names or answer["verdict"] != "nothing-left-out":
-            reasons.append("something is named where nothing is left out" if names else "called unknown")
+            reasons.append(
+                "something is named where nothing is left out" if names else "called unknown"
+            )
     else:
         if not names:
             reasons.append(f"no name: {answer['verdict']}")
         elif names[0] not in case.right:
             inside = case.right & set(found[0]["equivalent"])
-            reasons.append("the right name is among the equivalents only" if inside else "the first name is another")
+            reasons.append(
+                "the right name is among the equivalents only"
+                if inside
+                else "the first name is another"
+            )
         missing = sorted(case.all_of - set(names))
         if missing:
             reasons.append(f"not named: {', '.join(missing)}")

@@ -32,7 +32,12 @@ def story(folder: Path) -> tuple[list[str], Diagnosis, Diagnosis]:
     parts = diagnosed([paths["parts"]], "mill")
     lines = ["THE GRINDER: Tables 6.1 and 6.2 against a Studer S-36 without any table", ""]
     lines += [line.replace(f"{folder}/", "") for line in report.as_text(grinder).splitlines()[:-2]]
-    lines += ["", "THE REST: 29.5 um on the diagonal, which the thesis could not explain", "", *suspects.lines(grinder)]
+    lines += [
+        "",
+        "THE REST: 29.5 um on the diagonal, which the thesis could not explain",
+        "",
+        *suspects.lines(grinder),
+    ]
     lines += ["", "THE PARTS: Table 7.3 against an MV-1060 without any table", ""]
     lines += [line.replace(f"{folder}/", "") for line in report.as_text(parts).splitlines()[:-1]]
     lines += ["", *suspects.of_parts()]
@@ -40,7 +45,9 @@ def story(folder: Path) -> tuple[list[str], Diagnosis, Diagnosis]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
         "-o",
         metavar="FOLDER",

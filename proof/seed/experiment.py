@@ -11,7 +11,10 @@ import csv
 from pathlib import Path
 
 TABLES = Path(__file__).parent / "tables"
-MACHINES = {"grinder": Path(__file__).parent / "bare-studer", "mill": Path(__file__).parent / "bare-mv1060"}
+MACHINES = {
+    "grinder": Path(__file__).parent / "bare-studer",
+    "mill": Path(__file__).parent / "bare-mv1060",
+}
 Z, X = "table_6_1_studer_s36_z_axis.csv", "table_6_2_studer_s36_x_axis.csv"
 PARTS = "table_7_3_parts_cmm.csv"
 SOURCE = "M. Asad Ullah, MS thesis, NUST Islamabad 2013"

@@ -27,7 +27,9 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     ratio, start = jump.value["ratio"], jump.value["from_mm"]
     outside = place < start
     straight, along = column(X, "dzx_avg_mm"), column(X, "dxx_avg_mm")
-    off = [y - np.polyval(np.polyfit(place[outside], y[outside], 1), place) for y in (straight, along)]
+    off = [
+        y - np.polyval(np.polyfit(place[outside], y[outside], 1), place) for y in (straight, along)
+    ]
     paths = [folder / f"seed_{name}.png" for name in ("jump", "reversal", "parts")]
 
     figure, plots = plt.subplots(1, 2, figsize=(11, 4))
@@ -35,7 +37,11 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     plots[0].plot(place, off[1], "s-", label="positioning, in X")
     plots[0].plot(place, ratio * off[0], "k:", label=f"{ratio:.3f} times the straightness")
     plots[0].axvspan(start, place[-1], color=LIGHT["open"], alpha=0.2)
-    plots[0].set(xlabel="X, mm", ylabel="departure from the line before, um", title="Two measurements, one jump")
+    plots[0].set(
+        xlabel="X, mm",
+        ylabel="departure from the line before, um",
+        title="Two measurements, one jump",
+    )
     plots[0].legend()
     plots[1].plot(place, off[1] - ratio * off[0], "o-")
     plots[1].set(xlabel="X, mm", ylabel="um", title="What one ratio leaves of the positioning")
@@ -43,8 +49,18 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
 
     figure, plots = plt.subplots(1, 2, figsize=(11, 4))
     z = np.array([float(row["z_mm"]) for row in table(Z)])
-    plots[0].plot(place, column(X, "dxx_forward_mm") - column(X, "dxx_reverse_mm"), "o-", label="X, positioning")
-    plots[0].plot(place, column(X, "dzx_forward_mm") - column(X, "dzx_reverse_mm"), "s-", label="X, straightness")
+    plots[0].plot(
+        place,
+        column(X, "dxx_forward_mm") - column(X, "dxx_reverse_mm"),
+        "o-",
+        label="X, positioning",
+    )
+    plots[0].plot(
+        place,
+        column(X, "dzx_forward_mm") - column(X, "dzx_reverse_mm"),
+        "s-",
+        label="X, straightness",
+    )
     plots[0].axvline(90, color=LIGHT["limit"], ls=":", label="the slip at 90 mm")
     plots[0].set(xlabel="X, mm", ylabel="forward minus reverse, um", title="Reversal of X")
     plots[0].legend()
@@ -61,7 +77,12 @@ def draw(d: Diagnosis, folder: Path) -> list[Path]:
     }
     for i, (name, label) in enumerate(labels.items()):
         plot.bar(np.arange(2) + 0.25 * i - 0.25, said[name], 0.22, label=label)
-    plot.set(xticks=[0, 1], xticklabels=["part 1", "part 2"], ylabel="too large by, um", title="Table 7.3")
+    plot.set(
+        xticks=[0, 1],
+        xticklabels=["part 1", "part 2"],
+        ylabel="too large by, um",
+        title="Table 7.3",
+    )
     plot.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=3, fontsize=8, frameon=False)
     _save(plt, figure, paths[2])
     return paths

@@ -8,7 +8,9 @@ from postproc.diagnose.answer import Diagnosis
 from proof.seed.experiment import PARTS, X, Z, table
 
 LEFT = 29.5  # um, thesis 6.5: left on the diagonal after its compensation
-ALONG = np.array([340.0 / 2, 510.0]) / np.hypot(340.0 / 2, 510.0)  # X (radius), Z: the diagonal of Table 6.3
+ALONG = np.array([340.0 / 2, 510.0]) / np.hypot(
+    340.0 / 2, 510.0
+)  # X (radius), Z: the diagonal of Table 6.3
 PITCH = "table_7_2_mv1060_fanuc_pitch.csv"
 STEEL = 11.5  # um/m/K, of a steel screw; unverified: general knowledge, nothing in the thesis
 
@@ -57,7 +59,11 @@ def sizes() -> dict[str, list[float]]:
     def deviations(kind: str, part: int) -> list[float]:
         own = [r for r in rows if r["kind"] == kind and int(r["part"]) == part]
         return [
-            float(np.mean([float(r[f"reading_{k}_mm"]) for k in (1, 2, 3)]) - float(r["nominal_mm"])) * 1e3 for r in own
+            float(
+                np.mean([float(r[f"reading_{k}_mm"]) for k in (1, 2, 3)]) - float(r["nominal_mm"])
+            )
+            * 1e3
+            for r in own
         ]
 
     return {

@@ -190,7 +190,9 @@ def interlock(w: World, r: Rng, ax: int) -> Shape:
     q = pick(r, w.recs)
     at = np.sort(q.t[0] + span * r.uniform(0.05, 0.9, 3))
     size, d = r.uniform(0.4, 1, 3), span * r.uniform(0.05, 0.12)
-    return in_time(w, r, lambda t: sum(a * ((t > x) & (t < x + d)) for a, x in zip(size, at, strict=False)))
+    return in_time(
+        w, r, lambda t: sum(a * ((t > x) & (t < x + d)) for a, x in zip(size, at, strict=False))
+    )
 
 
 @alien("air_bearing_hammer", "held")

@@ -14,7 +14,9 @@ import numpy as np
 from .base import Array, Rec, Rng, logu, pick
 from .machines import Machine
 
-ORDERS: dict[str, Callable[[Array, int, float], list[tuple[float, int]]]] = {}  # orders filed elsewhere
+ORDERS: dict[
+    str, Callable[[Array, int, float], list[tuple[float, int]]]
+] = {}  # orders filed elsewhere
 
 
 def header_meta(m: Machine, **kw: object) -> dict:
@@ -210,7 +212,9 @@ def diagonal(r: Rng, m: Machine, t0: float, name: str, step: bool = False) -> Re
     return captures(m, name, pts, logu(r, 500, m.vmax), t0, r.uniform(2, 5), meta, r)
 
 
-def ballbar(r: Rng, m: Machine, t0: float, name: str, held: bool = False, force: dict | None = None) -> Rec:
+def ballbar(
+    r: Rng, m: Machine, t0: float, name: str, held: bool = False, force: dict | None = None
+) -> Rec:
     """A circular test in one plane, one or both senses, 1-3 repeats."""
     o = force or {}
     flat = [[0, 2]] if len(m.axes) == 2 else [[0, 1], [0, 1], [0, 2], [1, 2]]

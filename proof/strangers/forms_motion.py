@@ -66,7 +66,9 @@ def backlash_smooth(w: World, r: Rng, ax: int) -> Shape:
     """Reversal error that goes over within a few um of travel."""
     s0 = logu(r, 0.003, 0.03)
     return tool_only(
-        ax, lambda q: -0.5 * q.sgn[:, ax] * (2 * np.tanh(q.since[:, ax] / s0) - 1), params=lambda a: {"size_um": a}
+        ax,
+        lambda q: -0.5 * q.sgn[:, ax] * (2 * np.tanh(q.since[:, ax] / s0) - 1),
+        params=lambda a: {"size_um": a},
     )
 
 
@@ -75,7 +77,9 @@ def backlash_spring(w: World, r: Rng, ax: int) -> Shape:
     """Gap followed by a spring: most of the loss at once, a rest over 20-80 um."""
     s0 = logu(r, 0.02, 0.08)
     return tool_only(
-        ax, lambda q: -0.5 * q.sgn[:, ax] * (1 - 0.3 * np.exp(-q.since[:, ax] / s0)), params=lambda a: {"size_um": a}
+        ax,
+        lambda q: -0.5 * q.sgn[:, ax] * (1 - 0.3 * np.exp(-q.since[:, ax] / s0)),
+        params=lambda a: {"size_um": a},
     )
 
 

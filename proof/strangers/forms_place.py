@@ -24,7 +24,11 @@ def _scale(kind: str, family: str) -> None:
         def shape(q: Rec) -> Array:
             x = q.pos[:, ax]
             s = (x - lo) / (hi - lo)
-            bend = {"linear": 0.0, "nearly_linear": 0.06 * s * (1 - s), "ramp_ends": -0.02 * np.exp(-s / 0.03)}[kind]
+            bend = {
+                "linear": 0.0,
+                "nearly_linear": 0.06 * s * (1 - s),
+                "ramp_ends": -0.02 * np.exp(-s / 0.03),
+            }[kind]
             return sign * ((x - lo) / 1e3 + bend * (hi - lo) / 1e3)
 
         return tool_only(ax, shape)
@@ -79,10 +83,17 @@ def _cyclic(kind: str, family: str) -> None:
             return y
 
         full = kind in ("pure", "harmonics")
-        return tool_only(ax, shape, params=lambda a: {"period_mm": p, **({"amplitude_um": a} if full else {})})
+        return tool_only(
+            ax, shape, params=lambda a: {"period_mm": p, **({"amplitude_um": a} if full else {})}
+        )
 
 
-for _k, _f in (("pure", "open"), ("harmonics", "open"), ("modulated", "open"), ("directional", "held")):
+for _k, _f in (
+    ("pure", "open"),
+    ("harmonics", "open"),
+    ("modulated", "open"),
+    ("directional", "held"),
+):
     _cyclic(_k, _f)
 
 
@@ -107,11 +118,20 @@ def _encoder(kind: str, family: str) -> None:
             return Part()
 
         return Shape(
-            field, AX[ax], lambda a: {"period_mm": p, "amplitude_um": a} if kind != "lissajous" else {"period_mm": p}
+            field,
+            AX[ax],
+            lambda a: (
+                {"period_mm": p, "amplitude_um": a} if kind != "lissajous" else {"period_mm": p}
+            ),
         )
 
 
-for _k, _f in (("own_sensor", "open"), ("instrument", "open"), ("in_loop", "open"), ("lissajous", "held")):
+for _k, _f in (
+    ("own_sensor", "open"),
+    ("instrument", "open"),
+    ("in_loop", "open"),
+    ("lissajous", "held"),
+):
     _encoder(_k, _f)
 
 
@@ -176,7 +196,12 @@ def _bow(kind: str, family: str) -> None:
         return tool_only(to, shape, axis=AX[ax])
 
 
-for _k, _f in (("parabola", "open"), ("second_third", "open"), ("sine", "open"), ("kinked_joint", "held")):
+for _k, _f in (
+    ("parabola", "open"),
+    ("second_third", "open"),
+    ("sine", "open"),
+    ("kinked_joint", "held"),
+):
     _bow(_k, _f)
 
 
@@ -215,7 +240,12 @@ def _abbe(kind: str, family: str) -> None:
         )
 
 
-for _k, _f in (("arm", "open"), ("unmapped_pitch", "open"), ("unmapped_parabola", "open"), ("arm_with_drop", "held")):
+for _k, _f in (
+    ("arm", "open"),
+    ("unmapped_pitch", "open"),
+    ("unmapped_parabola", "open"),
+    ("arm_with_drop", "held"),
+):
     _abbe(_k, _f)
 
 
@@ -237,7 +267,12 @@ def _sag(kind: str, family: str) -> None:
         return tool_only(to, shape, axis=AX[ax])
 
 
-for _k, _f in (("cantilever", "open"), ("simply_supported", "open"), ("column_tilt", "open"), ("settling_bed", "held")):
+for _k, _f in (
+    ("cantilever", "open"),
+    ("simply_supported", "open"),
+    ("column_tilt", "open"),
+    ("settling_bed", "held"),
+):
     _sag(_k, _f)
 
 
@@ -257,10 +292,17 @@ def _force(kind: str, family: str) -> None:
             }[kind]
             return y
 
-        return tool_only(ax, shape, params=lambda a: {"um_per_N": a} if kind == "linear" else {}, most=2.0)
+        return tool_only(
+            ax, shape, params=lambda a: {"um_per_N": a} if kind == "linear" else {}, most=2.0
+        )
 
 
-for _k, _f in (("linear", "open"), ("hertz", "open"), ("screw_length", "open"), ("preload_lost", "held")):
+for _k, _f in (
+    ("linear", "open"),
+    ("hertz", "open"),
+    ("screw_length", "open"),
+    ("preload_lost", "held"),
+):
     _force(_k, _f)
 
 
@@ -276,7 +318,9 @@ def _wear(kind: str, family: str) -> None:
             y = {
                 "linear": s,
                 "taylor": s**0.6,
-                "three_stage": 0.3 * (1 - np.exp(-s / 0.08)) + 0.4 * s + 0.6 * np.maximum(s - 0.7, 0),
+                "three_stage": 0.3 * (1 - np.exp(-s / 0.08))
+                + 0.4 * s
+                + 0.6 * np.maximum(s - 0.7, 0),
                 "chipping": s + 0.5 * (k >= 2),
             }[kind]
             return Part(reading=-2 * a * y * q.meta["radial"])
@@ -284,7 +328,12 @@ def _wear(kind: str, family: str) -> None:
         return Shape(field, "")
 
 
-for _k, _f in (("linear", "open"), ("taylor", "open"), ("three_stage", "open"), ("chipping", "held")):
+for _k, _f in (
+    ("linear", "open"),
+    ("taylor", "open"),
+    ("three_stage", "open"),
+    ("chipping", "held"),
+):
     _wear(_k, _f)
 
 

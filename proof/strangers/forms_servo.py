@@ -32,7 +32,9 @@ def _servo(kind: str, family: str) -> None:
     def f(w: World, r: Rng, ax: int) -> Shape:
         t1, zeta = logu(r, 0.002, 0.05), r.uniform(0.4, 0.9)
         return both(
-            ax, lambda q: -lag_speed(q, ax, kind, t1, zeta), params=lambda a: {"tau_ms": a} if kind != "bent" else {}
+            ax,
+            lambda q: -lag_speed(q, ax, kind, t1, zeta),
+            params=lambda a: {"tau_ms": a} if kind != "bent" else {},
         )
 
     @form("servo_mismatch", kind, family)
@@ -46,7 +48,11 @@ def _servo(kind: str, family: str) -> None:
             v -= along(q, pair[1], 0.5 * sign * a * lag_speed(q, pair[1], kind, t1, zeta))
             return Part(tool=v, scale=v)
 
-        return Shape(field, AX[pair[0]] + AX[pair[1]], lambda a: {"delta_tau_ms": sign * a} if kind != "bent" else {})
+        return Shape(
+            field,
+            AX[pair[0]] + AX[pair[1]],
+            lambda a: {"delta_tau_ms": sign * a} if kind != "bent" else {},
+        )
 
 
 for _k, _f in (("direct", "open"), ("first", "open"), ("second", "open"), ("bent", "held")):
@@ -55,7 +61,9 @@ for _k, _f in (("direct", "open"), ("first", "open"), ("second", "open"), ("bent
 
 def pair_of(w: World, r: Rng, ax: int) -> list[int]:
     """A pair of axes that move in the experiment, with `ax` in it."""
-    live = sorted({a for q in w.recs for a in q.moving} - {ax}) or [a for a in w.machine.axes if a != ax]
+    live = sorted({a for q in w.recs for a in q.moving} - {ax}) or [
+        a for a in w.machine.axes if a != ax
+    ]
     return sorted([ax, pick(r, live)])
 
 
@@ -104,7 +112,12 @@ def _vibration(kind: str, family: str) -> None:
             if kind == "beating":
                 return np.sin(2 * np.pi * hz * t + phase) * np.cos(2 * np.pi * hz * 0.03 * t)
             if kind == "ring_down":
-                y = resonate(q.acc[:, ax] - np.convolve(q.acc[:, ax], np.ones(5) / 5, "same"), dt, hz, zeta * 4)
+                y = resonate(
+                    q.acc[:, ax] - np.convolve(q.acc[:, ax], np.ones(5) / 5, "same"),
+                    dt,
+                    hz,
+                    zeta * 4,
+                )
             else:
                 y = resonate(stream(seed, q.name).normal(size=len(t) + 500), dt, hz, zeta)[500:]
             return y / max(float(np.abs(y).max()), 1e-12)
@@ -116,7 +129,12 @@ def _vibration(kind: str, family: str) -> None:
         return out
 
 
-for _k, _f in (("forced", "open"), ("narrow_band", "open"), ("ring_down", "open"), ("beating", "held")):
+for _k, _f in (
+    ("forced", "open"),
+    ("narrow_band", "open"),
+    ("ring_down", "open"),
+    ("beating", "held"),
+):
     _vibration(_k, _f)
 
 

@@ -25,7 +25,9 @@ def screw_field(w: World, ax: int, flip: bool, nodes: int = 30) -> tuple[Array, 
     t = w.grid[::step]
     dt, dx = t[1], (x[1] - x[0]) / 1e3
     k = 1.3e-5 * dt / dx**2
-    lap = np.diag(np.full(nodes, 1 + 2 * k + dt / 1500)) - k * (np.eye(nodes, k=1) + np.eye(nodes, k=-1))
+    lap = np.diag(np.full(nodes, 1 + 2 * k + dt / 1500)) - k * (
+        np.eye(nodes, k=1) + np.eye(nodes, k=-1)
+    )
     lap[0, 0] -= k
     lap[-1, -1] -= k
     inv = np.linalg.inv(lap)
@@ -62,7 +64,10 @@ def _screw(kind: str, family: str) -> None:
                 from scipy.interpolate import RegularGridInterpolator
 
                 g = RegularGridInterpolator(
-                    (cache["t"], np.linspace(lo, hi, 30)), cache["g"], bounds_error=False, fill_value=None
+                    (cache["t"], np.linspace(lo, hi, 30)),
+                    cache["g"],
+                    bounds_error=False,
+                    fill_value=None,
                 )
                 return 0.0115 * g(np.c_[q.t, x])
             rise = w.at(w.screw[ax], q.t)
@@ -152,7 +157,12 @@ def _spindle(kind: str, family: str) -> None:
         return Shape(lambda q, a: Part(tool=a * w.at(y, q.t)[:, None] * d), "", most=80.0)
 
 
-for _k, _f in (("one_constant", "open"), ("two_constants", "open"), ("with_shift", "open"), ("sink", "held")):
+for _k, _f in (
+    ("one_constant", "open"),
+    ("two_constants", "open"),
+    ("with_shift", "open"),
+    ("sink", "held"),
+):
     _spindle(_k, _f)
 
 
@@ -179,7 +189,15 @@ def _light(effect: str, kind: str, family: str) -> None:
             warm = 0.27e-3 * w.pressure
         if kind == "late_sensor":
             warm = -0.93e-3 * (w.air - lowpass(w.air, dt, 1800)) + 0.27e-3 * w.pressure * k
-        seen = sorted({a for q in w.recs if q.laser for a in w.machine.axes if abs(q.meta["sensitive"][a]) > 0.1})
+        seen = sorted(
+            {
+                a
+                for q in w.recs
+                if q.laser
+                for a in w.machine.axes
+                if abs(q.meta["sensitive"][a]) > 0.1
+            }
+        )
 
         def field(q: Rec, a: float) -> Part:
             if not q.laser:
@@ -222,7 +240,12 @@ def _cosine(kind: str, family: str) -> None:
         return Shape(field, AX[ax])
 
 
-for _k, _f in (("one_setup", "open"), ("fixture", "open"), ("beam_walk", "open"), ("mirror_tilt", "held")):
+for _k, _f in (
+    ("one_setup", "open"),
+    ("fixture", "open"),
+    ("beam_walk", "open"),
+    ("mirror_tilt", "held"),
+):
     _cosine(_k, _f)
 
 
@@ -250,7 +273,10 @@ def _late(effect: str, kind: str, family: str) -> None:
             return Part(reading=-a * q.vel * np.reshape(g, (-1, 1) if np.ndim(g) else ()))
 
         return Shape(
-            field, "", lambda a: {"delay_ms": a} if kind in ("shift", "taylor") else {}, linear=kind != "shift"
+            field,
+            "",
+            lambda a: {"delay_ms": a} if kind in ("shift", "taylor") else {},
+            linear=kind != "shift",
         )
 
 

@@ -42,7 +42,9 @@ def yaw_play(w: World, r: Rng, ax: int) -> Shape:
 
     def f(q: Rec) -> Array:
         flip = q.sgn[:, ax] * (1 - 2 * np.exp(-q.since[:, ax] / x0))
-        return flip * (0.25 + 2 * (unit_place(w, to, q) - c) ** 2 + 1.5 * (unit_place(w, ax, q) - c))
+        return flip * (
+            0.25 + 2 * (unit_place(w, to, q) - c) ** 2 + 1.5 * (unit_place(w, ax, q) - c)
+        )
 
     return Shape(lambda q, a: Part(tool=a * f(q)[:, None] * d), "")
 
@@ -52,7 +54,12 @@ def sway(w: World, r: Rng, ax: int) -> Shape:
     """A building or an elastic footing rocks with two tones; nothing at the pivot, opposite beyond."""
     span = max(float(np.ptp(pick(r, w.recs).t)), 1.0)
     p = span / r.uniform(4, 20)
-    p2, ph, c, d = p * r.uniform(0.55, 0.85), r.uniform(0, 6.28, 2), r.uniform(0.35, 0.65), sensed(w, r)
+    p2, ph, c, d = (
+        p * r.uniform(0.55, 0.85),
+        r.uniform(0, 6.28, 2),
+        r.uniform(0.35, 0.65),
+        sensed(w, r),
+    )
 
     def f(q: Rec) -> Array:
         y = np.cos(2 * np.pi * q.t / p + ph[0]) + 0.7 * np.cos(2 * np.pi * q.t / p2 + ph[1])
@@ -102,7 +109,12 @@ def history_sign(q: Rec, ax: int) -> Array:
 @alien
 def wrinkle(w: World, r: Rng, ax: int) -> Shape:
     """A wrinkle in a way strip: the carriage pushes it along a little each time it runs over it."""
-    c, wide, push, d = r.uniform(0.25, 0.75), r.uniform(0.04, 0.12), r.uniform(0.01, 0.06), sensed(w, r)
+    c, wide, push, d = (
+        r.uniform(0.25, 0.75),
+        r.uniform(0.04, 0.12),
+        r.uniform(0.01, 0.06),
+        sensed(w, r),
+    )
 
     def f(q: Rec) -> Array:
         lo, hi = w.machine.travel[ax]
@@ -110,7 +122,11 @@ def wrinkle(w: World, r: Rng, ax: int) -> Shape:
         at, out = c, np.empty(len(via))
         for i in range(len(via)):
             if i and (via[i] - at) * (via[i - 1] - at) < 0:
-                at = float(np.clip(at + push * np.sign(via[i] - via[i - 1]) * (0.6 + 0.4 * (i % 2)), 0.1, 0.9))
+                at = float(
+                    np.clip(
+                        at + push * np.sign(via[i] - via[i - 1]) * (0.6 + 0.4 * (i % 2)), 0.1, 0.9
+                    )
+                )
             out[i] = np.exp(-0.5 * ((via[i] - at) / wide) ** 2)
         return out[q.row_at]
 

@@ -52,7 +52,9 @@ def area(r: Rng, m: Machine, t0: float, name: str) -> Rec:
         first = at.copy()
         first[ax], first[to] = grids[0][0] - 0.5, grids[1][0] - 0.5
         pts.append((first, 0))
-        way = [(i, j) for j in range(lines) for i in (range(n) if j % 2 == 0 else range(n - 1, -1, -1))]
+        way = [
+            (i, j) for j in range(lines) for i in (range(n) if j % 2 == 0 else range(n - 1, -1, -1))
+        ]
         for i, j in way if run % 2 else way[::-1]:
             p = at.copy()
             p[ax], p[to] = grids[0][i], grids[1][j]

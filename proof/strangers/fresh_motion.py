@@ -75,7 +75,9 @@ def hysteresis(w: World, r: Rng, ax: int) -> Shape:
 def trapezoid(w: World, r: Rng, ax: int) -> Shape:
     """Rise, hold and fall over distance, the pulse that controls compensate with."""
     a = np.cumsum([logu(r, 0.005, 0.1), logu(r, 0.02, 0.6), logu(r, 0.05, 1.5)])
-    return both(ax, lambda q: -q.sgn[:, ax] * np.interp(q.since[:, ax], np.r_[0, a], [0.0, 1.0, 1.0, 0.0]))
+    return both(
+        ax, lambda q: -q.sgn[:, ax] * np.interp(q.since[:, ax], np.r_[0, a], [0.0, 1.0, 1.0, 0.0])
+    )
 
 
 @fresh("stick_slip")
@@ -86,7 +88,12 @@ def fading_slip(w: World, r: Rng, ax: int) -> Shape:
     def f(q: Rec) -> Array:
         v = np.abs(q.vel[:, ax])
         u = (q.since[:, ax] / seg) % 1.0
-        return -q.sgn[:, ax] * (v > 1e-4) * np.clip(1 - v / top, 0, 1) * np.minimum(u / (1 - back), (1 - u) / back)
+        return (
+            -q.sgn[:, ax]
+            * (v > 1e-4)
+            * np.clip(1 - v / top, 0, 1)
+            * np.minimum(u / (1 - back), (1 - u) / back)
+        )
 
     return both(ax, f)
 

@@ -24,7 +24,18 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .base import Array, Rec, Rng, logu, pick
-from .noise import LATER, LOSSES, MORE_FAST, MORE_SLOW, FastKind, Noise, SlowKind, k_ou, modulate, ou
+from .noise import (
+    LATER,
+    LOSSES,
+    MORE_FAST,
+    MORE_SLOW,
+    FastKind,
+    Noise,
+    SlowKind,
+    k_ou,
+    modulate,
+    ou,
+)
 from .world import World
 
 TAPS = 300  # of the autoregression that stands for a fractional difference
@@ -75,7 +86,9 @@ def dithered(r: Rng, s: float, rec: Rec) -> Noise:
     n = rec.n_obs
     values = s * r.normal(size=n) + q * (r.uniform(-0.5, 0.5, n) + r.uniform(-0.5, 0.5, n))
     sd = float(np.sqrt(s * s + q * q / 6))
-    return Noise(values, np.full(n, s * s + q * q / 4), [{"kind": "fresh-2", "sd_um": round(sd, 4)}], quant=q)
+    return Noise(
+        values, np.full(n, s * s + q * q / 4), [{"kind": "fresh-2", "sd_um": round(sd, 4)}], quant=q
+    )
 
 
 @fast(3)
@@ -132,7 +145,9 @@ def turbulence(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -
     """Eddies of 0.5 to 20 s; rms s at the far end of the path, the square root of it between."""
     t = rec.t_obs - rec.t_obs[0]
     if rec.kind == "targets":
-        x = rec.pos @ (rec.meta["sensitive"] if np.any(rec.meta["sensitive"]) else np.eye(3)[rec.meta["along"]])
+        x = rec.pos @ (
+            rec.meta["sensitive"] if np.any(rec.meta["sensitive"]) else np.eye(3)[rec.meta["along"]]
+        )
     elif rec.kind == "ballbar":
         x = np.full(len(t), rec.meta["radius"])
     else:
@@ -161,7 +176,14 @@ def rare_state(r: Rng, noise: Noise, s: float, rec: Rec, world: World, c: int) -
     state = (np.searchsorted(np.array(edges), t) + start) % 2
     noise.values += pick(r, [-1, 1]) * s * (state - p) / np.sqrt(p * (1 - p))
     noise.kernels.append((k_ou(s * s, 1 / (1 / stay + 1 / away)), t))
-    noise.spec.append({"kind": "fresh-7", "um": round(s, 4), "share": round(float(p), 3), "stay_s": round(stay, 2)})
+    noise.spec.append(
+        {
+            "kind": "fresh-7",
+            "um": round(s, 4),
+            "share": round(float(p), 3),
+            "stay_s": round(stay, 2),
+        }
+    )
 
 
 @slow(8)

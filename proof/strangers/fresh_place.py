@@ -23,7 +23,12 @@ def spliced_scale(w: World, r: Rng, ax: int) -> Shape:
     lo, hi = w.machine.travel[ax]
     return tool_only(
         ax,
-        lambda q: sign * (hi - lo) / 1e3 * (unit_place(w, ax, q) + k * np.maximum(unit_place(w, ax, q) - c, 0)),
+        lambda q: (
+            sign
+            * (hi - lo)
+            / 1e3
+            * (unit_place(w, ax, q) + k * np.maximum(unit_place(w, ax, q) - c, 0))
+        ),
     )
 
 
@@ -39,7 +44,12 @@ def taped_scale(w: World, r: Rng, ax: int) -> Shape:
 @fresh("pitch_shape")
 def lapped_screw(w: World, r: Rng, ax: int) -> Shape:
     """Lead that tapers off towards both ends of a ground thread."""
-    d, e, k, sign = r.uniform(0.05, 0.25), r.uniform(0.05, 0.25), r.uniform(-1, 1), pick(r, [-1.0, 1.0])
+    d, e, k, sign = (
+        r.uniform(0.05, 0.25),
+        r.uniform(0.05, 0.25),
+        r.uniform(-1, 1),
+        pick(r, [-1.0, 1.0]),
+    )
 
     def f(q: Rec) -> Array:
         s = unit_place(w, ax, q)
@@ -141,7 +151,11 @@ def bolted_rail(w: World, r: Rng, ax: int) -> Shape:
 def beam_bow(w: World, r: Rng, ax: int) -> Shape:
     """Clamped beam under its own weight: quartic, flat at both ends."""
     to, sign = across(w, r, ax), pick(r, [-1.0, 1.0])
-    return tool_only(to, lambda q: sign * 16 * (unit_place(w, ax, q) * (1 - unit_place(w, ax, q))) ** 2, axis=AX[ax])
+    return tool_only(
+        to,
+        lambda q: sign * 16 * (unit_place(w, ax, q) * (1 - unit_place(w, ax, q))) ** 2,
+        axis=AX[ax],
+    )
 
 
 @fresh("abbe")
@@ -162,7 +176,9 @@ def rail_joint(w: World, r: Rng, ax: int) -> Shape:
 def cross_rail(w: World, r: Rng, ax: int) -> Shape:
     """Rail clamped at both ends under a saddle that travels: cube of s(1 - s), at the load (Roark)."""
     to = across(w, r, ax)
-    return tool_only(to, lambda q: -64 * (unit_place(w, ax, q) * (1 - unit_place(w, ax, q))) ** 3, axis=AX[ax])
+    return tool_only(
+        to, lambda q: -64 * (unit_place(w, ax, q) * (1 - unit_place(w, ax, q))) ** 3, axis=AX[ax]
+    )
 
 
 @fresh("sag")

@@ -75,7 +75,12 @@ def pump(w: World, r: Rng, ax: int) -> Shape | None:
     if not rates:
         return None
     top = min(float(min(rates)) / 2.6, 60.0)
-    hz, ph, on, where = logu(r, min(0.8, top / 2), top), r.uniform(0, 6.28), r.uniform(0.4, 0.8), r.uniform()
+    hz, ph, on, where = (
+        logu(r, min(0.8, top / 2), top),
+        r.uniform(0, 6.28),
+        r.uniform(0.4, 0.8),
+        r.uniform(),
+    )
     parts = int(r.integers(1, 5))
 
     def f(q: Rec) -> Array:
@@ -97,4 +102,8 @@ def slipping(w: World, r: Rng, ax: int) -> Shape:
     span = float(np.ptp(q0.t))
     t0 = float(r.uniform(q0.t[0] + 0.15 * span, q0.t[-1] - 0.2 * span))
     t, size = t0 + span * np.r_[0.0, np.sort(r.uniform(0, 0.02, 2))], r.dirichlet(np.ones(3) * 3)
-    return both(ax, lambda q: sign * ((q.t[:, None] >= t) @ size), params=lambda a: {"jump_um": sign * a, "t_s": t0})
+    return both(
+        ax,
+        lambda q: sign * ((q.t[:, None] >= t) @ size),
+        params=lambda a: {"jump_um": sign * a, "t_s": t0},
+    )

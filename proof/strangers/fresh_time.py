@@ -74,12 +74,24 @@ def _light(effect: str, where: str) -> None:
         far, dead, dt = r.random() < 0.5, r.uniform(300, 2500), float(w.grid[1])
         g = stream("vapour", w.key)
         vapour = logu(g, 0.3, 3) * slow_ou(g, len(w.grid), dt, logu(g, 1800, 20000))
-        index = -0.93e-3 * lowpass(w.air, dt, logu(r, 10, 900)) + 0.27e-3 * w.pressure - 0.037e-3 * vapour
+        index = (
+            -0.93e-3 * lowpass(w.air, dt, logu(r, 10, 900))
+            + 0.27e-3 * w.pressure
+            - 0.037e-3 * vapour
+        )
         hold = np.floor(w.grid / r.uniform(900, 3600))
         if where == "held":  # a weather station that is asked now and then: what has passed since
             first = np.unique(hold, return_index=True)[1]
             index = index - index[first][hold.astype(int)]
-        seen = sorted({a for q in w.recs if q.laser for a in w.machine.axes if abs(q.meta["sensitive"][a]) > 0.1})
+        seen = sorted(
+            {
+                a
+                for q in w.recs
+                if q.laser
+                for a in w.machine.axes
+                if abs(q.meta["sensitive"][a]) > 0.1
+            }
+        )
 
         def field(q: Rec, a: float) -> Part:
             if not q.laser:
@@ -88,10 +100,14 @@ def _light(effect: str, where: str) -> None:
             if effect == "dead_path":
                 return Part(reading=a * dead * (n - n[0]) * (-1 if far else 1))
             b = beam(w, q, far)
-            layer = 0.3 * np.abs(b) / max(float(np.abs(b).max()), 1.0) if where == "layered" else 0.0
+            layer = (
+                0.3 * np.abs(b) / max(float(np.abs(b).max()), 1.0) if where == "layered" else 0.0
+            )
             return Part(reading=a * n * b * (1 + layer))
 
-        return Shape(field, AX[seen[0]] if len(seen) == 1 and effect == "laser_air" else "", most=4.0)
+        return Shape(
+            field, AX[seen[0]] if len(seen) == 1 and effect == "laser_air" else "", most=4.0
+        )
 
 
 for _e, _k in (("laser_air", "held"), ("laser_air", "layered"), ("dead_path", "vapour")):

@@ -122,7 +122,9 @@ def stated(m: Machine, pos: Array, sgn: Array) -> tuple[Array, Array]:
     return tool, rot
 
 
-def draw_machine(r: Rng, masked: bool = False, kind: str | None = None, flat: bool = False) -> Machine:
+def draw_machine(
+    r: Rng, masked: bool = False, kind: str | None = None, flat: bool = False
+) -> Machine:
     """A machine; `masked` makes the known geometry 20-80 um, `flat` leaves zero tables."""
     kind = kind or pick(r, ["lathe", "grinder", "mill", "mill", "router"])
     letters, chains, controls = CHAINS[kind]

@@ -29,7 +29,15 @@ def ramp(dist: float, v: float, a: float, dt: float) -> Array:
     return np.clip(s * dist / max(s[-1], 1e-12), 0, dist)
 
 
-def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = False, force: dict | None = None) -> Rec:
+def trace(
+    r: Rng,
+    m: Machine,
+    t0: float,
+    name: str,
+    sees: str,
+    held: bool = False,
+    force: dict | None = None,
+) -> Rec:
     """Samples in motion, 2000 to about 13000 rows."""
     o = force or {}
     fs = float(o.get("rate", pick(r, [20, 50, 100, 200, 500, 1000])))
@@ -71,7 +79,9 @@ def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = Fals
             goal = here.copy()
             if kind == "raster" and step % 2 and len(use) > 1:
                 goal[use[1]] += room[use[1]] * 0.25 / many * (1 if step < 2 * many else -1)
-                goal[use[1]] = np.clip(goal[use[1]], at[use[1]] - room[use[1]] * 0.2, at[use[1]] + room[use[1]] * 0.2)
+                goal[use[1]] = np.clip(
+                    goal[use[1]], at[use[1]] - room[use[1]] * 0.2, at[use[1]] + room[use[1]] * 0.2
+                )
             elif kind == "path":
                 for a in m.axes:
                     goal[a] = at[a] + room[a] * r.uniform(-0.2, 0.2)
@@ -92,10 +102,23 @@ def trace(r: Rng, m: Machine, t0: float, name: str, sees: str, held: bool = Fals
     pos = np.round(pos, 6)
     vel = np.gradient(pos, dt, axis=0)
     win = max(1, int(0.02 * fs))
-    accel = np.gradient(np.apply_along_axis(np.convolve, 0, vel, np.ones(win) / win, "same"), dt, axis=0)
+    accel = np.gradient(
+        np.apply_along_axis(np.convolve, 0, vel, np.ones(win) / win, "same"), dt, axis=0
+    )
     tool = ["grid encoder", "R-test", "laser in motion"] if sees == "tool" else ["control"]
     meta = header_meta(m, sees=sees, instrument=pick(r, tool), rate=fs, path=kind, feed=feed)
     tt = np.round(t0 + t, 5)
     return Rec(
-        name, "trace", tt, pos, vel, accel, np.ones(n, int), pos, tt, np.arange(n), np.full(n, feed), meta
+        name,
+        "trace",
+        tt,
+        pos,
+        vel,
+        accel,
+        np.ones(n, int),
+        pos,
+        tt,
+        np.arange(n),
+        np.full(n, feed),
+        meta,
     ).finish()

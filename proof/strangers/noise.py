@@ -31,7 +31,13 @@ OPEN_KINDS = sorted(set(FAST_TRACE + SLOW + ["quant", "outlier"]))
 HELD_KINDS = sorted(set(HELD_FAST_TRACE + HELD_SLOW))
 Kernel = Callable[[Array, Array], Array]
 LATER: dict[str, dict[str, list[str]]] = {
-    "held": {"fast": HELD_FAST, "trace": HELD_FAST_TRACE, "slow": HELD_SLOW, "parts": HELD_FAST, "all": HELD_KINDS}
+    "held": {
+        "fast": HELD_FAST,
+        "trace": HELD_FAST_TRACE,
+        "slow": HELD_SLOW,
+        "parts": HELD_FAST,
+        "all": HELD_KINDS,
+    }
 }
 
 
@@ -83,7 +89,9 @@ def k_iou(s2: float, tau: float) -> Kernel:
     def k(a: Array, b: Array) -> Array:
         lo = np.minimum(a[:, None], b)
         e = np.exp
-        return s2 * (2 * lo / tau - 1 + e(-a / tau)[:, None] + e(-b / tau) - e(-np.abs(a[:, None] - b) / tau))
+        return s2 * (
+            2 * lo / tau - 1 + e(-a / tau)[:, None] + e(-b / tau) - e(-np.abs(a[:, None] - b) / tau)
+        )
 
     return k
 
@@ -122,7 +130,9 @@ def fast(r: Rng, kind: str, s: float, t: Array, regular: bool) -> Noise:
     return Noise(r.normal(0, s, n), var, [spec])
 
 
-def add_slow(r: Rng, noise: Noise, kind: str, s: float, t: Array, world: World, t_abs: Array) -> None:
+def add_slow(
+    r: Rng, noise: Noise, kind: str, s: float, t: Array, world: World, t_abs: Array
+) -> None:
     """Add a slow kind of size s (rms, or rms at the end of the file; um)."""
     span = max(t[-1], 1.0)
     spec: dict[str, Any] = {"kind": kind, "um": round(s, 4)}
@@ -215,7 +225,9 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     many = int(r.integers(1, 4)) if harsh else int(pick(r, [0, 1, 1, 2]))
     kinds += [pick(r, pool) for _ in range(many)] if rec.kind != "features" else []
     if held and not set(kinds) & set(own["all"]):
-        kinds[1 if len(kinds) > 1 else 0 : 2] = [pick(r, own["slow"])] if len(kinds) > 1 else own["fast"][:1]
+        kinds[1 if len(kinds) > 1 else 0 : 2] = (
+            [pick(r, own["slow"])] if len(kinds) > 1 else own["fast"][:1]
+        )
     sizes = [logu(r, 0.1, 3.0 if harsh else 1.5) for _ in kinds[1:]]
     quant = float(pick(r, [0.01, 0.1, 0.1, 0.5, 1.0])) if r.random() < 0.35 else 0.0
     if rec.kind == "trace" and quant > 0.1:
@@ -226,7 +238,11 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     gone = LOSSES[world.family](r, rec) if world.family in LOSSES else None
     for c in rec.channels:
         size = sd * (r.uniform(0.7, 1.4) if trace else 1)
-        x = MORE_FAST[kinds[0]](r, size, rec) if kinds[0] in MORE_FAST else fast(r, kinds[0], size, t, trace)
+        x = (
+            MORE_FAST[kinds[0]](r, size, rec)
+            if kinds[0] in MORE_FAST
+            else fast(r, kinds[0], size, t, trace)
+        )
         for kind, s in zip(kinds[1:], sizes, strict=False):
             if kind in MORE_SLOW:
                 MORE_SLOW[kind](r, x, s, rec, world, c)
@@ -241,7 +257,9 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
             i = int(r.integers(0, len(t)) if gone is None else pick(r, np.flatnonzero(~gone)))
             x.values[i] += pick(r, [-1, 1]) * (6 * sd + logu(r, 3, 30))
             x.var[i : i + (25 if len(x.white_a) > 1 else 1)] += 1e6
-            x.spec.append({"kind": "outlier", "row": i + 1 - (0 if gone is None else int(gone[:i].sum()))})
+            x.spec.append(
+                {"kind": "outlier", "row": i + 1 - (0 if gone is None else int(gone[:i].sum()))}
+            )
         if gone is not None:
             x.gone = gone
             x.var = x.var + 1e8 * spread(gone, 25 if len(x.white_a) > 1 else 1)

@@ -73,7 +73,9 @@ def map_columns(m: Machine, rec: Rec, factor: float) -> dict[tuple[int, str], Ar
         if rec.kind == "features":
             two = np.zeros((len(rec.t), 12))
             h = hat(m, ax, rec.pos[:, ax])
-            two = np.stack([observe(rec, Part(tool=probe * h[:, j : j + 1]))[0] for j in range(12)], 1)[None]
+            two = np.stack(
+                [observe(rec, Part(tool=probe * h[:, j : j + 1]))[0] for j in range(12)], 1
+            )[None]
             out[key] = two @ root * m.u * factor
         elif np.abs(gain).max() > 1e-12:
             h = hat(m, ax, rec.pos[:, ax])
@@ -110,7 +112,9 @@ class Oracle:
                 )
         self.ready = [self.prepare(*p) for p in self.parts]
 
-    def prepare(self, q: Rec, ch: int, n: Noise, low: Array, var: Array, mp: Array, idx: list[int]) -> tuple:
+    def prepare(
+        self, q: Rec, ch: int, n: Noise, low: Array, var: Array, mp: Array, idx: list[int]
+    ) -> tuple:
         """Whitened map columns with the local low-rank part factored."""
         sd = np.sqrt(var)[:, None]
         if len(n.white_a) > 1:  # the filter's start is not stationary: drop it

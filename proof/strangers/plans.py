@@ -50,7 +50,9 @@ PLANS: dict[str, list[str]] = {
 EFFECTS = sorted(PLANS)
 
 
-def experiment(r: Rng, suspect: str, family: str, masked: bool) -> tuple[Machine, list[Rec], dict, str]:
+def experiment(
+    r: Rng, suspect: str, family: str, masked: bool
+) -> tuple[Machine, list[Rec], dict, str]:
     """Machine, files in order of time, drivers asked for, and the plan's name."""
     plan = pick(r, PLANS.get(suspect, ["laser", "long", "mix", "trace_tool", "straight", "diag"]))
     held, fresh = family == "held", family == "fresh"
@@ -89,7 +91,11 @@ def files(r: Rng, plan: str) -> list[str]:
     if plan == "diag":
         return ["diagonal"] * int(r.integers(1, 4)) + ["displacement"] * int(r.integers(0, 3))
     if plan == "mix":
-        return ["displacement", pick(r, ["ballbar", "trace_tool"]), pick(r, ["trace_scale", "trace_tool"])]
+        return [
+            "displacement",
+            pick(r, ["ballbar", "trace_tool"]),
+            pick(r, ["trace_scale", "trace_tool"]),
+        ]
     if plan == "ballbar":
         return ["ballbar"] * int(r.integers(1, 5))
     if plan == "long":
@@ -131,7 +137,13 @@ def blind(r: Rng, spot: str) -> tuple[Machine, list[Rec], Rec, int, list[str], s
         feed = float(r.uniform(500, 3000))
         s = pick(r, [1, -1])
         a = ballbar(r, m, t0, "r1", force={"plane": plane, "feed": feed, "senses": [s]})
-        b = ballbar(r, m, float(np.round(a.t[-1] + gap, 1)), "f1", force={"plane": plane, "feed": feed, "senses": [-s]})
+        b = ballbar(
+            r,
+            m,
+            float(np.round(a.t[-1] + gap, 1)),
+            "f1",
+            force={"plane": plane, "feed": feed, "senses": [-s]},
+        )
         pair = AX[plane[0]] + AX[plane[1]]
         return (
             m,

@@ -52,7 +52,9 @@ def tool_only(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:
     """Linear shape that moves the tool along `ax` by amp * f(rec), unseen by the scale."""
     from .base import AX
 
-    return Shape(lambda rec, a: Part(tool=along(rec, ax, a * f(rec))), str(kw.pop("axis", AX[ax])), **kw)  # type: ignore[arg-type]
+    return Shape(
+        lambda rec, a: Part(tool=along(rec, ax, a * f(rec))), str(kw.pop("axis", AX[ax])), **kw
+    )  # type: ignore[arg-type]
 
 
 def both(ax: int, f: Callable[[Rec], Array], **kw: object) -> Shape:

@@ -130,7 +130,9 @@ def draw_effect(
     if kinds:
         forms = [f for f in forms if f[0] in kinds] or forms
     own = [f for f in forms if f[1] != "open"]
-    if own and w.family == "fresh" and len(own) < len(forms):  # two of three: what an effect usually is stays in
+    if (
+        own and w.family == "fresh" and len(own) < len(forms)
+    ):  # two of three: what an effect usually is stays in
         own = pick(r, [own, own, [f for f in forms if f not in own]])
     name, family, fn = pick(r, own or forms)
     live = sorted({a for q in recs for a in q.moving}) or w.machine.axes
@@ -230,13 +232,18 @@ def plan_names(r: Rng, tier: str, suspect: str, family: str) -> list[list[str]]:
     count = 2 if tier == "pair" else 3
     if r.random() < 0.5:
         mates = [b if a == suspect else a for a, b in ALIKE if suspect in (a, b)] or EFFECTS
-        out = [[suspect] * 6 + tries(None, EFFECTS, 4), [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4)]
+        out = [
+            [suspect] * 6 + tries(None, EFFECTS, 4),
+            [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4),
+        ]
     else:
         out = [tries(suspect, EFFECTS, 10), tries(None, EFFECTS, 20)]
     return out + [tries(None, EFFECTS, 20) for _ in range(count - 2)]
 
 
-def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str]], tier: str) -> list[Hidden]:
+def hide(
+    r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str]], tier: str
+) -> list[Hidden]:
     """Effects for a tier; each try must be seen by the oracle, the last one is kept anyway."""
     found: list[Hidden] = []
     lo, hi = (2.0, 8.0) if tier == "masked" else (2.0, 16.0)
@@ -251,7 +258,9 @@ def hide(r: Rng, w: World, recs: list[Rec], oracle: Oracle, plans: list[list[str
             if not allowed(e, w.family):
                 continue
             h = draw_effect(r, w, recs, e, logu(r, lo, hi))
-            if h is None or any((h.effect, h.shape.axis) == (x.effect, x.shape.axis) for x in found):
+            if h is None or any(
+                (h.effect, h.shape.axis) == (x.effect, x.shape.axis) for x in found
+            ):
                 continue
             last, checks = h, checks + 1
             gram = oracle.gram([x.mu for x in [*found, h]])
@@ -285,7 +294,10 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     draw_map_error(m, rn, factor)
     for q in recs + follow:
         q.meta["zero_by_run"] = bool(harsh and q.kind == "targets" and rn.random() < 0.15)
-    noises = [draw_noise(rn, q, w, later and (i == 0 or rn.random() < 0.5), harsh) for i, q in enumerate(recs + follow)]
+    noises = [
+        draw_noise(rn, q, w, later and (i == 0 or rn.random() < 0.5), harsh)
+        for i, q in enumerate(recs + follow)
+    ]
     oracle = Oracle(m, recs, noises[: len(recs)], factor)
     if tier == "blind":
         found = hide_blind(rh, w, recs + follow, suspects, ax)
@@ -295,11 +307,21 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     if follow:
         after = Oracle(m, follow, noises[len(recs) :], factor)
         part = [
-            Hidden(h.effect, h.form, h.family, h.shape, h.amp, h.mu[len(recs) :], peak_of(h.mu[len(recs) :], follow))
+            Hidden(
+                h.effect,
+                h.form,
+                h.family,
+                h.shape,
+                h.amp,
+                h.mu[len(recs) :],
+                peak_of(h.mu[len(recs) :], follow),
+            )
             for h in found
         ]
         info["follow_up"] = tell(w, follow, after, part, key) if part else []
-    hidden = set().union(*(HIDDEN.get(h.effect, set()) for h in found)) if tier == "withheld" else set()
+    hidden = (
+        set().union(*(HIDDEN.get(h.effect, set()) for h in found)) if tier == "withheld" else set()
+    )
     if tier == "withheld":
         hidden |= HIDDEN[suspect]
     files, notes = machine_files(m), {}
@@ -320,7 +342,8 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
         "map_factor": round(factor, 2),
         "hidden": sorted(hidden),
         "files": {
-            q.name: q.kind + (":" + str(q.meta.get("sees") or q.meta.get("quantity") or "")).rstrip(":")
+            q.name: q.kind
+            + (":" + str(q.meta.get("sees") or q.meta.get("quantity") or "")).rstrip(":")
             for q in recs + follow
         },
         "targets": int(sum(len(np.unique(q.pos, axis=0)) for q in recs if q.kind == "targets")),
@@ -352,10 +375,18 @@ def hide_blind(r: Rng, w: World, recs: list[Rec], suspects: list[str], ax: int) 
         return []
     for _ in range(12):
         name = pick(r, [s for s in suspects if "position" not in s]).split(":")[0]
-        kinds = {"abbe": {"unmapped_pitch", "unmapped_parabola"}, "cyclic": {"pure", "harmonics"}}.get(name)
+        kinds = {
+            "abbe": {"unmapped_pitch", "unmapped_parabola"},
+            "cyclic": {"pure", "harmonics"},
+        }.get(name)
         h = draw_effect(r, w, recs, name, logu(r, 3, 16), ax, kinds)
         # fresh family: but for circles in one sense, which show two suspects alike, the test sees nothing
-        seen = w.family == "fresh" and len(suspects) != 2 and h is not None and peak_of(h.mu[:1], recs[:1]) > 0.2
+        seen = (
+            w.family == "fresh"
+            and len(suspects) != 2
+            and h is not None
+            and peak_of(h.mu[:1], recs[:1]) > 0.2
+        )
         if h and not seen and f"{h.effect}:{h.shape.axis}" in suspects:
             return [h]
     return []
@@ -382,7 +413,15 @@ def tell(w: World, recs: list[Rec], oracle: Oracle, found: list[Hidden], key: st
 
 
 def put(
-    w: World, q: Rec, i: int, noise: list, found: list[Hidden], rt: Rng, rn: Rng, hidden: set[str], drivers: dict
+    w: World,
+    q: Rec,
+    i: int,
+    noise: list,
+    found: list[Hidden],
+    rt: Rng,
+    rn: Rng,
+    hidden: set[str],
+    drivers: dict,
 ) -> tuple[str, dict]:
     """Text of one file: tables + map error + effects + noise + zero, rounded as it is read."""
     tool, rot = stated(w.machine, q.pos, q.sgn)

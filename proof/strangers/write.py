@@ -47,7 +47,9 @@ def machine_files(m: Machine) -> dict[str, str]:
                 cols += [f, b]
         files[f"machine/{AX[a]}.csv"] = csv(head, [col(c, 3) for c in cols])
         if m.u_file:
-            big = [col(m.nodes[a], 3)] + [col(np.full(len(m.nodes[a]), 2 * m.u), 3)] * (len(cols) - 1)
+            big = [col(m.nodes[a], 3)] + [col(np.full(len(m.nodes[a]), 2 * m.u), 3)] * (
+                len(cols) - 1
+            )
             files[f"machine/{AX[a]}_uncertainty.csv"] = csv(head, big)
     rows.append("[squareness]")
     rows += [f"{k} = {v:.2f}" for k, v in m.square.items()]
@@ -113,7 +115,10 @@ def recording(
             ("kind", [i[1] for i in info]),
             ("axis", [AX[i[2]] for i in info]),
             ("nominal_mm", [f"{i[3]:.3f}" for i in info]),
-            ("measured_mm", [f"{i[3] + v / 1e3:.6f}" for i, v in zip(info, value[0], strict=False)]),
+            (
+                "measured_mm",
+                [f"{i[3] + v / 1e3:.6f}" for i, v in zip(info, value[0], strict=False)],
+            ),
             ("part", [str(i[4]) for i in info]),
             ("reading", [str(i[5]) for i in info]),
         ):
@@ -124,7 +129,10 @@ def recording(
     if rec.kind == "targets":
         angle = meta["quantity"] == "angle"
         top.append(f'quantity = "{meta["quantity"]}"')
-        top.append("sensitive = " + (vec(meta["rotvec"], [0, 1, 2]) if angle else vec(meta["sensitive"], rec.axes)))
+        top.append(
+            "sensitive = "
+            + (vec(meta["rotvec"], [0, 1, 2]) if angle else vec(meta["sensitive"], rec.axes))
+        )
         for a in rec.axes:
             add(f"{AX[a]}_mm", col(rec.pos[:, a], 4))
         for a in rec.axes:

@@ -96,7 +96,9 @@ def schedule(seed: int) -> Row:
             doing = threading.Thread(target=_do, args=(real, place, r, names, process), daemon=True)
             doing.start()
             went_on: list[str] = []
-            person = threading.Thread(target=_person, args=(real, place, process, went_on), daemon=True)
+            person = threading.Thread(
+                target=_person, args=(real, place, process, went_on), daemon=True
+            )
             person.start()
             try:
                 said = process.communicate(timeout=180)[1]
@@ -148,7 +150,9 @@ def _person(real: RealGrbl, place: Path, process: subprocess.Popen, went_on: lis
     journal, since = place / "job.nc.journal", 0.0
     while process.poll() is None:
         time.sleep(0.5)
-        states = re.findall(rb'"state":"([a-z]+)"', journal.read_bytes()[-2000:] if journal.exists() else b"")
+        states = re.findall(
+            rb'"state":"([a-z]+)"', journal.read_bytes()[-2000:] if journal.exists() else b""
+        )
         if not states or states[-1] != b"hold":
             since = time.monotonic()
         elif time.monotonic() - since > WAITS:

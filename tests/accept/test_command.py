@@ -23,7 +23,9 @@ from tests.pages import drawn
 
 ROOT = Path(__file__).resolve().parents[2]
 THESIS = ROOT / "machines" / "studer-s36-thesis"
-needs_seed = pytest.mark.skipif(not SEED.is_dir(), reason="the measured tables are not beside the project")
+needs_seed = pytest.mark.skipif(
+    not SEED.is_dir(), reason="the measured tables are not beside the project"
+)
 
 
 def gcomp(*words) -> int:
@@ -40,12 +42,44 @@ def loop(tmp_path, monkeypatch):
             name = test[:3]
             nominal, corrected = tmp_path / f"{name}.nc", tmp_path / f"{name}_c.nc"
             simulate = ("simulate", "--machine", "studer-s36", "--noise", "0.2", "--quiet")
-            assert gcomp(*simulate, "--test", test, "--program-out", nominal, "-o", tmp_path / f"{name}1.csv") == 0
             assert (
-                gcomp("compensate", nominal, "--machine", map_, "--outside", "clamp", "-o", corrected, "--quiet") == 0
+                gcomp(
+                    *simulate,
+                    "--test",
+                    test,
+                    "--program-out",
+                    nominal,
+                    "-o",
+                    tmp_path / f"{name}1.csv",
+                )
+                == 0
             )
             assert (
-                gcomp(*simulate, corrected, "--instrument", "laser", "--seed", 2, "-o", tmp_path / f"{name}2.csv") == 0
+                gcomp(
+                    "compensate",
+                    nominal,
+                    "--machine",
+                    map_,
+                    "--outside",
+                    "clamp",
+                    "-o",
+                    corrected,
+                    "--quiet",
+                )
+                == 0
+            )
+            assert (
+                gcomp(
+                    *simulate,
+                    corrected,
+                    "--instrument",
+                    "laser",
+                    "--seed",
+                    2,
+                    "-o",
+                    tmp_path / f"{name}2.csv",
+                )
+                == 0
             )
         names = [tmp_path / f"{n}{k}.csv" for k in (1, 2) for n in ("pos", "dia")]
         return gcomp("accept", *names, "--machine", map_, "--json", tmp_path / "r.json", *flags)
@@ -71,10 +105,15 @@ def test_the_loop_closes(loop, capsys):
     page = (place / "p.html").read_text()
     assert "All signs that can be told are right (6 of 6)." in page and drawn.outside(page) == []
     curves = drawn.curves(page, "curves-1")
-    assert max(curves["before, approached in +"]["y"]) - min(curves["before, approached in +"]["y"]) > 60
+    assert (
+        max(curves["before, approached in +"]["y"]) - min(curves["before, approached in +"]["y"])
+        > 60
+    )
     assert max(map(abs, curves["after, approached in +"]["y"])) < 1.0
     bars = drawn.curves(page, "parameters-1")
-    assert bars["before"]["y"][bars["before"]["x"].index("E")] == approx(diagonal["before"]["value"], abs=1e-3)
+    assert bars["before"]["y"][bars["before"]["x"].index("E")] == approx(
+        diagonal["before"]["value"], abs=1e-3
+    )
 
 
 def test_a_map_with_its_sign_turned_is_named_and_called_the_maps(loop, capsys):
@@ -104,13 +143,17 @@ def thesis_diagonal(columns: str) -> Recording:
     machine = read_machine(THESIS)
     with open(SEED / "table_6_3_compensated_diagonal.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    nominal = np.array([[float(r["x_nominal_diameter_mm"]) / 2, float(r["z_nominal_mm"])] for r in rows]).T
+    nominal = np.array(
+        [[float(r["x_nominal_diameter_mm"]) / 2, float(r["z_nominal_mm"])] for r in rows]
+    ).T
     unit = nominal[:, -1] / np.linalg.norm(nominal[:, -1])
     parts = []
     for way, sign in (("fwd", 1.0), ("rev", -1.0)):
         command = nominal
         if columns:
-            command = np.array([[float(r[f"{columns}_{way}_x"]) / 2, float(r[f"{columns}_{way}_z"])] for r in rows]).T
+            command = np.array(
+                [[float(r[f"{columns}_{way}_x"]) / 2, float(r[f"{columns}_{way}_z"])] for r in rows]
+            ).T
         actual = command + machine.deviation(command, np.full_like(command, sign))
         parts.append(unit @ (actual - nominal) * 1e3)
     n = len(rows)
@@ -192,7 +235,9 @@ def test_a_head_that_says_otherwise_is_believed(tmp_path, capsys):
     assert "its head says compensated = true" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("shift, says", [(0.05, "--commanded"), (3.0, "measure at the same targets")])
+@pytest.mark.parametrize(
+    "shift, says", [(0.05, "--commanded"), (3.0, "measure at the same targets")]
+)
 def test_other_targets_are_refused_with_the_way_out(tmp_path, capsys, shift, says):
     def moved(part):
         if "after" in part.file:
@@ -214,7 +259,9 @@ def test_an_angle_is_shown_and_not_judged(tmp_path, capsys):
         names.append(tmp_path / part.file)
     assert gcomp("accept", *names) == 0
     out = capsys.readouterr().out
-    assert "an angle is not changed by moving slides" in out and "nothing here is large enough" in out
+    assert (
+        "an angle is not changed by moving slides" in out and "nothing here is large enough" in out
+    )
 
 
 def test_lost_motion_of_the_wrong_sign_is_named(tmp_path, capsys):
@@ -237,8 +284,19 @@ def test_another_direction_is_no_uncorrected_machine(loop, capsys):
     """A diagonal read along another line than before, against commanded places, looked as if nothing had happened."""
     made, place = loop
     assert made("studer-s36") == 0
-    words = ("simulate", place / "dia_c.nc", "--machine", "studer-s36", "--instrument", "laser", "--quiet")
+    words = (
+        "simulate",
+        place / "dia_c.nc",
+        "--machine",
+        "studer-s36",
+        "--instrument",
+        "laser",
+        "--quiet",
+    )
     assert gcomp(*words, "--set", "along=X0.3,Z0.95", "-o", place / "other.csv") == 0
     capsys.readouterr()
     assert gcomp("accept", place / "dia1.csv", place / "other.csv") == 2
-    assert "its readings are along X+0.3011 Z+0.9536, and those before along X+0.3162" in capsys.readouterr().err
+    assert (
+        "its readings are along X+0.3011 Z+0.9536, and those before along X+0.3162"
+        in capsys.readouterr().err
+    )

@@ -43,15 +43,20 @@ def left(axis: Slide, name: str, fault: str) -> Slide:
 
 def expected(fault: str) -> set[str]:
     plus, minus = signs.WAYS
-    return {"both": {plus, minus, signs.REVERSAL}, "+": {plus}, "-": {minus}, "exchanged": {signs.REVERSAL}}.get(
-        fault, set()
-    )
+    return {
+        "both": {plus, minus, signs.REVERSAL},
+        "+": {plus},
+        "-": {minus},
+        "exchanged": {signs.REVERSAL},
+    }.get(fault, set())
 
 
 def found(rng, axis: Slide, name: str, fault: str, noise=0.3, runs=5):
     rest = {x: v for x, v in REST.items() if x != axis.letter}
     before = recording(rng, axis, name, rest, noise=noise, runs=runs, file="before.csv")
-    after = recording(rng, left(axis, name, fault), name, rest, noise=noise, runs=runs, file="after.csv")
+    after = recording(
+        rng, left(axis, name, fault), name, rest, noise=noise, runs=runs, file="after.csv"
+    )
     ((one, other),) = pairing.pairs([before], [after], False)
     return judge.outcome(one, other, None, Options())
 
@@ -85,7 +90,10 @@ def test_a_ratio_is_what_is_left_by_hand(noise):
         forward={n: 0.3 * v for n, v in axis.forward.items()},
         reverse={n: 0.3 * v for n, v in axis.reverse.items()},
     )
-    files = [recording(rng, a, "EZZ", rest, noise=noise, file=f) for a, f in ((axis, "b.csv"), (third, "a.csv"))]
+    files = [
+        recording(rng, a, "EZZ", rest, noise=noise, file=f)
+        for a, f in ((axis, "b.csv"), (third, "a.csv"))
+    ]
     ((one, other),) = pairing.pairs(files[:1], files[1:], False)
     result = judge.outcome(one, other, None, Options())
     for ratio in result.ratios:
@@ -98,15 +106,22 @@ def test_the_interval_of_a_ratio_holds_19_of_20():
     """200 measurements of one axis with 40 % left: the three intervals hold the truth in 90 to 99 % of them."""
     rng = np.random.default_rng(8)
     axis = machine(rng)["X"]
-    part = replace(axis, forward={"EXX": 0.4 * axis.forward["EXX"]}, reverse={"EXX": 0.4 * axis.reverse["EXX"]})
+    part = replace(
+        axis, forward={"EXX": 0.4 * axis.forward["EXX"]}, reverse={"EXX": 0.4 * axis.reverse["EXX"]}
+    )
     held = []
     for _ in range(200):
         files = [
-            recording(rng, a, "EXX", {"Z": 200.0}, noise=0.5, file=f) for a, f in ((axis, "b.csv"), (part, "a.csv"))
+            recording(rng, a, "EXX", {"Z": 200.0}, noise=0.5, file=f)
+            for a, f in ((axis, "b.csv"), (part, "a.csv"))
         ]
         ((one, other),) = pairing.pairs(files[:1], files[1:], False)
-        held += [[abs(r.value - 0.4) <= r.U for r in judge.outcome(one, other, None, Options()).ratios]]
-    assert ((0.90 <= np.mean(held, axis=0)) & (np.mean(held, axis=0) <= 0.995)).all(), np.mean(held, axis=0)
+        held += [
+            [abs(r.value - 0.4) <= r.U for r in judge.outcome(one, other, None, Options()).ratios]
+        ]
+    assert ((0.90 <= np.mean(held, axis=0)) & (np.mean(held, axis=0) <= 0.995)).all(), np.mean(
+        held, axis=0
+    )
 
 
 def test_what_is_too_small_is_not_judged():
@@ -132,11 +147,25 @@ def test_under_much_scatter_a_turned_sign_may_stay_open_and_is_never_called_righ
     missed = 0
     for _ in range(120):
         axes = machine(rng)
-        name, fault = str(rng.choice(TRANSLATIONS)), str(rng.choice(["", "both", "+", "-", "exchanged"]))
+        name, fault = (
+            str(rng.choice(TRANSLATIONS)),
+            str(rng.choice(["", "both", "+", "-", "exchanged"])),
+        )
         size, axis = rng.choice([0.1, 0.3, 1.0]), axes[name[2]]
-        axis = replace(axis, **{w: {n: size * v for n, v in getattr(axis, w).items()} for w in ("forward", "reverse")})
+        axis = replace(
+            axis,
+            **{
+                w: {n: size * v for n, v in getattr(axis, w).items()}
+                for w in ("forward", "reverse")
+            },
+        )
         result = found(
-            rng, axis, name, fault, noise=float(rng.choice([0.2, 0.5, 1.0])), runs=int(rng.choice([2, 3, 5]))
+            rng,
+            axis,
+            name,
+            fault,
+            noise=float(rng.choice([0.2, 0.5, 1.0])),
+            runs=int(rng.choice([2, 3, 5])),
         )
         assert set(result.turned) <= expected(fault), (name, fault, result.ratios)
         verdicts = {r.of: r.verdict for r in result.ratios}
@@ -149,9 +178,15 @@ def test_under_much_scatter_a_turned_sign_may_stay_open_and_is_never_called_righ
 def test_what_stays_open_is_listed_in_the_verdict():
     rng = np.random.default_rng(12)
     axis = machine(rng)["Z"]
-    faint = replace(axis, **{w: {n: 0.05 * v for n, v in getattr(axis, w).items()} for w in ("forward", "reverse")})
+    faint = replace(
+        axis,
+        **{w: {n: 0.05 * v for n, v in getattr(axis, w).items()} for w in ("forward", "reverse")},
+    )
     outcomes = [found(rng, axis, "EZZ", ""), found(rng, faint, "EXZ", "both", noise=1.0)]
     lines = report.verdict(outcomes, "mine")
     assert lines[0].startswith("all signs that can be told are right (3 of 6)")
-    assert lines[1].startswith("too small against the scatter to tell: EXZ, X 80 approached in +") and len(lines) == 2
+    assert (
+        lines[1].startswith("too small against the scatter to tell: EXZ, X 80 approached in +")
+        and len(lines) == 2
+    )
     assert 'signs = "verified"' in report.verdict(outcomes[:1], "mine")[1]

@@ -63,7 +63,11 @@ def machines() -> run.Machines:
 def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
     """What stops the program; None: it is corrected, and verified."""
     spoken = dialects.load(dialect)
-    machine = machines().smooth(run.MAIN, "lathe" in dialect or bool(how.get("lathe"))).carrying(spoken.carried)
+    machine = (
+        machines()
+        .smooth(run.MAIN, "lathe" in dialect or bool(how.get("lathe")))
+        .carrying(spoken.carried)
+    )
     if "machine" in how:
         machine = read_machine(run.ROOT / "machines" / how["machine"])
     start = how.get("start", dict.fromkeys(machine.letters, 0.0))
@@ -78,8 +82,13 @@ def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
     whole = text.replace("|", "\n").encode("latin-1") + b"\n"
     try:
         if how.get("expand"):
-            limits = SimpleNamespace(max_steps=how.get("steps", 20_000), max_depth=how.get("depth", 20))
-            library = {name: body.replace("|", "\n").encode() for name, body in how.get("library", {}).items()}
+            limits = SimpleNamespace(
+                max_steps=how.get("steps", 20_000), max_depth=how.get("depth", 20)
+            )
+            library = {
+                name: body.replace("|", "\n").encode()
+                for name, body in how.get("library", {}).items()
+            }
             written = expansion.of_text(filter_, whole, library.get, limits)
             for _ in expansion.through(filter_, written, lambda size: None):
                 pass
@@ -103,11 +112,19 @@ def patterns() -> list[tuple[re.Pattern[str], int, str]]:
     found = []
     for message in {bare(m) for chapter in CHAPTERS for m, _ in sentences().get(chapter, ())}:
         parts = message.split("*")
-        found.append((re.compile(".*".join(map(re.escape, parts)) + r"\Z", re.DOTALL), len("".join(parts)), message))
+        found.append(
+            (
+                re.compile(".*".join(map(re.escape, parts)) + r"\Z", re.DOTALL),
+                len("".join(parts)),
+                message,
+            )
+        )
     return found
 
 
 def sentence(message: str) -> str:
     """The sentence of docs/REFUSALS.md that a message is, the most definite one; "" where it is none."""
     message = message.partition(" (in the block that was written out")[0]
-    return max(((n, text) for pattern, n, text in patterns() if pattern.match(message)), default=(0, ""))[1]
+    return max(
+        ((n, text) for pattern, n, text in patterns() if pattern.match(message)), default=(0, "")
+    )[1]

@@ -1,6 +1,8 @@
 """Sentences that no case provokes, and why. What has no way out is said so here."""
 
-ADVICE = "the way out of other sentences, which are made in several steps: the page shows it by itself"
+ADVICE = (
+    "the way out of other sentences, which are made in several steps: the page shows it by itself"
+)
 MACHINE = "the machine's folder is at fault, not the program: tests/test_refusals.py edits one"
 NO_DIALECT = "no control here has both such words and such a cycle that is corrected in place"
 ELSEWHERE = "provoked in tests/expand; what follows from its advice is not tried yet"

@@ -25,7 +25,12 @@ TEXT = [
     lathe("G1 X30. %", "G1 X30.|%"),
     lathe("G1 Z30. )", "G1 Z30."),
     lathe("G1 Z30./F10", "/G1 Z30. F10"),
-    mill(C, "o100 sub|G1 X1 F9|o100 endsub|o100 call|M2", "o100 sub|G1 X1 F9|o100 endsub|o100 call|M2", also=WRITE),
+    mill(
+        C,
+        "o100 sub|G1 X1 F9|o100 endsub|o100 call|M2",
+        "o100 sub|G1 X1 F9|o100 endsub|o100 call|M2",
+        also=WRITE,
+    ),
     mill("grbl", "o100 sub|G1 X1 F9|o100 endsub|o100 call", "G1 X1 F9"),
     lathe("G1 X30.\rG1 Z30. F10", "G1 X30.\r|G1 Z30. F10"),
     lathe("G1 Z3(c)0.", "G1 Z30. (c)"),
@@ -42,7 +47,12 @@ WORDS = [
     lathe("G1 X9999999.", "G1 X99.99999"),
     mill(M, "G38 X3.", "G0 X3."),
     lathe("M98 P2000|M30|O2000|G1 Z20. F9|M99", "M98 P2000|M30|O2000|G1 Z20. F9|M99", also=WRITE),
-    mill(M, "G68 X0. Y0. R30.|G1 X30. Y5. F10|G69", "G68 X0. Y0. R30.|G1 X30. Y5. F10|G69|G0 X1. Y1.", also=WRITE),
+    mill(
+        M,
+        "G68 X0. Y0. R30.|G1 X30. Y5. F10|G69",
+        "G68 X0. Y0. R30.|G1 X30. Y5. F10|G69|G0 X1. Y1.",
+        also=WRITE,
+    ),
     mill(C, "G4 X1.", "G4 P1."),
     lathe("G91 G53 X0", "G90 G53 X0"),
     lathe("G93 G1 X30. Z60.", "G93 G1 X30. Z60. F2"),
@@ -55,7 +65,9 @@ WORDS = [
     lathe("G3 X40. Z20. I0. K10. R10.", "G3 X40. Z20. R10."),
     lathe("G3 X40. Z30. F100", "G3 X40. Z30. R25. F100"),
     Case(C, "X20. Y1. Z1.", "G0 X20. Y1. Z1."),
-    lathe("G3 X40. Z20. I10. K20. F100", "G3 X40. Z20. I10. K20. F100", also={"centre": "absolute"}),
+    lathe(
+        "G3 X40. Z20. I10. K20. F100", "G3 X40. Z20. I10. K20. F100", also={"centre": "absolute"}
+    ),
     lathe("G3 X40. Z30. I0. K10. F100", "G3 X40. Z20. I0. K10. F100"),
     mill(M, "G1 X5. E5. F9", "G1 X5. F9"),
     mill(C, "G1 X5. E5. F9", "G1 X5. F9"),
@@ -65,7 +77,12 @@ WORDS = [
     mill(C, "G0 G1 X20. F9", "G1 X20. F9"),
     mill(C, "G4 P1 G2 X20. I5. F9", "G4 P1|G2 X20. I5. F9"),
     mill(C, "G2 X20. I5. P2000000 F9", "G2 X20. I5. P20 F9"),
-    Case(C, "G2 X20. Y10. I5. J0. F9", "G0 X10. Y10. Z0.|G2 X20. Y10. I5. J0. F9", how={"start": NOWHERE}),
+    Case(
+        C,
+        "G2 X20. Y10. I5. J0. F9",
+        "G0 X10. Y10. Z0.|G2 X20. Y10. I5. J0. F9",
+        how={"start": NOWHERE},
+    ),
     Case(C, "G2 X20. Y0. I10. J0. F9", "G2 X20. Y0. I10. J0. F9", first={"start": NOWHERE}),
     lathe("G53 U1. Z5.", "G53 X1. Z5."),
     mill(S, "TRANS X5|G91 G1 X3 F9", "TRANS X5|G90 G1 X13 F9"),
@@ -85,11 +102,18 @@ SHIFTS = [
     mill(C, "G43 H1|G1 X30. F10", "G43 H1|G1 X30. F10", first={"offsets": TEN}),
     mill(S, "T1 D1|G1 X30 F10", "T1 D1|G1 X30 F10", first={"offsets": TEN}),
     mill(M, "G10 L3 P1 X1.|G1 X30. F10", "G1 X30. F10"),
-    Case(C, "G10 L20 P1 X0.|G0 X30. Y1. Z1.", "G10 L20 P1 X0.|G0 X30. Y1. Z1.", first={"start": NOWHERE}),
+    Case(
+        C,
+        "G10 L20 P1 X0.|G0 X30. Y1. Z1.",
+        "G10 L20 P1 X0.|G0 X30. Y1. Z1.",
+        first={"start": NOWHERE},
+    ),
     mill(C, "G10 L2 P12 X0.|G1 X30. F9", "G10 L2 P2 X0.|G1 X30. F9"),
     mill(M, "G54.1 P1.5|G1 X30. F9", "G54.1 P2|G1 X30. F9"),
     mill("mach3", "G59 P7|G1 X30. F9", "G59|G1 X30. F9"),
-    mill(C, "G43 H1|G20|G43 H2|G1 X3. F9", "G43 H1|G49|G20|G43 H2|G1 X3. F9", how={"offsets": LONG}),
+    mill(
+        C, "G43 H1|G20|G43 H2|G1 X3. F9", "G43 H1|G49|G20|G43 H2|G1 X3. F9", how={"offsets": LONG}
+    ),
     mill(S, "T7|D1|G1 X30 F10", "T7|D1|G1 X30 F10", first={"offsets": TEN}),
     mill(C, "G43.1 C5.|G53 G0 X1.", "G43.1 C5.|G49|G53 G0 X1."),
 ]
@@ -105,15 +129,50 @@ HOLES = [
     ),
     mill(C, HOLE + "G33.1 X11. Z-40. K1.", HOLE + "G0 X11.|G33.1 Z-40. K1."),
     mill(M, HOLE + "G81 X11. Z-140. R2. F9", HOLE + "G81 X11. Z-140. R2. F9|G80", also=WRITE),
-    mill(M, HOLE + "G81 X11. Z-140. R2. F9", HOLE + "G81 X11. Z-140. R2. F9|G80", also={"hole_um": 50.0}),
-    mill(M, HOLE + "G81 X11. Z-4. R2. F9 L0|X12.", HOLE + "G81 X11. Z-4. R2. F9 L0|X12.|G80", also=WRITE),
-    mill(M, HOLE + "G81 X11. Z-4. R2. F9 K0|X12.", HOLE + "G81 X11. Z-4. R2. F9 K0|X12.|G80", also=WRITE),
-    mill(M, HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.", HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.|G80", also=WRITE),
+    mill(
+        M,
+        HOLE + "G81 X11. Z-140. R2. F9",
+        HOLE + "G81 X11. Z-140. R2. F9|G80",
+        also={"hole_um": 50.0},
+    ),
+    mill(
+        M,
+        HOLE + "G81 X11. Z-4. R2. F9 L0|X12.",
+        HOLE + "G81 X11. Z-4. R2. F9 L0|X12.|G80",
+        also=WRITE,
+    ),
+    mill(
+        M,
+        HOLE + "G81 X11. Z-4. R2. F9 K0|X12.",
+        HOLE + "G81 X11. Z-4. R2. F9 K0|X12.|G80",
+        also=WRITE,
+    ),
+    mill(
+        M,
+        HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.",
+        HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.|G80",
+        also=WRITE,
+    ),
     mill(M, HOLE + "G81 X11. R2. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(C, HOLE + "G81 X11. Z-4. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
-    mill(M, HOLE + "G91 G81 X1. Z-4. R-2. F9 K3", HOLE + "G91 G81 X1. Z-4. R-2. F9 K3|G80", also=WRITE),
-    mill(C, HOLE + "G91 G81 X1. Z-4. R-2. F9 L3", HOLE + "G91 G81 X1. Z-4. R-2. F9 L3|G80", also=WRITE),
-    mill(M, HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.", HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.|G80", also=WRITE),
+    mill(
+        M,
+        HOLE + "G91 G81 X1. Z-4. R-2. F9 K3",
+        HOLE + "G91 G81 X1. Z-4. R-2. F9 K3|G80",
+        also=WRITE,
+    ),
+    mill(
+        C,
+        HOLE + "G91 G81 X1. Z-4. R-2. F9 L3",
+        HOLE + "G91 G81 X1. Z-4. R-2. F9 L3|G80",
+        also=WRITE,
+    ),
+    mill(
+        M,
+        HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.",
+        HOLE + "G91 G99 G81 X1. Z-4. R-2. F9|X1.|G80",
+        also=WRITE,
+    ),
     mill(C, HOLE + "G81 X120. Y120. Z5. R5.001 F9", HOLE + "G81 X120. Y120. Z5. R6. F9|G80"),
     mill(M, HOLE + "G81 X11. Z4. R2. F9", HOLE + "G81 X11. Z4. R2. F9|G80", also=WRITE),
     *[
@@ -125,10 +184,21 @@ HOLES = [
             "G91 G99 G81 X1. Z-4. R-2. F9|X1.",
         )
     ],
-    mill("grblhal", HOLE + "G81 X11. Z-140. R2. F9", HOLE + "G81 X11. Z-140. R2. F9|G80", also={"hole_um": 50.0}),
+    mill(
+        "grblhal",
+        HOLE + "G81 X11. Z-140. R2. F9",
+        HOLE + "G81 X11. Z-140. R2. F9|G80",
+        also={"hole_um": 50.0},
+    ),
 ]
 MAP = [
-    Case("siemens", "G0 X10 Y10 Z5|L140(2)", "G0 X10 Y10 Z5|L140(2)", "is neither a command", also=WRITE),
+    Case(
+        "siemens",
+        "G0 X10 Y10 Z5|L140(2)",
+        "G0 X10 Y10 Z5|L140(2)",
+        "is neither a command",
+        also=WRITE,
+    ),
     mill(C, "G0 X3010.", "G0 X2990."),
     mill(C, "G0 X3010.", "G0 X3010.", also={"outside": "clamp"}),
     mill(C, "G0 X3200.", "G0 X2990.", how={"outside": "clamp"}),
@@ -146,6 +216,11 @@ MAP = [
         "G0 X100. Y100. Z0. A0. C0.|G1 C90. F360",
         how={"machine": "example-five-axis"},
     ),
-    mill(C, "G0 X3095. Y0.|G3 X3095. Y30. J15. F9", "G0 X2990. Y0.|G3 X2990. Y30. J15. F9", how={"outside": "clamp"}),
+    mill(
+        C,
+        "G0 X3095. Y0.|G3 X3095. Y30. J15. F9",
+        "G0 X2990. Y0.|G3 X2990. Y30. J15. F9",
+        how={"outside": "clamp"},
+    ),
 ]
 ALL = [*TEXT, *WORDS, *SHIFTS, *HOLES, *MAP]

@@ -16,7 +16,11 @@ from tests.advice.no_case import NO_CASE
 from tests.refusals_doc import sentences
 
 CASES = [*plain.ALL, *written_fanuc.ALL, *written_linuxcnc.ALL, *written_siemens.ALL]
-ALL = {follow.bare(message): advice for chapter in follow.CHAPTERS for message, advice in sentences().get(chapter, ())}
+ALL = {
+    follow.bare(message): advice
+    for chapter in follow.CHAPTERS
+    for message, advice in sentences().get(chapter, ())
+}
 
 
 def provoked(case: follow.Case):
@@ -81,7 +85,9 @@ CODES = [
 
 @pytest.mark.parametrize(("name", "word"), CODES)
 @pytest.mark.parametrize("words", ["", " X20. Z-1.", " P9 X20. Z-1. R2. Q1."])
-def test_a_code_that_points_to_expand_is_written_out_or_refused_for_another_reason(name, word, words):
+def test_a_code_that_points_to_expand_is_written_out_or_refused_for_another_reason(
+    name, word, words
+):
     head = "G90|G0 X10.|" + ("" if "lathe" in name else "G0 Y10.|") + "G0 Z5.|"
     text = f"{head}{word}{words}|G1 X5. F9|G0 Z5."
     error = follow.stopped(name, text, {})
@@ -92,7 +98,9 @@ def test_a_code_that_points_to_expand_is_written_out_or_refused_for_another_reas
 
 
 @pytest.mark.parametrize("name", dialects.names())
-@pytest.mark.parametrize("text", ["#1=5|G1 X#1 F9", "o100 sub|o100 endsub", "IF[1 EQ 1]GOTO 5", "G1 X[1+2] F9"])
+@pytest.mark.parametrize(
+    "text", ["#1=5|G1 X#1 F9", "o100 sub|o100 endsub", "IF[1 EQ 1]GOTO 5", "G1 X[1+2] F9"]
+)
 def test_only_where_a_language_runs_is_it_named(name, text):
     error = follow.stopped(name, text, {})
     if error is not None and "run with --expand" in error.advice:

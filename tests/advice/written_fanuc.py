@@ -33,7 +33,10 @@ def nurbs(old: str, new: str) -> Case:
 
 
 TURNING = [
-    lathe(ROUGH + "N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.", ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100."),
+    lathe(
+        ROUGH + "N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.",
+        ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100.",
+    ),
     lathe("G74 Z-5. Q1000 K1. F.1", "G74 Z-5. Q1000 F.1"),
     lathe("M3 S100|G83 Z-5. R-1. K2 L2 F.1", "M3 S100|G83 Z-5. R-1. K2 F.1|G80"),
     lathe("G90 X50. Z-5. R1. I1. F.1", "G90 X50. Z-5. R1. F.1"),
@@ -43,26 +46,44 @@ TURNING = [
     lathe(ROUGH + "N10 G0 X40.|G4 X1.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe("G42 G1 X90. F.1|G90 X80. Z-5.", "G42 G1 X90. F.1|G40 G1 X91.|G90 X80. Z-5."),
     lathe("G70|G0 Z9.", "G70 P10 Q20|G0 Z9.|M30|N10 G0 X40.|N20 G1 Z-5. F.1"),
-    lathe("G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5. F.1", "G70 P10 Q20|N10 G0 G42 X40.|G1 Z-5. F.1|N20 G40 G1 X60."),
+    lathe(
+        "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5. F.1",
+        "G70 P10 Q20|N10 G0 G42 X40.|G1 Z-5. F.1|N20 G40 G1 X60.",
+    ),
     lathe("M3 S100|G83 Z-5. M31 F.1", "M3 S100|G0 Z1.|G1 Z-5. F.1|G0 Z2."),
     lathe("G71|G0 Z9.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
-    lathe("G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"),
-    lathe("G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe(
+        "G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
+        "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
+    ),
+    lathe(
+        "G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
+        "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
+    ),
     lathe(ROUGH + "N10 G0 Z0.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe(ROUGH + "N10 G0 X40.|G1 Z-5.|N20 G0 X100. Z2.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe(ROUGH + "N10 G0 X40.|G1 Z-5.|N20 X30. Z-9.", ROUGH + "N10 G0 X30.|G1 Z-5.|N20 X40. Z-9."),
     lathe(ROUGH + "N10 G0 X40.|N20 G1 Z-5. ,R2.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
-    lathe("G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"),
-    lathe("G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"),
+    lathe(
+        "G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"
+    ),
+    lathe(
+        "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"
+    ),
     lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P1000 Q1000 F.1|G0 Z9."),
-    lathe(ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N10 G0 X1.", ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N11 G0 X1."),
+    lathe(
+        ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N10 G0 X1.", ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N11 G0 X1."
+    ),
     lathe(ROUGH + "N10 G0 X40.|N20 X40.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe(ROUGH + "N10 G0 X40.|N20 G2 X50. Z-5.", ROUGH + "N10 G0 X40.|N20 G2 X50. Z-3. R5."),
     lathe(ROUGH + "N10 G0 X40.|N20 G2 X50. Z-30. R5.", ROUGH + "N10 G0 X40.|N20 G2 X50. Z-3. R5."),
     lathe(
-        "G73 U2. R2|G73 P10 Q20 D1.5|N10 G0 X40.|N20 G1 Z-5. F.1", "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1"
+        "G73 U2. R2|G73 P10 Q20 D1.5|N10 G0 X40.|N20 G1 Z-5. F.1",
+        "G73 U2. R2|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
     ),
-    lathe("G71 U.0001 R1.|G71 P10 Q20 F.2|N10 G0 X40.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe(
+        "G71 U.0001 R1.|G71 P10 Q20 F.2|N10 G0 X40.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."
+    ),
     lathe("G74 R1.|G74 X50. Z-5. P1 Q1 F.1", "G74 R1.|G74 X50. Z-5. P5000 Q1000 F.1"),
     lathe("G74 R1.|G74 Z-50. Q1 F.1", "G74 R1.|G74 Z-50. Q1000 F.1"),
 ]
@@ -194,7 +215,11 @@ MACROS = [
     macro("#1=99|M#1", "M9"),
     macro("G65P9" + "I1." * 11 + SUB, "G65P9" + "I1." * 10 + "A1." + SUB),
     macro("N1 GOTO 1", "G0 X1.", how={}),
-    macro("#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1", "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1", also={"steps": 90_000}),
+    macro(
+        "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1",
+        "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1",
+        also={"steps": 90_000},
+    ),
     macro("M98P9|M30|O9|G0 X1.", "M98P9|M30|O9|G0 X1.|M99"),
     macro("X[LN[0]]", "X[LN[1]]"),
     macro("M98P9.5|M30|O9|M99", "M98P[FIX[9.5]]|M30|O9|M99"),
@@ -258,4 +283,16 @@ MORE = [
     macro("END2", "M30"),
     macro("M198", "M30"),
 ]
-ALL = [*MORE, *TURNING, *HAAS_LATHE, *FAGOR, *OKUMA, *DIRECTIONS, *POCKETS, *DRILLING, *FRAMES, *CURVES, *MACROS]
+ALL = [
+    *MORE,
+    *TURNING,
+    *HAAS_LATHE,
+    *FAGOR,
+    *OKUMA,
+    *DIRECTIONS,
+    *POCKETS,
+    *DRILLING,
+    *FRAMES,
+    *CURVES,
+    *MACROS,
+]

@@ -19,7 +19,11 @@ SHAPE = "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|O100 ENDSUB|"
 def turn(before: str, after: str, shape: str = SHAPE, shape_after: str = "", **options) -> Case:
     head = "G18 G8 G90|G0 X10 Z1 F9|"
     return Case(
-        C, shape + head + before, (shape_after or shape) + head + after, how={**WRITE, "lathe": True}, **options
+        C,
+        shape + head + before,
+        (shape_after or shape) + head + after,
+        how={**WRITE, "lathe": True},
+        **options,
     )
 
 
@@ -176,6 +180,11 @@ STATES = [
     Case(C, "@5", "G0 X1 Y1 Z1|@5 ^30", how={**WRITE, "start": NOWHERE}),
 ]
 OTHERS = [
-    Case("marlin", "G90|G1 X1 Y1 Z1|G18|G5 X9 Y9 P1 Q1", "G90|G1 X1 Y1 Z1|G17|G5 X9 Y9 I1 J1 P1 Q1", how=WRITE),
+    Case(
+        "marlin",
+        "G90|G1 X1 Y1 Z1|G18|G5 X9 Y9 P1 Q1",
+        "G90|G1 X1 Y1 Z1|G17|G5 X9 Y9 I1 J1 P1 Q1",
+        how=WRITE,
+    ),
 ]
 ALL = [*CYCLES, *O_WORDS, *STATES, *OTHERS]

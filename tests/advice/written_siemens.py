@@ -52,7 +52,13 @@ TAKES, VAR = (
     {"library": {"TAKES": "PROC TAKES(VAR REAL aa)|M17"}},
     {"library": {"GIVES": "PROC GIVES(REAL aa)|G0 X=aa|M17"}},
 )
-NONE = {"library": {"NONE1": "G0 X1|M17", "SELF": "G0 X1|SELF|M17", "SAVES": "PROC SAVES SAVE|G0 X1|M17"}}
+NONE = {
+    "library": {
+        "NONE1": "G0 X1|M17",
+        "SELF": "G0 X1|SELF|M17",
+        "SAVES": "PROC SAVES SAVE|G0 X1|M17",
+    }
+}
 PARTS = [
     run("R1=1.5|M=R1", "R1=9|M=R1"),
     run("ID=1 DO M8", "M8"),

@@ -18,7 +18,8 @@ def schema(name: str) -> dict[str, Any]:
 def held(data: dict) -> None:
     """Fits its schema, and every field is told of there."""
     jsonschema = pytest.importorskip(
-        "jsonschema", reason="jsonschema is not installed: schemas are not held against what is written"
+        "jsonschema",
+        reason="jsonschema is not installed: schemas are not held against what is written",
     )
     own = schema(data["format"])
     jsonschema.Draft202012Validator(own).validate(data)
@@ -29,7 +30,9 @@ def untold(data, own: dict, path: str = "") -> list[str]:
     """Fields that a schema says nothing about."""
     if isinstance(data, list):
         return [text for one in data for text in untold(one, own.get("items", {}), path)]
-    if not isinstance(data, dict) or ("properties" not in own and "additionalProperties" not in own):
+    if not isinstance(data, dict) or (
+        "properties" not in own and "additionalProperties" not in own
+    ):
         return []
     found = []
     for key, value in data.items():

@@ -28,7 +28,11 @@ def options() -> dict[str, argparse.Action]:
 
 def test_every_option_of_the_command_line_is_a_setting_and_no_other():
     taken = {OTHERWISE.get(name, name) for name in gcomp.Settings.__annotations__}
-    assert taken == set(options()) - {"machine", "temperature", "only"}  # all three are of load_machine
+    assert taken == set(options()) - {
+        "machine",
+        "temperature",
+        "only",
+    }  # all three are of load_machine
     assert set(UNITS) | set(CHOICES) <= set(gcomp.Settings.__annotations__)
 
 
@@ -44,7 +48,22 @@ def test_choices_are_those_of_the_command_line():
 ])  # fmt: skip
 def test_the_bytes_and_the_json_of_the_command_line(tmp_path, settings, words):
     out, told = tmp_path / "out.nc", tmp_path / "told.json"
-    assert main(["--machine", "studer-s36", *words, "--verify", "--json", str(told), "-o", str(out), str(SHAFT)]) == 0
+    assert (
+        main(
+            [
+                "--machine",
+                "studer-s36",
+                *words,
+                "--verify",
+                "--json",
+                str(told),
+                "-o",
+                str(out),
+                str(SHAFT),
+            ]
+        )
+        == 0
+    )
     done = gcomp.compensate(SHAFT, "studer-s36", verify=True, **settings)
     assert done.program == out.read_bytes()
     assert json.loads(done.to_json()) == json.loads(told.read_text())
@@ -53,7 +72,13 @@ def test_the_bytes_and_the_json_of_the_command_line(tmp_path, settings, words):
 def test_a_path_a_text_bytes_and_any_pieces_are_the_same_program():
     data = SHAFT.read_bytes()
     machine = gcomp.load_machine("studer-s36")
-    ways = [SHAFT, data, data.decode(), [data[:100], data[100:101], data[101:]], iter(data.decode().splitlines(True))]
+    ways = [
+        SHAFT,
+        data,
+        data.decode(),
+        [data[:100], data[100:101], data[101:]],
+        iter(data.decode().splitlines(True)),
+    ]
     assert len({gcomp.compensate(way, machine).program for way in ways}) == 1
     live = gcomp.live_filter(machine)
     assert b"".join(live.feed(data[i : i + 7]) for i in range(0, len(data), 7)) + live.finish() == gcomp.compensate(data, machine).program  # fmt: skip
@@ -93,7 +118,10 @@ def test_a_keyword_that_is_none_is_a_type_error_with_those_that_are():
 def test_a_refused_program_names_its_line_and_the_way_out():
     with pytest.raises(gcomp.ProgramError) as error:
         gcomp.compensate(b"G90 G21 G0 X20. Z0.\nG1 X30. XX2 F100\n", "studer-s36")
-    assert error.value.place is not None and (error.value.place.file, error.value.place.line) == ("<program>", 2)
+    assert error.value.place is not None and (error.value.place.file, error.value.place.line) == (
+        "<program>",
+        2,
+    )
 
 
 def test_a_file_that_stands_is_written_over_only_when_asked(tmp_path):
@@ -111,9 +139,16 @@ def test_temperatures_warm_the_machine_or_are_refused():
 
 def test_a_part_of_the_map_is_the_command_lines(tmp_path):
     out = tmp_path / "out.nc"
-    assert main(["--machine", "studer-s36", "--only", "EZZ", "--quiet", "-o", str(out), str(SHAFT)]) == 0
+    assert (
+        main(["--machine", "studer-s36", "--only", "EZZ", "--quiet", "-o", str(out), str(SHAFT)])
+        == 0
+    )
     part = gcomp.load_machine("studer-s36", only=["EZZ"])
-    assert gcomp.compensate(SHAFT, part).program == out.read_bytes() != gcomp.compensate(SHAFT, "studer-s36").program
+    assert (
+        gcomp.compensate(SHAFT, part).program
+        == out.read_bytes()
+        != gcomp.compensate(SHAFT, "studer-s36").program
+    )
 
 
 def test_a_machine_there_is_not_is_answered_with_those_there_are():
@@ -138,12 +173,23 @@ def test_the_json_of_a_program_does_not_go_where_the_program_goes(tmp_path, capf
 def test_iso_and_calibrate_and_recordings_are_the_commands(tmp_path, capfd, monkeypatch):
     file = ROOT / "sample_recordings" / "z_positioning.csv"
     assert main(["iso", str(file), "--json", "-"]) == 0
-    assert json.loads(capfd.readouterr().out) == json.loads(gcomp.evaluate([gcomp.read_recording(file)]).to_json())
-    names = [str(ROOT / "sample_recordings" / f"{n}.csv") for n in ("x_positioning", "z_positioning")]
+    assert json.loads(capfd.readouterr().out) == json.loads(
+        gcomp.evaluate([gcomp.read_recording(file)]).to_json()
+    )
+    names = [
+        str(ROOT / "sample_recordings" / f"{n}.csv") for n in ("x_positioning", "z_positioning")
+    ]
     monkeypatch.chdir(tmp_path)
-    assert main(["calibrate", *names, "--like", "example-lathe", "--mean", "-o", "mine", "--json", "-"]) == 0
+    assert (
+        main(
+            ["calibrate", *names, "--like", "example-lathe", "--mean", "-o", "mine", "--json", "-"]
+        )
+        == 0
+    )
     told = json.loads(capfd.readouterr().out)
-    found = gcomp.calibrate(map(gcomp.read_recording, names), like="example-lathe", name="mine", mean=True)
+    found = gcomp.calibrate(
+        map(gcomp.read_recording, names), like="example-lathe", name="mine", mean=True
+    )
     assert json.loads(found.to_json()) == {k: v for k, v in told.items() if k != "sha256"}
     assert {p.name: p.read_text() for p in (tmp_path / "mine").iterdir()} == found.files
     with pytest.raises(gcomp.UsageError, match="there already"):

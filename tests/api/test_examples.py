@@ -32,6 +32,8 @@ def test_the_first_example_of_the_module(beside):
 def test_every_public_name_is_said_on_the_page_or_stands_in_the_list_of_types():
     page = (ROOT / "docs" / "PYTHON.md").read_text()
     types = {"Compensated", "Verified", "Evaluated", "Diagnosed", "Calibrated", "Filter", "Machine", "Recording", "Place", "Notice"}  # fmt: skip
-    missing = [n for n in gcomp.__all__ if not n.startswith("__") and n not in types and n not in page]
+    missing = [
+        n for n in gcomp.__all__ if not n.startswith("__") and n not in types and n not in page
+    ]
     assert not missing
     assert all(getattr(gcomp, name).__doc__ for name in gcomp.__all__ if not name.startswith("__"))

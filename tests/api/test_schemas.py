@@ -50,7 +50,12 @@ def test_what_is_written_fits_its_schema(tmp_path, monkeypatch, capfd, format):
 
 def test_json_goes_to_standard_output_alone(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    for line in (["iso", Z], ["recordings", Z], ["machines", "show", "perfect"], ["explain", SHAFT, *STUDER]):
+    for line in (
+        ["iso", Z],
+        ["recordings", Z],
+        ["machines", "show", "perfect"],
+        ["explain", SHAFT, *STUDER],
+    ):
         assert main([*line, "--json", "-"]) == 0
         held(json.loads(capfd.readouterr().out))
 
@@ -68,7 +73,9 @@ def without_meaning(own: dict, path: str = "") -> list[str]:
     for key, part in own.get("properties", {}).items():
         described = part.get("description") or "const" in part
         found += [] if described else [f"{path}.{key}"]
-        found += without_meaning(part, f"{path}.{key}") + without_meaning(part.get("items", {}), f"{path}.{key}")
+        found += without_meaning(part, f"{path}.{key}") + without_meaning(
+            part.get("items", {}), f"{path}.{key}"
+        )
     return found
 
 
@@ -86,4 +93,6 @@ def test_every_command_with_a_report_has_json():
 def test_the_page_of_formats_names_them_all():
     text = (ROOT / "docs" / "JSON.md").read_text("utf-8")
     for name in (*LINES, *ELSEWHERE):
-        assert f"`{name}`" in text and f"postproc/schemas/{name.replace('/', '-')}.json" in text, name
+        assert f"`{name}`" in text and f"postproc/schemas/{name.replace('/', '-')}.json" in text, (
+            name
+        )

@@ -42,7 +42,9 @@ def results(out: Path) -> dict[str, bytes]:
 
 def ledger(out: Path) -> list[dict]:
     """Lines that tell what came of a job."""
-    lines = [json.loads(line) for line in (out / NAME).read_text().splitlines() if line.endswith("}")]
+    lines = [
+        json.loads(line) for line in (out / NAME).read_text().splitlines() if line.endswith("}")
+    ]
     return [line for line in lines if line["status"] != "begun"]
 
 
@@ -55,9 +57,26 @@ def place(tmp_path, monkeypatch) -> Path:
 
 @pytest.mark.parametrize("processes", [1, 2])
 def test_every_program_gives_the_bytes_of_gcomp_alone(place, capfd, processes):
-    assert run("in", "--machine", "studer-s36", "-o", "out", "-j", processes, "--verify", "--json", "all.json") == 0
+    assert (
+        run(
+            "in",
+            "--machine",
+            "studer-s36",
+            "-o",
+            "out",
+            "-j",
+            processes,
+            "--verify",
+            "--json",
+            "all.json",
+        )
+        == 0
+    )
     machine = gcomp.load_machine("studer-s36")
-    expected = {str(p.relative_to("in")): gcomp.compensate(p, machine).program for p in Path("in").rglob("*.nc")}
+    expected = {
+        str(p.relative_to("in")): gcomp.compensate(p, machine).program
+        for p in Path("in").rglob("*.nc")
+    }
     assert results(place / "out") == expected and len(expected) == COUNT
     assert f"{COUNT} of {COUNT} corrected" in capfd.readouterr().out
     with open("out/gcomp-batch.csv") as table:
@@ -77,7 +96,10 @@ def test_what_is_done_is_not_done_again_and_what_changed_is(place, capfd):
     Path("out/p06.nc").write_text("damaged")
     Path("in/p08.nc").write_text("G90 G21 G18\nG0 X20. Z0.\n")
     assert run(*line) == 0
-    assert f"{COUNT + 1} of {COUNT + 1} corrected ({COUNT - 2} of them in an earlier run)" in capfd.readouterr().out
+    assert (
+        f"{COUNT + 1} of {COUNT + 1} corrected ({COUNT - 2} of them in an earlier run)"
+        in capfd.readouterr().out
+    )
     again = {p.name for p, stamp in stamps.items() if p.stat().st_mtime_ns != stamp}
     assert again == {"p05.nc", "p06.nc"}
     assert b"damaged" not in Path("out/p06.nc").read_bytes()
@@ -92,7 +114,9 @@ def test_one_bad_program_stops_nothing_and_says_where(place, capfd):
     out, err = capfd.readouterr()
     assert f"{COUNT} of {COUNT + 2} corrected, 2 refused" in out
     assert "in/bad.nc:2: X = 450.0000 mm lies outside" in err and "in/worse.nc:1:" in err
-    assert set(results(place / "out")) == {str(p.relative_to("in")) for p in Path("in").rglob("p*.nc")}
+    assert set(results(place / "out")) == {
+        str(p.relative_to("in")) for p in Path("in").rglob("p*.nc")
+    }
 
 
 def test_several_machines_have_folders_of_their_own(place):
@@ -134,12 +158,17 @@ def test_a_run_that_is_killed_goes_on_where_it_was(tmp_path, monkeypatch):
     try:
         limit = time.monotonic() + 60
         book = tmp_path / "out" / NAME
-        while time.monotonic() < limit and not (book.exists() and book.read_bytes().count(b"sha256") >= 5):
+        while time.monotonic() < limit and not (
+            book.exists() and book.read_bytes().count(b"sha256") >= 5
+        ):
             time.sleep(0.005)
     finally:
         first.send_signal(signal.SIGKILL)
         first.wait()
-    before = {entry["output"]: Path(entry["output"]).stat().st_mtime_ns for entry in ledger(tmp_path / "out")}
+    before = {
+        entry["output"]: Path(entry["output"]).stat().st_mtime_ns
+        for entry in ledger(tmp_path / "out")
+    }
     assert 5 <= len(before) < 60
     time.sleep(0.1)  # its workers have ended with it, and let go of the folder
     assert run("in", "--machine", "studer-s36", "-o", "out", "-j", 2, "--quiet") == 0
@@ -169,7 +198,9 @@ def test_a_line_that_was_cut_off_is_a_job_done_again(place):
     (["in", "--machine", "perfect", "-o", "out", "-j", "0"], "not a number of processes"),
     (["in", "--machine", "perfect", "-o", "out", "--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler answers"),
 ])  # fmt: skip
-def test_what_can_not_be_is_refused_before_anything_is_written(place, capfd, monkeypatch, words, says):
+def test_what_can_not_be_is_refused_before_anything_is_written(
+    place, capfd, monkeypatch, words, says
+):
     Path("same").mkdir()
     Path("same/p00.nc").write_text("G0 X1\n")
     Path("empty").mkdir()
@@ -201,11 +232,18 @@ def test_two_runs_do_not_write_to_one_folder(place, capfd):
 
 
 def test_options_that_change_the_machine_reach_every_process(place):
-    assert run("in", "--machine", "studer-s36", "--only", "EZZ", "-o", "out", "-j", 2, "--quiet") == 0
+    assert (
+        run("in", "--machine", "studer-s36", "--only", "EZZ", "-o", "out", "-j", 2, "--quiet") == 0
+    )
     part = gcomp.load_machine("studer-s36", only=["EZZ"])
-    assert (place / "out" / "p00.nc").read_bytes() == gcomp.compensate(Path("in/p00.nc"), part).program
+    assert (place / "out" / "p00.nc").read_bytes() == gcomp.compensate(
+        Path("in/p00.nc"), part
+    ).program
 
 
 def test_pages_beside_the_results(place):
-    assert run("in/p00.nc", "--machine", "studer-s36", "-o", "out", "-j", 1, "--report", "--quiet") == 0
+    assert (
+        run("in/p00.nc", "--machine", "studer-s36", "-o", "out", "-j", 1, "--report", "--quiet")
+        == 0
+    )
     assert "p00.nc on studer-s36" in Path("out/p00.nc.html").read_text("utf-8")

@@ -19,7 +19,11 @@ START = 60.0  # s
 
 
 def started(*words: str) -> subprocess.Popen:
-    env = {**os.environ, "PYTHONPATH": str(ROOT), "DASK_DISTRIBUTED__ADMIN__LOG_FORMAT": "%(message)s"}
+    env = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "DASK_DISTRIBUTED__ADMIN__LOG_FORMAT": "%(message)s",
+    }
     return subprocess.Popen(
         [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
     )  # fmt: skip
@@ -42,7 +46,18 @@ def scheduler(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dask")
     file = folder / "scheduler.json"
     own = ("--no-dashboard",)
-    children = [started("dask_scheduler", "--port", "0", "--host", "127.0.0.1", "--scheduler-file", str(file), *own)]
+    children = [
+        started(
+            "dask_scheduler",
+            "--port",
+            "0",
+            "--host",
+            "127.0.0.1",
+            "--scheduler-file",
+            str(file),
+            *own,
+        )
+    ]
     try:
         address = address_in(file)
         for k in range(2):
@@ -61,12 +76,18 @@ def test_the_workers_of_a_scheduler_give_the_same_and_one_that_is_killed_loses_n
     programs(tmp_path / "in")
     address, children = scheduler
     assert run("in", "--machine", "studer-s36", "-o", "here", "-j", 1, "--quiet") == 0
-    assert run("in", "--machine", "studer-s36", "-o", "there", "--scheduler", address, "--quiet") == 0
+    assert (
+        run("in", "--machine", "studer-s36", "-o", "there", "--scheduler", address, "--quiet") == 0
+    )
     assert results(tmp_path / "there") == results(tmp_path / "here")
     assert len(ledger(tmp_path / "there")) == COUNT
     children[1].send_signal(signal.SIGKILL)
-    assert run("in", "--machine", "studer-s36", "-o", "again", "--scheduler", address, "--quiet") == 0
+    assert (
+        run("in", "--machine", "studer-s36", "-o", "again", "--scheduler", address, "--quiet") == 0
+    )
     assert results(tmp_path / "again") == results(tmp_path / "here")
     # Done files are not done again, whoever did them.
-    assert run("in", "--machine", "studer-s36", "-o", "there", "--scheduler", address, "--quiet") == 0
+    assert (
+        run("in", "--machine", "studer-s36", "-o", "there", "--scheduler", address, "--quiet") == 0
+    )
     assert len(ledger(tmp_path / "there")) == COUNT

@@ -30,7 +30,8 @@ def recording(component: str) -> Recording:
     unit = "" if component == "EBZ" else "_mm"  # the yaw is printed in mm/m
     q = np.array([float(r[f"{letter.lower()}_mm"]) for r in rows])
     forward, reverse = (
-        np.array([float(r[f"{COLUMNS[component]}_{way}{unit}"]) * 1e3 for r in rows]) for way in ("forward", "reverse")
+        np.array([float(r[f"{COLUMNS[component]}_{way}{unit}"]) * 1e3 for r in rows])
+        for way in ("forward", "reverse")
     )
     n = len(q)
     other = "XZ".replace(letter, "")
@@ -39,7 +40,9 @@ def recording(component: str) -> Recording:
         f"{letter}_mm": np.concatenate([q, q[::-1]]),
         f"{other}_mm": np.zeros(2 * n),
         f"approach_{letter}": np.repeat([1.0, -1.0], n),
-        "reading_urad" if component == "EBZ" else "reading_um": np.concatenate([forward, reverse[::-1]]),
+        "reading_urad" if component == "EBZ" else "reading_um": np.concatenate(
+            [forward, reverse[::-1]]
+        ),
     }
     head = {
         "quantity": QUANTITIES[component],

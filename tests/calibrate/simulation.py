@@ -33,11 +33,18 @@ class Slide:
         names = [f"E{i}{self.letter}" for i in (XYZ if kind == "E" else "ABC")]
         one = UM if kind == "E" else URAD
         side = self.forward if way > 0 else self.reverse
-        return np.stack([one * np.interp(q, self.targets, side.get(n, np.zeros(len(self.targets)))) for n in names])
+        return np.stack(
+            [
+                one * np.interp(q, self.targets, side.get(n, np.zeros(len(self.targets))))
+                for n in names
+            ]
+        )
 
     def lateral(self, way: int, q: np.ndarray, rest: dict[str, float]) -> np.ndarray:
         """(3, N) mm: translations at positions q while the others stand at `rest`."""
-        away = np.array([rest[x] - self.measured_at.get(x, 0.0) if x in self.arm else 0.0 for x in XYZ])
+        away = np.array(
+            [rest[x] - self.measured_at.get(x, 0.0) if x in self.arm else 0.0 for x in XYZ]
+        )
         return self.vector("E", way, q) + np.cross(self.vector("EA", way, q), away[:, None], axis=0)
 
 
@@ -45,7 +52,8 @@ def wave(rng, targets: np.ndarray, size: float, waves: int = 3) -> np.ndarray:
     """A smooth curve of about `size`, zero nowhere in particular."""
     t = (targets - targets[0]) / np.ptp(targets)
     return sum(
-        size / (k + 1) * np.sin(np.pi * (k + 1) * t * rng.uniform(0.7, 1.3) + rng.uniform(0, 6)) for k in range(waves)
+        size / (k + 1) * np.sin(np.pi * (k + 1) * t * rng.uniform(0.7, 1.3) + rng.uniform(0, 6))
+        for k in range(waves)
     )
 
 
@@ -74,7 +82,9 @@ def three_axes(rng) -> dict[str, Slide]:
         return tuple(f"E{i}{x}" for i in "XYZABC")
 
     return {
-        "X": slide(rng, "X", np.linspace(0, 400, 11), names("X"), ("Y", "Z"), {"Y": 100.0, "Z": 50.0}),
+        "X": slide(
+            rng, "X", np.linspace(0, 400, 11), names("X"), ("Y", "Z"), {"Y": 100.0, "Z": 50.0}
+        ),
         "Y": slide(rng, "Y", np.linspace(0, 300, 9), names("Y"), ("Z",), {"Z": 80.0}),
         "Z": slide(rng, "Z", np.linspace(-200, 0, 9), names("Z"), (), {}),
     }
@@ -97,7 +107,10 @@ def recording(
     letter, direction = axis.letter, component[1]
     angle = direction in "ABC"
     position, approach, run, reading = [], [], [], []
-    zero, slope = rng.normal(0, 20), 0.0 if angle or direction == letter or aligned else rng.normal(0, 40)
+    zero, slope = (
+        rng.normal(0, 20),
+        0.0 if angle or direction == letter or aligned else rng.normal(0, 40),
+    )
     for j in range(runs):
         for way in ways:
             q = axis.targets if way > 0 else axis.targets[::-1]
@@ -109,9 +122,14 @@ def recording(
             approach.append(np.full(len(q), float(way)))
             run.append(np.full(len(q), j + 1.0))
             reading.append(true + zero + slope * 1e-3 * q + rng.normal(0, noise, len(q)))
-    places = {f"{x}_mm": np.full(len(axis.targets) * runs * len(ways), at) for x, at in rest.items()}
+    places = {
+        f"{x}_mm": np.full(len(axis.targets) * runs * len(ways), at) for x, at in rest.items()
+    }
     places[f"{letter}_mm"] = np.concatenate(position)
-    columns = {"run": np.concatenate(run), "t_s": 10.0 * np.arange(len(places[f"{letter}_mm"]))} | places
+    columns = {
+        "run": np.concatenate(run),
+        "t_s": 10.0 * np.arange(len(places[f"{letter}_mm"])),
+    } | places
     columns[f"approach_{letter}"] = np.concatenate(approach)
     columns["reading_urad" if angle else "reading_um"] = np.concatenate(reading)
     quantity = "angle" if angle else "displacement" if direction == letter else "straightness"
@@ -119,7 +137,9 @@ def recording(
     text = {"quantity": quantity, "sensitive": sensitive, "control_tables": "off"} | head
     if u is not None:
         text["u_um"] = u
-    return Recording("targets", text, columns, file or f"{component}.csv", np.arange(len(columns["run"])) + 10)
+    return Recording(
+        "targets", text, columns, file or f"{component}.csv", np.arange(len(columns["run"])) + 10
+    )
 
 
 def everything(rng, machine: dict[str, Slide], rest: dict[str, float], **how) -> list[Recording]:
@@ -136,7 +156,9 @@ def truth(axis: Slide, component: str, rest: dict[str, float], lined=True, datum
     least-squares line of the mean of both directions, that mean zero at the datum."""
     q, direction = axis.targets, component[1]
     if direction in "ABC":
-        value = np.stack([axis.vector("EA", way, q)["ABC".index(direction)] for way in (1, -1)]) / URAD
+        value = (
+            np.stack([axis.vector("EA", way, q)["ABC".index(direction)] for way in (1, -1)]) / URAD
+        )
     else:
         value = np.stack([axis.lateral(way, q, rest)[XYZ.index(direction)] for way in (1, -1)]) / UM
         if direction != axis.letter and lined:
@@ -145,7 +167,9 @@ def truth(axis: Slide, component: str, rest: dict[str, float], lined=True, datum
     return value - np.interp(datum, q, value.mean(axis=0))
 
 
-def coverage(make, chain, rest, options, calibrate, trials: int, seed: int, **how) -> tuple[int, int, float, float]:
+def coverage(
+    make, chain, rest, options, calibrate, trials: int, seed: int, **how
+) -> tuple[int, int, float, float]:
     """Values within 2 u, values in all, root mean square of the normalised error, mean u; over `trials` machines."""
     rng = np.random.default_rng(seed)
     inside = count = 0

@@ -24,7 +24,9 @@ def targets(
     places |= {f"approach_{x}": np.ones(n) for x in moving}
     reading = "reading_urad" if quantity == "angle" else "reading_um"
     head = {"quantity": quantity, "sensitive": sensitive}
-    return Recording("targets", head, places | {reading: np.arange(n) * 1.0} | columns, "r.csv", np.arange(n) + 7)
+    return Recording(
+        "targets", head, places | {reading: np.arange(n) * 1.0} | columns, "r.csv", np.arange(n) + 7
+    )
 
 
 Q = np.linspace(0, 400, 9)
@@ -90,7 +92,9 @@ def test_what_fits_nothing_is_refused_with_the_reason(name):
 
 
 def test_axes_that_move_in_proportion_make_a_diagonal():
-    diagonal = assign(targets({"X": Q, "Z": 300 - 0.75 * Q}, {"X": 0.8, "Z": -0.6}, "displacement", {"Y": 20.0}))
+    diagonal = assign(
+        targets({"X": Q, "Z": 300 - 0.75 * Q}, {"X": 0.8, "Z": -0.6}, "displacement", {"Y": 20.0})
+    )
     assert isinstance(diagonal, Diagonal)
     assert diagonal.direction == approx({"X": 0.8, "Z": -0.6})
     assert (diagonal.name, diagonal.rest) == ("+X-Z", {"Y": 20.0})

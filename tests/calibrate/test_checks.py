@@ -17,7 +17,9 @@ from tests.calibrate.simulation import Slide, recording, slide
 GRINDER, TABLE = parse("w-b-Z-X-t"), parse("w-Z-b-X-t")
 NODES = np.array([0, 33, 61, 94, 127, 153, 181, 214, 247, 273, 301, 334, 367, 395])
 OPTIONS = Options(GRINDER, leads={"Z": 80.0}, travel={"Z": (0.0, 395.0), "X": (0.0, 200.0)})
-needs_seed = pytest.mark.skipif(not seed.SEED.is_dir(), reason="the measured tables are not beside the project")
+needs_seed = pytest.mark.skipif(
+    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
+)
 
 
 def carriage(fine: int = 1) -> Slide:
@@ -39,11 +41,15 @@ def clean(rng=None, axis: Slide | None = None, **change) -> list:
     axis = axis or carriage()
     how = {"noise": 0.1, "u": 0.1} | change
     parts = [recording(rng, axis, n, {"X": 0.0}, **how) for n in axis.forward]
-    return [replace(p, columns=p.columns | {"T_screw_Z_C": 20.0 + 0 * p.columns["run"]}) for p in parts]
+    return [
+        replace(p, columns=p.columns | {"T_screw_Z_C": 20.0 + 0 * p.columns["run"]}) for p in parts
+    ]
 
 
 def doubts(calibration: Calibration, check: str = "") -> list[str]:
-    return [f.message for f in calibration.findings if f.level == "doubt" and check in ("", f.check)]
+    return [
+        f.message for f in calibration.findings if f.level == "doubt" and check in ("", f.check)
+    ]
 
 
 def only(calibration: Calibration, check: str, level: str = "doubt"):
@@ -67,7 +73,11 @@ def test_a_clean_calibration_has_no_doubts_and_little_to_say():
 @needs_seed
 def test_the_grinders_yaw_has_the_wrong_sign():
     """compensation.md 3.3: on the thesis' Z data the correlation is -0.71; 0.6 um predicted, 3.0 um measured."""
-    found = [f for f in calibrate(seed.all_recordings(), Options(GRINDER)).findings if f.check == "angle-straightness"]
+    found = [
+        f
+        for f in calibrate(seed.all_recordings(), Options(GRINDER)).findings
+        if f.check == "angle-straightness"
+    ]
     assert len(found) == 1
     assert found[0].level == "doubt" and "is probably turned" in found[0].message
     assert found[0].numbers["correlation"] == approx(-0.71, abs=0.01)
@@ -95,7 +105,9 @@ def test_degrees_for_mm_per_m():
     parts = clean()
     parts[2].columns["reading_urad"][:] *= 17.45
     told = doubts(calibrate(parts, OPTIONS), "angle-straightness")
-    assert len(told) == 1 and "EBZ" in told[0] and "times too large" in told[0] and "unit" in told[0]
+    assert (
+        len(told) == 1 and "EBZ" in told[0] and "times too large" in told[0] and "unit" in told[0]
+    )
 
 
 @pytest.mark.parametrize("optic", ["tool", "workpiece"])
@@ -105,7 +117,11 @@ def test_of_a_table_the_relation_turns_round_for_a_point_that_stays_on_it(optic)
     axis = carriage()
     for side in (axis.forward, axis.reverse):
         side["EXZ"] = -side["EXZ"] + (side["EBZ"] * NODES * 1e-3 if optic == "tool" else 0)
-    found = only(calibrate(clean(axis=axis, optic=optic), replace(OPTIONS, chain=TABLE)), "angle-straightness", "note")
+    found = only(
+        calibrate(clean(axis=axis, optic=optic), replace(OPTIONS, chain=TABLE)),
+        "angle-straightness",
+        "note",
+    )
     assert found.numbers["correlation"] > 0.97
 
 
@@ -156,11 +172,15 @@ def test_targets_at_the_same_angle_of_the_screw(nodes, lead, says):
 
 
 def test_a_lead_that_is_not_said_is_asked_for():
-    assert "--lead Z=5" in only(calibrate(clean(), replace(OPTIONS, leads={})), "lead", "note").message
+    assert (
+        "--lead Z=5" in only(calibrate(clean(), replace(OPTIONS, leads={})), "lead", "note").message
+    )
 
 
 def test_one_column_for_a_large_reversal():
-    found = [f for f in calibrate(clean(), replace(OPTIONS, mean=True)).findings if f.check == "mean-map"]
+    found = [
+        f for f in calibrate(clean(), replace(OPTIONS, mean=True)).findings if f.check == "mean-map"
+    ]
     assert sorted(f.component for f in found) == ["EXZ", "EZZ"]
     assert found[0].numbers["B_um"] == approx(1.5, abs=0.3)
 
@@ -177,8 +197,12 @@ def test_an_end_that_was_not_overrun():
     told = doubts(calibrate(clean(axis=axis), OPTIONS), "overrun")
     assert any("EZZ reverses by" in t and "Z = 395" in t and "overrun" in t for t in told)
     missing = clean()
-    missing[0] = missing[0].pick(~((missing[0].columns["approach_Z"] < 0) & (missing[0].columns["Z_mm"] == 395.0)))
-    assert any("read in one direction only" in t for t in doubts(calibrate(missing, OPTIONS), "overrun"))
+    missing[0] = missing[0].pick(
+        ~((missing[0].columns["approach_Z"] < 0) & (missing[0].columns["Z_mm"] == 395.0))
+    )
+    assert any(
+        "read in one direction only" in t for t in doubts(calibrate(missing, OPTIONS), "overrun")
+    )
 
 
 def test_a_travel_beyond_the_targets():
@@ -195,7 +219,11 @@ def test_a_component_that_ends_before_the_others_is_held():
     parts = clean()
     parts[1] = parts[1].pick(parts[1].columns["Z_mm"] < 350)
     told = doubts(calibrate(parts, OPTIONS), "held")
-    assert len(told) == 1 and "EXZ is held beyond its own targets" in told[0] and "from 334 to 395" in told[0]
+    assert (
+        len(told) == 1
+        and "EXZ is held beyond its own targets" in told[0]
+        and "from 334 to 395" in told[0]
+    )
 
 
 def test_a_step_in_the_table():
@@ -222,11 +250,16 @@ def test_the_controls_own_tables(states, level, says):
 def test_a_temperature_that_moved():
     parts = clean()
     n = len(parts[0])
-    parts[0] = replace(parts[0], columns=parts[0].columns | {"T_screw_Z_C": np.linspace(19.0, 21.0, n)})
+    parts[0] = replace(
+        parts[0], columns=parts[0].columns | {"T_screw_Z_C": np.linspace(19.0, 21.0, n)}
+    )
     found = only(calibrate(parts, OPTIONS), "temperature")
     assert found.numbers["span_K"] == approx(2.0)
     assert found.numbers["growth_um"] == approx(11.5e-3 * 2.0 * 395, rel=1e-6)
-    bare = [replace(p, columns={k: v for k, v in p.columns.items() if k != "T_screw_Z_C"}) for p in clean()]
+    bare = [
+        replace(p, columns={k: v for k, v in p.columns.items() if k != "T_screw_Z_C"})
+        for p in clean()
+    ]
     assert "no temperature" in only(calibrate(bare, OPTIONS), "temperature", "note").message
 
 
@@ -235,8 +268,15 @@ def test_a_slope_that_is_an_expansion(sign, says):
     """At 24 C steel is 46 um/m longer."""
     axis = carriage()
     for side in (axis.forward, axis.reverse):
-        side["EZZ"] = side["EZZ"] - np.polyval(np.polyfit(NODES, side["EZZ"], 1), NODES) + sign * 46e-3 * NODES
-    parts = [replace(p, columns=p.columns | {"T_screw_Z_C": 24.0 + 0 * p.columns["run"]}) for p in clean(axis=axis)]
+        side["EZZ"] = (
+            side["EZZ"]
+            - np.polyval(np.polyfit(NODES, side["EZZ"], 1), NODES)
+            + sign * 46e-3 * NODES
+        )
+    parts = [
+        replace(p, columns=p.columns | {"T_screw_Z_C": 24.0 + 0 * p.columns["run"]})
+        for p in clean(axis=axis)
+    ]
     found = only(calibrate(parts, OPTIONS), "expansion")
     assert says in found.message
     assert found.numbers["slope_um_per_m"] == approx(sign * 46, abs=3)
@@ -274,7 +314,9 @@ def test_one_run_without_an_instrument_has_no_uncertainty():
 
 def mirrored(part, **columns):
     """The file with some of its columns negated."""
-    return replace(part, columns=part.columns | {n: -part.columns[n] for n in columns if columns[n]})
+    return replace(
+        part, columns=part.columns | {n: -part.columns[n] for n in columns if columns[n]}
+    )
 
 
 @pytest.mark.parametrize("column", ["reading_um", "approach_Z"])

@@ -40,7 +40,12 @@ def equation(g, scale, play, lag, centre=(0.0, 0.0), zero=0.0):
 
     def radial(t, sense, place):
         ways = -sense * np.sin(t), sense * np.cos(t)
-        first = centre[0] + scale * RADIUS * np.cos(t) + g * RADIUS * np.sin(t) - play[0] / 2 * np.sign(ways[0])
+        first = (
+            centre[0]
+            + scale * RADIUS * np.cos(t)
+            + g * RADIUS * np.sin(t)
+            - play[0] / 2 * np.sign(ways[0])
+        )
         second = centre[1] - play[1] / 2 * np.sign(ways[1])
         return first * np.cos(t) + second * np.sin(t) + zero + lag * sense * np.sin(2 * t)
 
@@ -63,7 +68,14 @@ def test_the_intervals_hold():
         play, centre, zero = rng.uniform(0, 1e-2, 2), rng.normal(0, 5e-3, 2), rng.normal(0, 5e-3)
         one = circle("XY", equation(g, scale, play, lag, centre, zero), rng, 0.5)
         found = circles.fit([one], [np.zeros(len(one))])
-        off = np.array([found.square - g, found.scale - scale, found.play[0] - play[0], found.play[1] - play[1]])
+        off = np.array(
+            [
+                found.square - g,
+                found.scale - scale,
+                found.play[0] - play[0],
+                found.play[1] - play[1],
+            ]
+        )
         u = [found.u[n] for n in ("square", "scale", "first play", "second play")]
         inside.append(np.abs(off) <= 2 * np.array(u))
     assert (np.mean(inside, axis=0) >= 0.93).all()
@@ -110,7 +122,9 @@ def test_every_name_has_its_sign(name):
     chain = parse("w-b-X-Y-Z-t")
     machine = truth(np.random.default_rng(1), chain)
     axes = {
-        x: replace(a, table=replace(a.table, forward=0 * a.table.forward, reverse=0 * a.table.reverse))
+        x: replace(
+            a, table=replace(a.table, forward=0 * a.table.forward, reverse=0 * a.table.reverse)
+        )
         for x, a in machine.axes.items()
     }
     lean = np.zeros(3)
@@ -118,7 +132,9 @@ def test_every_name_has_its_sign(name):
     machine = replace(machine, axes=axes, square={name[2]: lean})
     plane = square.pair_of(name)
     options = Options(chain, keep_all=True, squareness={name: "ballbar"})
-    found = calibrate([*measured(machine, "zero"), circle(plane, by_machine(machine)(plane))], options)
+    found = calibrate(
+        [*measured(machine, "zero"), circle(plane, by_machine(machine)(plane))], options
+    )
     assert found.squareness[name].value == approx(120 * URAD, abs=0.5 * URAD)
 
 
@@ -142,4 +158,7 @@ def test_a_plane_that_the_machine_has_not_is_refused():
     machine = truth(np.random.default_rng(1), parse(CHAINS[0]))
     only = [r for r in measured(machine, "zero") if r.file[:3] in ("EXX", "EZX", "EZZ", "EXZ")]
     with pytest.raises(CalibrationError, match="a circle of XY, and the chain has Z X"):
-        calibrate([*only, circle("XY", equation(0, 0, (0, 0), 0))], Options(parse("w-b-Z-X-t"), keep_all=True))
+        calibrate(
+            [*only, circle("XY", equation(0, 0, (0, 0), 0))],
+            Options(parse("w-b-Z-X-t"), keep_all=True),
+        )

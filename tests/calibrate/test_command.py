@@ -44,11 +44,23 @@ def run(capsys, *arguments) -> tuple[int, str, str]:
 def test_recordings_become_a_machine_that_every_command_reads(made, capsys):
     machine, names, place = made
     status, out, err = run(
-        capsys, *names, *ASKED, "--squareness", "B0X=-120.5,3", "-o", place / "mine", "--json", place / "r.json"
+        capsys,
+        *names,
+        *ASKED,
+        "--squareness",
+        "B0X=-120.5,3",
+        "-o",
+        place / "mine",
+        "--json",
+        place / "r.json",
     )
     assert (status, err) == (0, "")
     written = read_machine(place / "mine")
-    assert (written.name, written.control, written.chain.axes) == ("mine", "fanuc-lathe", ("Z", "X"))
+    assert (written.name, written.control, written.chain.axes) == (
+        "mine",
+        "fanuc-lathe",
+        ("Z", "X"),
+    )
     assert written.square["X"][1] == approx(-120.5e-6)
     assert list(written.axes["Z"].measured_at) == [80.0, 0, 0]
     assert written.axes["Z"].travel == (0.0, 510.0)
@@ -73,7 +85,9 @@ def test_recordings_become_a_machine_that_every_command_reads(made, capsys):
 def test_the_runs_stand_beside_the_table(made, capsys):
     _, names, place = made
     run(capsys, *names, *ASKED, "-o", place / "mine")
-    lines = [x for x in (place / "mine" / "Z_runs.csv").read_text().splitlines() if not x.startswith("#")]
+    lines = [
+        x for x in (place / "mine" / "Z_runs.csv").read_text().splitlines() if not x.startswith("#")
+    ]
     assert lines[0] == "Z_mm,component,approach,unit,runs,mean,s,value,u,U95"
     assert len(lines) == 1 + 3 * 2 * 18
     for line in lines[1:]:
@@ -123,9 +137,14 @@ def test_an_uncertainty_that_is_not_known_is_not_written(tmp_path, capsys):
         path = tmp_path / part.file
         path.write_text(contract.write(part))
         names.append(path)
-    assert run(capsys, *names, *ASKED, "--squareness", "B0X=-120.5", "-o", tmp_path / "mine")[0] == 0
+    assert (
+        run(capsys, *names, *ASKED, "--squareness", "B0X=-120.5", "-o", tmp_path / "mine")[0] == 0
+    )
     assert not list((tmp_path / "mine").glob("*_uncertainty.csv"))
-    assert AlongPath(read_machine(tmp_path / "mine")).report() == "the map's own uncertainty is not stated"
+    assert (
+        AlongPath(read_machine(tmp_path / "mine")).report()
+        == "the map's own uncertainty is not stated"
+    )
 
 
 def test_what_machines_of_a_kind_share_comes_from_one_that_is_alike(made, capsys):
@@ -168,7 +187,9 @@ def test_what_the_map_lacks_is_said_in_the_output_in_the_file_and_when_it_is_sho
         "a proof of its signs (unverified)",
     ]
     wider = ("--travel", "Z=-10,550")
-    _, out, _ = run(capsys, *names, *ASKED, *wider, "-o", place / "mine", "--json", place / "r.json")
+    _, out, _ = run(
+        capsys, *names, *ASKED, *wider, "-o", place / "mine", "--json", place / "r.json"
+    )
     told = out.split("not in this map:")[1]
     text = (place / "mine" / "machine.toml").read_text()
     capsys.readouterr()
@@ -226,7 +247,9 @@ def test_the_play_is_not_counted_twice(made, capsys):
     assert not read_machine(place / "second").effects
 
 
-@pytest.mark.parametrize("missing, option", [(0, "--chain"), (2, "--control"), (4, "--least-increment")])
+@pytest.mark.parametrize(
+    "missing, option", [(0, "--chain"), (2, "--control"), (4, "--least-increment")]
+)
 def test_what_is_not_said_is_asked_for_by_its_option(made, capsys, missing, option):
     _, names, place = made
     asked = [a for i, a in enumerate(ASKED) if i not in (missing, missing + 1)]

@@ -15,12 +15,22 @@ from postproc.calibrate.component import build
 from postproc.machine.chain import parse
 from postproc.recordings import Recording
 from tests.calibrate import seed
-from tests.calibrate.simulation import Slide, everything, recording, slide, three_axes, truth, two_axes
+from tests.calibrate.simulation import (
+    Slide,
+    everything,
+    recording,
+    slide,
+    three_axes,
+    truth,
+    two_axes,
+)
 
 UM, URAD = 1e-3, 1e-6
 GRINDER, MILL = parse("w-b-Z-X-t"), parse("w-X-Y-b-Z-t")
 REST = {"X": 80.0, "Z": 200.0}
-needs_seed = pytest.mark.skipif(not seed.SEED.is_dir(), reason="the measured tables are not beside the project")
+needs_seed = pytest.mark.skipif(
+    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
+)
 
 
 @needs_seed
@@ -31,7 +41,9 @@ def test_the_grinders_tables_come_back_where_zeros_and_lines_are_kept():
     from postproc.machine.file import read_machine
 
     tables = read_machine(Path(__file__).resolve().parents[2] / "machines" / "studer-s36").tables
-    result = calibrate(seed.all_recordings(), Options(GRINDER, keep_lines=True, keep_zero=True)).components
+    result = calibrate(
+        seed.all_recordings(), Options(GRINDER, keep_lines=True, keep_zero=True)
+    ).components
     assert sorted(result) == sorted(seed.COLUMNS)
     for name, component in result.items():
         row = ("EX", "EY", "EZ", "EA", "EB", "EC").index(name[:2])
@@ -58,7 +70,9 @@ def test_the_grinders_line_is_taken_off_once():
     assert component.value == approx(expected, abs=1e-9)
     x = np.array([[170.0], [0.0]])
     deviation = result.machine.deviation(x, np.zeros((2, 1)))[1, 0]
-    assert deviation == approx(component.mean[-1] - component.mean[0], abs=1e-9)  # the model itself adds no slope
+    assert deviation == approx(
+        component.mean[-1] - component.mean[0], abs=1e-9
+    )  # the model itself adds no slope
     assert np.polyfit(component.nodes, component.mean, 1)[0] == approx(0.0, abs=1e-12)
     assert not [f for f in result.findings if f.check == "squareness"]
 
@@ -66,7 +80,9 @@ def test_the_grinders_line_is_taken_off_once():
 @needs_seed
 def test_lines_that_are_kept_beside_a_squareness_are_told():
     options = Options(GRINDER, keep_lines=True, squareness={"B0X": (-382.352941 * URAD, None)})
-    told = [f for f in calibrate(seed.all_recordings(), options).findings if f.check == "squareness"]
+    told = [
+        f for f in calibrate(seed.all_recordings(), options).findings if f.check == "squareness"
+    ]
     assert [f.component for f in told] == ["EXZ", "EZX"]
     assert all(f.level == "doubt" and "counts twice" in f.message for f in told)
 
@@ -133,7 +149,9 @@ def test_a_direction_that_was_not_read_is_filled_and_told():
 
 
 def test_one_direction_holds_for_both():
-    component = build([assign(made(component="EXX", values={-1: [0, 1, 2, 3, 5]}, ways=(-1,)))], Options(MILL))
+    component = build(
+        [assign(made(component="EXX", values={-1: [0, 1, 2, 3, 5]}, ways=(-1,)))], Options(MILL)
+    )
     assert not component.two_way
     assert component.value[0] == approx(component.value[1])
     assert component.cells.one_way == -1
@@ -144,7 +162,10 @@ def test_files_of_one_component_are_joined_whatever_their_zeros_and_lines():
     rng = np.random.default_rng(8)
     machine = two_axes(rng)
     for name in ("EXZ", "EZZ"):
-        files = [recording(rng, machine["Z"], name, {"X": 80.0}, runs=3, file=f"{i}.csv") for i in range(2)]
+        files = [
+            recording(rng, machine["Z"], name, {"X": 80.0}, runs=3, file=f"{i}.csv")
+            for i in range(2)
+        ]
         component = build([assign(f) for f in files], Options(GRINDER))
         assert (component.cells.n == 6).all()
         off = component.value / UM - truth(machine["Z"], name, {"X": 80.0})
@@ -156,7 +177,9 @@ def test_files_of_one_component_are_joined_whatever_their_zeros_and_lines():
 def test_files_whose_zeros_nothing_connects_are_refused():
     rng = np.random.default_rng(8)
     axis = two_axes(rng)["Z"]
-    up, down = (recording(rng, axis, "EZZ", {"X": 80.0}, ways=(w,), file=f"{w}.csv") for w in (1, -1))
+    up, down = (
+        recording(rng, axis, "EZZ", {"X": 80.0}, ways=(w,), file=f"{w}.csv") for w in (1, -1)
+    )
     with pytest.raises(CalibrationError, match="nothing connects their zeros") as caught:
         build([assign(up), assign(down)], Options(GRINDER))
     assert caught.value.place.file == "-1.csv"
@@ -166,7 +189,11 @@ def test_the_same_component_at_another_place_of_the_others_is_refused():
     """The first that is named counts; of an angle both do, a carriage turns as a whole."""
     rng = np.random.default_rng(8)
     axis = two_axes(rng)["Z"]
-    parts = [recording(rng, axis, n, {"X": x}, file=f"{n}{x:g}.csv") for x in (0.0, 100.0) for n in ("EZZ", "EBZ")]
+    parts = [
+        recording(rng, axis, n, {"X": x}, file=f"{n}{x:g}.csv")
+        for x in (0.0, 100.0)
+        for n in ("EZZ", "EBZ")
+    ]
     result = calibrate(parts, Options(GRINDER))
     assert [e.message for e in result.refused] == [
         "EZZ is measured at X = 100 here, and at X = 0 in EZZ0.csv, which was named first"
@@ -195,14 +222,18 @@ def test_the_instrument_counts_in_full_and_noise_does_not():
     stated = replace(part, head=part.head | {"u_um": 0.5})
     assert build([assign(stated)], Options(GRINDER)).u / UM == approx(np.hypot(0.5, scatter / UM))
     assert build([assign(stated)], Options(GRINDER, u_random=True)).u == approx(scatter)
-    assert scatter[0, 5] / UM == approx(0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05)  # less the mean of two at the datum
+    assert scatter[0, 5] / UM == approx(
+        0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05
+    )  # less the mean of two at the datum
 
 
 def test_the_temperature_counts_with_the_length_from_the_datum():
     """0.4 K of a steel scale at 510 mm: 11.5e-6 * 0.4 * 510 mm = 2.35 um; at the datum nothing."""
     rng = np.random.default_rng(3)
     part = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 80.0}, runs=20)
-    cold, warm = (build([assign(part)], Options(GRINDER, u_temperature=t)).u / UM for t in (0.0, 0.4))
+    cold, warm = (
+        build([assign(part)], Options(GRINDER, u_temperature=t)).u / UM for t in (0.0, 0.4)
+    )
     assert np.sqrt(warm[0, -1] ** 2 - cold[0, -1] ** 2) == approx(2.346, abs=1e-3)
     assert warm[0, 0] == cold[0, 0]
 
@@ -223,7 +254,8 @@ def test_the_measured_point_counts():
     """Along X, which Z carries, as a position; along Z, where no axis makes an arm, in the translations: EXZ - 120 EBZ."""
     at, away = (
         calibrate(
-            everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST), Options(GRINDER, point=p)
+            everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST),
+            Options(GRINDER, point=p),
         )
         for p in ((5.0, 0.0, 0.0), (5.0, 0.0, 120.0))
     )
@@ -242,7 +274,10 @@ def test_components_measured_at_two_places_are_brought_together_with_the_angles(
     rng = np.random.default_rng(6)
     axis: Slide = slide(rng, "X", np.linspace(0, 400, 17), ("EXX", "EYX", "EBX", "ECX"), ("Y", "Z"))
     here, there = {"Y": 100.0, "Z": 0.0}, {"Y": 100.0, "Z": -250.0}
-    parts = [recording(rng, axis, n, here if n == "EXX" else there, noise=0.02) for n in ("EXX", "EBX", "ECX")]
+    parts = [
+        recording(rng, axis, n, here if n == "EXX" else there, noise=0.02)
+        for n in ("EXX", "EBX", "ECX")
+    ]
     axis.forward["EAX"] = axis.reverse["EAX"] = 12 * np.sin(axis.targets / 100)
     parts += [recording(rng, axis, n, there, noise=0.02) for n in ("EYX", "EAX")]
     result = calibrate(parts, Options(MILL))
@@ -257,12 +292,21 @@ def test_components_measured_at_two_places_are_brought_together_with_the_angles(
 
 
 @pytest.mark.parametrize("name", ["EZZ", "EXZ"])
-@pytest.mark.parametrize("ratio, refused", [(0.0, True), (2.0, True), (-1.0, True), (1.0, False), (0.9, False)])
+@pytest.mark.parametrize(
+    "ratio, refused", [(0.0, True), (2.0, True), (-1.0, True), (1.0, False), (0.9, False)]
+)
 def test_before_and_after_make_no_map_together(name, ratio, refused):
     """The same axis with so much of its deviation, each with its own zero and line of the set-up."""
     rng = np.random.default_rng(11)
     axis = two_axes(rng)["Z"]
-    axis = Slide("Z", axis.targets, {name: axis.forward[name]}, {name: axis.reverse[name]}, ("X",), axis.measured_at)
+    axis = Slide(
+        "Z",
+        axis.targets,
+        {name: axis.forward[name]},
+        {name: axis.reverse[name]},
+        ("X",),
+        axis.measured_at,
+    )
     other = Slide(
         "Z",
         axis.targets,
@@ -271,7 +315,10 @@ def test_before_and_after_make_no_map_together(name, ratio, refused):
         ("X",),
         axis.measured_at,
     )
-    parts = [recording(rng, a, name, {"X": 30.0}, file=f) for a, f in ((axis, "first.csv"), (other, "second.csv"))]
+    parts = [
+        recording(rng, a, name, {"X": 30.0}, file=f)
+        for a, f in ((axis, "first.csv"), (other, "second.csv"))
+    ]
     if refused:
         with pytest.raises(CalibrationError, match="times here what it is in first.csv") as error:
             calibrate(parts, Options(GRINDER))
@@ -284,7 +331,9 @@ def test_a_head_that_says_compensated_is_believed():
     rng = np.random.default_rng(12)
     axis = two_axes(rng)["Z"]
     parts = [recording(rng, axis, n, {"X": 30.0}, compensated=n == "EXZ") for n in ("EZZ", "EXZ")]
-    with pytest.raises(CalibrationError, match="EZZ.csv was measured before compensation, and EXZ.csv after it"):
+    with pytest.raises(
+        CalibrationError, match="EZZ.csv was measured before compensation, and EXZ.csv after it"
+    ):
         calibrate(parts, Options(GRINDER))
     found = calibrate(parts[1:], Options(GRINDER)).findings
     assert any(f.check == "state" and "what was left" in f.message for f in found)

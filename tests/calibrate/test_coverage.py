@@ -26,15 +26,22 @@ MACHINES = {
 def test_the_truth_lies_within_two_u_in_95_of_100(name, runs, machines):
     """Two-way, noise 0.3 um and 0.3 urad; 25 machines are 4000 values or more, whose share strays by 0.4 %."""
     make, options, rest = MACHINES[name]
-    inside, count, spread, _ = coverage(make, options.chain, rest, options, calibrate, machines, seed=runs, runs=runs)
+    inside, count, spread, _ = coverage(
+        make, options.chain, rest, options, calibrate, machines, seed=runs, runs=runs
+    )
     assert count >= 4000
     assert 0.93 <= inside / count <= 0.97
-    assert spread == approx(1.0, abs=0.06)  # neither too wide nor too narrow: errors have the size of u
+    assert spread == approx(
+        1.0, abs=0.06
+    )  # neither too wide nor too narrow: errors have the size of u
 
 
 def test_more_runs_make_it_smaller():
     make, options, rest = MACHINES["grinder"]
-    few, many = (coverage(make, options.chain, rest, options, calibrate, 3, seed=1, runs=r)[3] for r in (3, 12))
+    few, many = (
+        coverage(make, options.chain, rest, options, calibrate, 3, seed=1, runs=r)[3]
+        for r in (3, 12)
+    )
     assert many == approx(few / 2, rel=0.05)
 
 

@@ -27,7 +27,8 @@ LIMIT = 1.2  # times the error that linear interpolation between true values mak
 
 def wave(rng, t: np.ndarray, size: float) -> np.ndarray:
     return sum(
-        size / (k + 1) * np.sin(np.pi * (k + 1) * t * rng.uniform(0.7, 1.3) + rng.uniform(0, 6)) for k in range(3)
+        size / (k + 1) * np.sin(np.pi * (k + 1) * t * rng.uniform(0.7, 1.3) + rng.uniform(0, 6))
+        for k in range(3)
     )
 
 
@@ -35,12 +36,17 @@ def truth(rng, chain) -> Machine:
     """All 18 components, 8 um and 15 urad, on 401 nodes each, and axes 100 urad out of square."""
     axes, t = {}, np.linspace(0, 1, 401)
     for x in XYZ:
-        values = np.stack([wave(rng, t, 8.0) * UM for _ in range(3)] + [wave(rng, t, 15.0) * URAD for _ in range(3)])
+        values = np.stack(
+            [wave(rng, t, 8.0) * UM for _ in range(3)]
+            + [wave(rng, t, 15.0) * URAD for _ in range(3)]
+        )
         table = AxisTable(x, TRAVEL[x][0] + t * np.ptp(TRAVEL[x]), values, values, tuple(range(6)))
         axes[x] = Axis(x, TRAVEL[x], 1e-4, np.zeros(3), table)
     a, b, c = rng.normal(0, 100, 3) * URAD
     square = {"Y": np.array([0.0, 0.0, c]), "Z": np.array([a, b, 0.0])}
-    return Machine("", "", "", chain, axes, limits=Limits(outside="clamp"), square=square, square_stated=SQUARE)
+    return Machine(
+        "", "", "", chain, axes, limits=Limits(outside="clamp"), square=square, square_stated=SQUARE
+    )
 
 
 def recording(machine: Machine, letter: str, row: int, rest: dict[str, float]) -> Recording:
@@ -48,16 +54,25 @@ def recording(machine: Machine, letter: str, row: int, rest: dict[str, float]) -
     q = np.linspace(*TRAVEL[letter], TARGETS)
     place = np.stack([q if x == letter else np.full(TARGETS, rest[x]) for x in machine.letters])
     columns = {f"{x}_mm": place[i] for i, x in enumerate(machine.letters)}
-    columns |= {"run": np.ones(TARGETS), "t_s": 1.0 * np.arange(TARGETS), f"approach_{letter}": np.ones(TARGETS)}
+    columns |= {
+        "run": np.ones(TARGETS),
+        "t_s": 1.0 * np.arange(TARGETS),
+        f"approach_{letter}": np.ones(TARGETS),
+    }
     head = {"sensitive": {XYZ[row % 3]: 1.0}, "quantity": "displacement", "u_um": 0.01}
     if row > 2:
         table = machine.axes[letter].table
         columns["reading_urad"] = np.interp(q, table.nodes, table.forward[row]) / URAD
         head["quantity"] = "angle"
     else:
-        columns["reading_um"] = machine.deviation(place, np.zeros_like(place))[machine.letters.index(XYZ[row])] / UM
+        columns["reading_um"] = (
+            machine.deviation(place, np.zeros_like(place))[machine.letters.index(XYZ[row])] / UM
+        )
     if row < 3 and XYZ[row] != letter:
-        head |= {"quantity": "straightness", "reference": f"square {''.join(sorted(XYZ[row] + letter))}"}
+        head |= {
+            "quantity": "straightness",
+            "reference": f"square {''.join(sorted(XYZ[row] + letter))}",
+        }
     return Recording("targets", head, columns, f"{COMPONENTS[row]}{letter}.csv", np.arange(TARGETS))
 
 
@@ -74,7 +89,9 @@ def measured(machine: Machine, how: str, without: tuple[str, ...] = ()) -> list[
 
 def apart(one: Machine, other: Machine) -> float:
     """um: rms over the volume of the difference, without the six motions of a rigid body, which nobody sees."""
-    place = np.stack([g.ravel() for g in np.meshgrid(*(np.linspace(*TRAVEL[x], 15) for x in XYZ), indexing="ij")])
+    place = np.stack(
+        [g.ravel() for g in np.meshgrid(*(np.linspace(*TRAVEL[x], 15) for x in XYZ), indexing="ij")]
+    )
     still = np.zeros_like(place)
     y = (one.deviation(place, still) - other.deviation(place, still)).ravel()
     terms = [np.repeat(np.eye(3)[k], place.shape[1]) for k in range(3)]
@@ -110,7 +127,10 @@ def test_eighteen_recordings_give_the_machine_wherever_they_were_taken(chain, ho
         options = Options(parse(chain), keep_all=True, square_error=(0.0, 1e-9), line=line)
         found = calibrate(measured(machine, how), options)
         assert set(found.squareness) == set(SQUARE)
-        assert apart(made(found), machine) < LIMIT * apart(sampled(machine), machine), (seed, found.squareness)
+        assert apart(made(found), machine) < LIMIT * apart(sampled(machine), machine), (
+            seed,
+            found.squareness,
+        )
 
 
 @pytest.mark.parametrize("chain", CHAINS)
@@ -124,17 +144,26 @@ def test_a_stated_squareness_holds_where_the_square_stood(chain):
     stated = {}
     for name, (a, b) in {"C0Y": "XY", "A0Z": "YZ", "B0Z": "XZ"}.items():
         slopes = [
-            np.polyfit(parts[f"E{o}{m}"].position(m), parts[f"E{o}{m}"].reading, 1)[0] for m, o in ((a, b), (b, a))
+            np.polyfit(parts[f"E{o}{m}"].position(m), parts[f"E{o}{m}"].reading, 1)[0]
+            for m, o in ((a, b), (b, a))
         ]
-        stated[name] = ((1 if name == "B0Z" else -1) * sum(slopes), 1e-9)  # the signs of chain.leans
+        stated[name] = (
+            (1 if name == "B0Z" else -1) * sum(slopes),
+            1e-9,
+        )  # the signs of chain.leans
     found = calibrate(
-        measured(machine, "scattered"), Options(parse(chain), keep_all=True, squareness=stated, square_at=at)
+        measured(machine, "scattered"),
+        Options(parse(chain), keep_all=True, squareness=stated, square_at=at),
     )
     assert apart(made(found), machine) < LIMIT * apart(sampled(machine), machine)
-    without = calibrate(measured(machine, "scattered"), Options(parse(chain), keep_all=True, squareness=stated))
+    without = calibrate(
+        measured(machine, "scattered"), Options(parse(chain), keep_all=True, squareness=stated)
+    )
     assert apart(made(without), machine) > 2 * apart(sampled(machine), machine)
     doubts = [f for f in without.findings if f.check == "square-at"]
-    assert len(doubts) == 3 and all("--square-at" in f.message and f.level == "doubt" for f in doubts)
+    assert len(doubts) == 3 and all(
+        "--square-at" in f.message and f.level == "doubt" for f in doubts
+    )
 
 
 def test_the_opening_by_hand():
@@ -142,15 +171,24 @@ def test_the_opening_by_hand():
     q = np.linspace(0.0, 400.0, 5)
 
     def along(letter, component, value, angle=False):
-        columns = {f"{letter}_mm": q, "XZ".replace(letter, "") + "_mm": np.zeros(5), "run": np.ones(5), "t_s": q}
-        columns |= {f"approach_{letter}": np.ones(5), "reading_urad" if angle else "reading_um": value}
+        columns = {
+            f"{letter}_mm": q,
+            "XZ".replace(letter, "") + "_mm": np.zeros(5),
+            "run": np.ones(5),
+            "t_s": q,
+        }
+        columns |= {
+            f"approach_{letter}": np.ones(5),
+            "reading_urad" if angle else "reading_um": value,
+        }
         quantity = "angle" if angle else "displacement"
         head = {"quantity": quantity, "sensitive": {component: 1.0}, "u_um": 0.01}
         return Recording("targets", head, columns, f"{letter}{quantity}.csv", np.arange(5))
 
     parts = [along("Z", "Z", q * 0.01), along("X", "X", q * 0.01), along("Z", "Y", q * 0.05, True)]
     found = calibrate(
-        parts, Options(parse("w-b-Z-X-t"), squareness={"B0X": (100 * URAD, 1e-9)}, square_at={"Z": 400.0})
+        parts,
+        Options(parse("w-b-Z-X-t"), squareness={"B0X": (100 * URAD, 1e-9)}, square_at={"Z": 400.0}),
     )
     assert opening.opened(found, "B0X", {"Z": 400.0}) == approx(20 * URAD, abs=1e-12)
     assert opening.opened(found, "B0X", {"Z": 0.0, "X": 300.0}) == approx(0.0, abs=1e-12)

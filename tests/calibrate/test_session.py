@@ -30,10 +30,17 @@ def place(tmp_path):
     rng = np.random.default_rng(4)
     machine = two_axes(rng)
     for name in ("EZZ", "EXZ", "EXX", "EZX"):
-        one = recording(rng, machine[name[2]], name, {x: v for x, v in REST.items() if x != name[2]}, file=name)
+        one = recording(
+            rng, machine[name[2]], name, {x: v for x, v in REST.items() if x != name[2]}, file=name
+        )
         (tmp_path / f"{name}.csv").write_text(contract.write(one))
         moving = name[2]
-        rows = zip(one.columns["run"], one.position(moving), one.approach(moving), one.columns["reading_um"])
+        rows = zip(
+            one.columns["run"],
+            one.position(moving),
+            one.approach(moving),
+            one.columns["reading_um"],
+        )
         lines = ["Target,Run,Direction,Deviation", *(f"{q:g},{r:g},{'+' if a > 0 else '-'},{v / 1e3:.6f}" for r, q, a, v in rows)]  # fmt: skip
         (tmp_path / f"{name}_bare.csv").write_text("\n".join(lines) + "\n")
     return tmp_path
@@ -75,15 +82,32 @@ name = "EZX.csv"
 def test_a_session_is_the_command_line_that_it_stands_for(place, capsys, monkeypatch):
     monkeypatch.chdir(Path(__file__).resolve().parents[2])
     (place / "m.toml").write_text(SESSION)
-    assert gcomp("calibrate", place / "m.toml", "--output", place / "a", "--json", place / "a.json") == 0
-    options = ("--like", "studer-s36", "--squareness", "B0X=-120.5,3", "--keep-all", "--u-random", "--max-slope", 50)
+    assert (
+        gcomp("calibrate", place / "m.toml", "--output", place / "a", "--json", place / "a.json")
+        == 0
+    )
+    options = (
+        "--like",
+        "studer-s36",
+        "--squareness",
+        "B0X=-120.5,3",
+        "--keep-all",
+        "--u-random",
+        "--max-slope",
+        50,
+    )
     flipped = (place / "EXX_bare.csv").read_text().splitlines()
-    flipped[1:] = [",".join([*line.split(",")[:3], str(-float(line.split(",")[3]))]) for line in flipped[1:]]
+    flipped[1:] = [
+        ",".join([*line.split(",")[:3], str(-float(line.split(",")[3]))]) for line in flipped[1:]
+    ]
     (place / "flipped.csv").write_text("\n".join(flipped))
     for name, component, others in (("EZZ_bare", "EZZ", "X80"), ("flipped", "EXX", "Z150")):
         more = ("--head", "u_um=0.3") if component == "EXX" else ()
         words = ("--component", component, "--unit", "mm", "--others", others, *more)
-        assert gcomp("recordings", place / f"{name}.csv", *words, "--as", place / f"_{component}.csv") == 0
+        assert (
+            gcomp("recordings", place / f"{name}.csv", *words, "--as", place / f"_{component}.csv")
+            == 0
+        )
     files = [place / n for n in ("_EZZ.csv", "_EXX.csv", "EZX.csv")]
     assert gcomp("calibrate", *files, *options, "-o", place / "b") == 0
     capsys.readouterr()
@@ -99,7 +123,16 @@ def test_a_session_is_the_command_line_that_it_stands_for(place, capsys, monkeyp
 def test_what_the_command_line_says_goes_before_the_session(place, capsys, monkeypatch):
     monkeypatch.chdir(Path(__file__).resolve().parents[2])
     (place / "m.toml").write_text(SESSION)
-    words = ("calibrate", place / "m.toml", "--max-slope", "40", "-o", place / "a", "--title", "mine")
+    words = (
+        "calibrate",
+        place / "m.toml",
+        "--max-slope",
+        "40",
+        "-o",
+        place / "a",
+        "--title",
+        "mine",
+    )
     assert gcomp(*words) == 0
     made = read_machine(place / "a")
     assert made.title == "mine" and made.limits.max_slope == approx(0.04)
@@ -109,7 +142,9 @@ def test_what_the_command_line_says_goes_before_the_session(place, capsys, monke
 def test_every_entry_is_heeded(place):
     (place / "m.toml").write_text(SESSION)
     first, second, third = read_files([str(place / "m.toml")], "", ReadingOptions())
-    assert first.position("X").tolist() == [80.0] * len(first) and set(first.columns["T_machine_C"]) == {21.5}
+    assert first.position("X").tolist() == [80.0] * len(first) and set(
+        first.columns["T_machine_C"]
+    ) == {21.5}
     assert not any("where the other axes stood" in text for text in first.notices)
     assert set(second.position("Z")) == {150.0} and second.u == approx(0.3e-3)
     raw = np.loadtxt(place / "EXX_bare.csv", delimiter=",", skiprows=1, usecols=3)
@@ -141,7 +176,9 @@ def test_iso_and_recordings_take_it_too(place, capsys):
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(place, capsys, was, now, line, says):
-    (place / "m.toml").write_text(SESSION.replace(was, now, 1) if was != "[[file]]" else SESSION.replace(was, now))
+    (place / "m.toml").write_text(
+        SESSION.replace(was, now, 1) if was != "[[file]]" else SESSION.replace(was, now)
+    )
     assert gcomp("calibrate", place / "m.toml", "--like", "perfect") == 2
     err = capsys.readouterr().err
     assert says in err and (f"m.toml:{line}:" in err or not line), err
@@ -163,7 +200,9 @@ def test_a_first_session_is_written_from_files(place, capsys, monkeypatch):
     assert gcomp("recordings", "EZZ.csv", "--session", "first.toml") == 2
     assert "it is there already" in capsys.readouterr().err
     done = text.replace('# component = "EXX"\n# unit = "um"', 'component = "EXX"\nunit = "mm"')
-    (place / "first.toml").write_text(done.replace('# like = "example-mill"', 'like = "studer-s36"'))
+    (place / "first.toml").write_text(
+        done.replace('# like = "example-mill"', 'like = "studer-s36"')
+    )
     assert gcomp("calibrate", "first.toml", "--max-slope", "50") == 0
     assert len(session.entries("first.toml", ReadingOptions(), "")) == 2
     capsys.readouterr()

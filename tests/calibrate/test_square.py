@@ -90,8 +90,12 @@ def test_four_diagonals_of_the_space_give_three():
     true = {"C0Y": 30e-6, "A0Z": -55e-6, "B0Z": 80e-6}
     matrix = np.eye(3)
     for name, value in true.items():
-        matrix[:, XYZ.index(name[2])] += turned(name[0], value)[:, XYZ.index(name[2])] - np.eye(3)[XYZ.index(name[2])]
-    directions = [np.array(d) / np.linalg.norm(d) for d in ((4, 3, 2), (-4, 3, 2), (4, -3, 2), (4, 3, -2))]
+        matrix[:, XYZ.index(name[2])] += (
+            turned(name[0], value)[:, XYZ.index(name[2])] - np.eye(3)[XYZ.index(name[2])]
+        )
+    directions = [
+        np.array(d) / np.linalg.norm(d) for d in ((4, 3, 2), (-4, 3, 2), (4, -3, 2), (4, 3, -2))
+    ]
     slopes = [float(n @ (matrix @ n - n)) for n in directions]
     named = [dict(zip(XYZ, n, strict=True)) for n in directions]
     values, _, _ = square.from_diagonals(slopes, named, [0.0] * 4, list(true))
@@ -151,7 +155,9 @@ def without_line(machine):
 def test_face_diagonals_of_a_simulated_grinder_give_its_squareness(trial):
     rng = np.random.default_rng(40 + trial)
     machine, value = without_line(two_axes(rng)), rng.normal(0, 200)
-    recordings = everything(rng, machine, REST) + [face_diagonal(rng, machine, value, down) for down in (False, True)]
+    recordings = everything(rng, machine, REST) + [
+        face_diagonal(rng, machine, value, down) for down in (False, True)
+    ]
     result = calibrate(recordings, Options(GRINDER))
     assert list(result.squareness) == ["B0X"]
     found = result.squareness["B0X"]
@@ -171,7 +177,9 @@ def test_one_face_diagonal_says_why_it_gives_nothing():
         calibrate(recordings, Options(GRINDER, squareness={"B0X": "diagonals"}))
 
 
-def on_a_square(rng, machine, value: float, over: float, tilt: float, turned_over: bool, **head) -> list[Recording]:
+def on_a_square(
+    rng, machine, value: float, over: float, tilt: float, turned_over: bool, **head
+) -> list[Recording]:
     """Both straightnesses of the grinder against the arms of one square, as test_two_straightnesses has them."""
     over = -over if turned_over else over
     result = []
@@ -189,7 +197,9 @@ def test_a_square_that_is_turned_over_drops_out():
     rng = np.random.default_rng(9)
     machine = without_line(two_axes(rng))
     first = on_a_square(rng, machine, 120.0, 35.0, 200.0, False, reference="square 7")
-    second = on_a_square(rng, machine, 120.0, 35.0, -80.0, True, reference="square 7", reversed=True)
+    second = on_a_square(
+        rng, machine, 120.0, 35.0, -80.0, True, reference="square 7", reversed=True
+    )
     both = calibrate(first + second, Options(GRINDER)).squareness["B0X"]
     assert both.value / URAD == approx(120.0, abs=2.0)
     assert "+35" in both.told or "+34" in both.told or "+36" in both.told
@@ -212,9 +222,13 @@ def test_straightnesses_on_different_references_say_nothing_of_squareness():
 def test_a_stated_value_goes_before_the_others_which_are_compared_with_it():
     rng = np.random.default_rng(3)
     machine = without_line(two_axes(rng))
-    recordings = everything(rng, machine, REST) + [face_diagonal(rng, machine, 100.0, down) for down in (False, True)]
+    recordings = everything(rng, machine, REST) + [
+        face_diagonal(rng, machine, 100.0, down) for down in (False, True)
+    ]
     for stated, level in ((100.0, "note"), (160.0, "doubt")):
-        result = calibrate(recordings, Options(GRINDER, squareness={"B0X": (stated * URAD, 5 * URAD)}))
+        result = calibrate(
+            recordings, Options(GRINDER, squareness={"B0X": (stated * URAD, 5 * URAD)})
+        )
         assert result.squareness["B0X"].value == stated * URAD
         told = [f for f in result.findings if f.check == "squareness"]
         assert [f.level for f in told] == [level]
@@ -222,12 +236,17 @@ def test_a_stated_value_goes_before_the_others_which_are_compared_with_it():
 
 
 def test_axes_of_a_mill_are_named_as_usual_and_as_the_user_wants():
-    assert [square.name_for(p, {}, ("X", "Y", "Z")) for p in ("XY", "YZ", "XZ")] == ["C0Y", "A0Z", "B0Z"]
+    assert [square.name_for(p, {}, ("X", "Y", "Z")) for p in ("XY", "YZ", "XZ")] == [
+        "C0Y",
+        "A0Z",
+        "B0Z",
+    ]
     assert square.name_for("XZ", {}, ("Z", "X")) == "B0X"
     assert square.name_for("XY", {"C0X": 1}, ("X", "Y", "Z")) == "C0X"
     rng = np.random.default_rng(3)
     machine = three_axes(rng)
     parts = [
-        recording(rng, machine[n[2]], n, {x: 0.0 for x in XYZ if x != n[2]}, reference="s") for n in ("EXY", "EYX")
+        recording(rng, machine[n[2]], n, {x: 0.0 for x in XYZ if x != n[2]}, reference="s")
+        for n in ("EXY", "EYX")
     ]
     assert list(calibrate(parts, Options(MILL)).squareness) == ["C0Y"]

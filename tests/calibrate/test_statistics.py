@@ -15,12 +15,15 @@ from postproc.units import UM
 from tests.calibrate import seed
 from tests.calibrate.simulation import recording, slide, two_axes
 
-needs_seed = pytest.mark.skipif(not seed.SEED.is_dir(), reason="the measured tables are not beside the project")
+needs_seed = pytest.mark.skipif(
+    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
+)
 GRINDER = parse("w-b-Z-X-t")
 
 
 @pytest.mark.parametrize(
-    "dof, t", [(1, 13.97), (2, 4.53), (4, 2.87), (9, 2.32), (11, 2.25), (45, 2.06), (100, 2.025), (1e9, 2.0)]
+    "dof, t",
+    [(1, 13.97), (2, 4.53), (4, 2.87), (9, 2.32), (11, 2.25), (45, 2.06), (100, 2.025), (1e9, 2.0)],
 )
 def test_coverage_factors_are_those_of_the_gum(dof, t):
     """JCGM 100:2008, table G.2, column 95.45 %."""
@@ -28,7 +31,8 @@ def test_coverage_factors_are_those_of_the_gum(dof, t):
 
 
 @pytest.mark.parametrize(
-    "dof, median, limit", [(3, 2.366, 7.815), (4, 3.357, 9.488), (9, 8.343, 16.919), (35, 34.336, 49.802)]
+    "dof, median, limit",
+    [(3, 2.366, 7.815), (4, 3.357, 9.488), (9, 8.343, 16.919), (35, 34.336, 49.802)],
 )
 def test_quantiles_of_chi_squared(dof, median, limit):
     """Tables of chi-squared, 50 and 95 %."""
@@ -60,7 +64,9 @@ def test_one_scatter_for_all_targets_where_chance_explains_their_differences():
     assert even.pooled
     assert even.s == approx(np.full((2, 20), even.s[0, 0]))
     assert even.dof[0, 0] == 160
-    uneven = cells_of(position, approach, rng.normal(0, 1, 200) * np.where(position > 15, 10, 1)).scatter
+    uneven = cells_of(
+        position, approach, rng.normal(0, 1, 200) * np.where(position > 15, 10, 1)
+    ).scatter
     assert not uneven.pooled
     assert uneven.dof[0, 0] == 4
     assert uneven.s[:, 16:].mean() > 5 * uneven.s[:, :16].mean()
@@ -73,7 +79,9 @@ def test_one_scatter_for_all_targets_where_chance_explains_their_differences():
 def test_the_slip_of_the_measured_grinder_is_found_and_nothing_else():
     """Table 6.2, straightness, reverse, X = 90: -31.5 between -31.1 and -38.2 um."""
     found = calibrate(seed.all_recordings(), Options(GRINDER)).outliers
-    assert [(o.component, o.position, o.approach, o.against) for o in found] == [("EZX", 90.0, -1, "neighbours")]
+    assert [(o.component, o.position, o.approach, o.against) for o in found] == [
+        ("EZX", 90.0, -1, "neighbours")
+    ]
     assert found[0].value == approx(-31.5 * UM)
     assert found[0].off == approx(3.2 * UM, abs=0.2 * UM)
     assert found[0].line == seed.FIRST_LINE + 18 + 8

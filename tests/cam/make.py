@@ -121,8 +121,18 @@ def slice_(name: str, folder: Path) -> str:
     config = of_print | flat(bundle, "filament", filament) | of_printer | more
     config = {key: value for key, value in config.items() if key not in NO_KEYS}
     (folder / "washer.stl").write_text(washer())
-    (folder / "profile.ini").write_text("".join(f"{key} = {value}\n" for key, value in config.items()))
-    command = ["prusa-slicer", "--load", "profile.ini", "--export-gcode", "--output", "out.gcode", "washer.stl"]
+    (folder / "profile.ini").write_text(
+        "".join(f"{key} = {value}\n" for key, value in config.items())
+    )
+    command = [
+        "prusa-slicer",
+        "--load",
+        "profile.ini",
+        "--export-gcode",
+        "--output",
+        "out.gcode",
+        "washer.stl",
+    ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     made = folder / "out.gcode"
     if not made.exists():
@@ -146,7 +156,9 @@ def mill(folder: Path) -> dict[str, str]:
         if not made.exists() or version is None:
             sys.exit(f"{name}: FreeCAD wrote nothing:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
         (HERE / made.name).write_bytes(made.read_bytes())
-        said[made.name] = f"FreeCAD {version[1]}, Path, {post}_post{' ' * bool(arguments)}{arguments}"
+        said[made.name] = (
+            f"FreeCAD {version[1]}, Path, {post}_post{' ' * bool(arguments)}{arguments}"
+        )
     return said
 
 

@@ -46,7 +46,14 @@ def machine(size: float = 1.0, home: bool = True) -> Machine:
     square = {"Y": np.array([0.0, 0.0, 40e-6]) * size} if size else {}
     tool = np.array([0.0, 0.0, -30.0 * size])
     return Machine(
-        "made-up", "", "marlin", parse("w-Y-b-Z-X-t"), axes, square=square, tool=tool, home=HOME if home else {}
+        "made-up",
+        "",
+        "marlin",
+        parse("w-Y-b-Z-X-t"),
+        axes,
+        square=square,
+        tool=tool,
+        home=HOME if home else {},
     )
 
 
@@ -57,13 +64,20 @@ def run(path: Path, on: Machine, chunk: int = 0) -> tuple[Filter, Verifier, byte
     verifier = Verifier(filter_)
     text = path.read_bytes()
     step = chunk or len(text)
-    out = b"".join(filter_.feed(text[k : k + step]) for k in range(0, len(text), step)) + filter_.finish()
+    out = (
+        b"".join(filter_.feed(text[k : k + step]) for k in range(0, len(text), step))
+        + filter_.finish()
+    )
     return filter_, verifier, out
 
 
 def left(filter_: Filter) -> int:
     """Motions that nothing corrects, as the notice counts them."""
-    found = [re.search(r"left as they are: (\d+)", n.message) for n in filter_.notices if n.code == "unknown"]
+    found = [
+        re.search(r"left as they are: (\d+)", n.message)
+        for n in filter_.notices
+        if n.code == "unknown"
+    ]
     return int(found[0][1]) if found and found[0] else 0
 
 
@@ -94,10 +108,13 @@ def filament(text: bytes, relative_with_distance: bool) -> float:
 def test_there_is_what_was_promised():
     assert len([f for f in FILES if f.suffix == ".gcode"]) >= 15
     assert {f.stem for f in FILES if f.suffix == ".nc"} >= {
-        f"freecad-{post}" for post in ("linuxcnc", "grbl", "mach3", "centroid", "marlin", "smoothie")
+        f"freecad-{post}"
+        for post in ("linuxcnc", "grbl", "mach3", "centroid", "marlin", "smoothie")
     }
     told = (HERE / "README.md").read_text()
-    assert all(f"| {f.name} |" in told for f in FILES), "README.md says of each what it came from: make.py prints it"
+    assert all(f"| {f.name} |" in told for f in FILES), (
+        "README.md says of each what it came from: make.py prints it"
+    )
 
 
 @pytest.mark.parametrize("path", [f for f in FILES if f.suffix == ".gcode"], ids=lambda p: p.stem)

@@ -23,7 +23,9 @@ DOC = ROOT / "docs" / "DIALECTS.md"
 NAMES = dialects.names()
 DRILLED = ("MCALL", *siemens_drilling.NAMES)  # what Sinumerik's language writes out
 LETTERS = set("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
-HAS_WAY_OUT = re.compile(r"^[a-z/(].*\S: \S.*[^.]$", re.DOTALL)  # what is wrong, a colon, what to do
+HAS_WAY_OUT = re.compile(
+    r"^[a-z/(].*\S: \S.*[^.]$", re.DOTALL
+)  # what is wrong, a colon, what to do
 
 pytestmark = pytest.mark.parametrize("name", NAMES)
 
@@ -44,7 +46,9 @@ def test_codes_are_whole(name):
         assert re.fullmatch(r"G\d+(\.\d)?|#?[A-Z][A-Z0-9_]*", code.word), code
         assert code.meaning, code
         assert 0 <= code.number < dialects.NOTHING, code
-        assert not code.does or code.does in codes.DOES, f"{code.word} does {code.does!r}: a key of postproc.nc.codes"
+        assert not code.does or code.does in codes.DOES, (
+            f"{code.word} does {code.does!r}: a key of postproc.nc.codes"
+        )
         # ROT alone takes a shift back; with words it is refused.
         assert not code.refuses or code.does in ("", "frame"), (
             f"{code.word}: what the interpreter does it does not refuse"
@@ -60,10 +64,14 @@ def test_the_motions_and_modes_that_the_interpreter_asks_for(name):
     for number, group in ((200, "units"), (210, "units")):
         assert dialect.by_number[number].group == group
     if not dialect.increments:
-        assert {900, 910} <= set(dialect.by_number), "places and distances are told by G90 and G91, or by letters"
+        assert {900, 910} <= set(dialect.by_number), (
+            "places and distances are told by G90 and G91, or by letters"
+        )
     for group, numbers in (("distance", (900, 910)), ("feed mode", (930, 940, 950))):
         for number in numbers:
-            assert number not in dialect.by_number or dialect.by_number[number].group == group, number
+            assert number not in dialect.by_number or dialect.by_number[number].group == group, (
+                number
+            )
     for group, numbers in (("diameter", (70, 80)), ("arc centre", (901, 911))):
         have = {code.number for code in dialect.codes if code.group == group}
         assert have <= {*numbers, codes.code_number("DIAM90")}, group
@@ -71,7 +79,9 @@ def test_the_motions_and_modes_that_the_interpreter_asks_for(name):
 
 def test_what_is_like_a_code_of_another_control_stands_in_its_group(name):
     """And that code is somewhere a code of its own."""
-    own = {(code.word, code.group) for dialect in every() for code in dialect.codes if not code.like}
+    own = {
+        (code.word, code.group) for dialect in every() for code in dialect.codes if not code.like
+    }
     for code in dialects.load(name).codes:
         if code.like:
             assert (code.like, code.group) in own, f"{code.word} is like {code.like}"
@@ -114,7 +124,9 @@ def test_expand_is_promised_only_where_it_is(name):
             assert codes.code_number(code.word) in ways, f"{code.word}: nobody writes it out"
         else:
             by_language = code.refuses == codes.FRAME or code.word in DRILLED
-            assert codes.code_number(code.word) in ways or by_language, f"{code.word}: nobody writes it out"
+            assert codes.code_number(code.word) in ways or by_language, (
+                f"{code.word}: nobody writes it out"
+            )
     if codes.CALL in dialect.m_refuses.values():
         assert dialect.language
 
@@ -154,7 +166,9 @@ def test_a_dialect_is_found_by_its_name_and_is_data(name):
     assert 0 < dialect.arc_tolerance_mm <= dialect.arc_tolerance_most_mm
     assert dialect.integers == "units" or dialect.integer_notice
     assert set(dialect.exact_stops) <= set(dialect.by_number)
-    assert not set(dialect.ends) - set(dialect.m_codes), "a code that ends the program is none of its M codes"
+    assert not set(dialect.ends) - set(dialect.m_codes), (
+        "a code that ends the program is none of its M codes"
+    )
     with pytest.raises(AttributeError):
         dialect.plane = 170
 
@@ -174,7 +188,9 @@ def test_keywords_are_codes_and_the_other_way_round(name):
     assert set(dialect.grammar.keywords) == words
     for word in sorted(words)[:400]:
         read = respelled(word.encode() + b"\n", dialect.grammar)
-        assert codes.code_number(word) - codes.KEYWORD == int(read[1:].split()[0]) or len(word) < 3, word
+        assert (
+            codes.code_number(word) - codes.KEYWORD == int(read[1:].split()[0]) or len(word) < 3
+        ), word
 
 
 def test_its_signs_are_regular_expressions(name):
@@ -190,9 +206,15 @@ def test_its_signs_are_regular_expressions(name):
 
 def test_the_state_at_the_start(name):
     dialect = dialects.load(name)
-    state = Interpreter(dialect, Setup(("X", "Y", "Z"), least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3})).initial()
+    state = Interpreter(
+        dialect, Setup(("X", "Y", "Z"), least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3})
+    ).initial()
     assert state.codes["plane"] == dialect.plane
-    assert (state.codes["distance"], state.codes["units"], state.codes["feed mode"]) == (900, 210, 940)
+    assert (state.codes["distance"], state.codes["units"], state.codes["feed mode"]) == (
+        900,
+        210,
+        940,
+    )
     assert state.codes["motion"] == dialect.motion
     for group, number in state.codes.items():
         assert (
@@ -207,7 +229,9 @@ def test_every_code_of_it_can_be_read(name):
     """A block with the code alone makes no traceback, and leaves no axis at a place that it invented."""
     dialect = dialects.load(name)
     setup = Setup(
-        ("X", "Y", "Z"), least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3}, start={"X": 0.0, "Y": 0.0, "Z": 0.0}
+        ("X", "Y", "Z"),
+        least_increment={"X": 1e-3, "Y": 1e-3, "Z": 1e-3},
+        start={"X": 0.0, "Y": 0.0, "Z": 0.0},
     )
     interpreter = Interpreter(dialect, setup)
     for code in dialect.codes:
@@ -232,7 +256,9 @@ def test_a_code_that_it_has_not_is_not_read_as_one_that_it_has(name):
 
 
 def test_the_page_of_dialects_is_up_to_date(name):
-    assert chapter(dialects.load(name)) in DOC.read_text(), "run: python -m tests.contracts.test_dialects"
+    assert chapter(dialects.load(name)) in DOC.read_text(), (
+        "run: python -m tests.contracts.test_dialects"
+    )
 
 
 def test_an_unknown_name_is_answered_with_the_names(name):
@@ -299,12 +325,23 @@ def chapter(dialect: dialects.Dialect) -> str:
         if kinds[kind]
     ]
     rows += [(f"refused: {reason}", _words(words)) for reason, words in sorted(refused.items())]
-    rows.append(("a number without a point", "whole units" if dialect.integers == "units" else "least increments"))
     rows.append(
-        ("`;`", dialect.grammar.semicolon + (f"; `{dialect.block_end}` ends a block" if dialect.block_end else ""))
+        (
+            "a number without a point",
+            "whole units" if dialect.integers == "units" else "least increments",
+        )
+    )
+    rows.append(
+        (
+            "`;`",
+            dialect.grammar.semicolon
+            + (f"; `{dialect.block_end}` ends a block" if dialect.block_end else ""),
+        )
     )
     rows.append(("`( )`", "comment" if dialect.grammar.parentheses else "arguments"))
-    rows.append(("increments", " ".join(f"{u}={x}" for u, x in dialect.increments.items()) or "by G91"))
+    rows.append(
+        ("increments", " ".join(f"{u}={x}" for u, x in dialect.increments.items()) or "by G91")
+    )
     rows.append(
         (
             "tool lengths",
@@ -315,7 +352,10 @@ def chapter(dialect: dialects.Dialect) -> str:
     )
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
-        ("variables and loops", f"`--expand`, {dialect.language}" if dialect.language else "none that are followed")
+        (
+            "variables and loops",
+            f"`--expand`, {dialect.language}" if dialect.language else "none that are followed",
+        )
     )
     rows.append(("ends with", _words([f"M{n}" for n in dialect.ends]) or "the text"))
     if dialect.carried:
@@ -329,7 +369,10 @@ def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
     rows = []
     if dialect.homes:
         rows.append(
-            ("where a program begins", "at `home`, or `--start`; feeds before that is known are left and counted")
+            (
+                "where a program begins",
+                "at `home`, or `--start`; feeds before that is known are left and counted",
+            )
         )
     if dialect.skips_centre:
         rows.append(("a centre word outside the plane", "0 is passed over"))

@@ -58,7 +58,9 @@ def line_at(place):
 
 
 def axis_of(module) -> str:
-    return "" if getattr(module, "LINE", False) else {"axis": "X", "pair": "XZ", "all": ""}[module.PER]
+    return (
+        "" if getattr(module, "LINE", False) else {"axis": "X", "pair": "XZ", "all": ""}[module.PER]
+    )
 
 
 def shapes_of(name, module):
@@ -90,7 +92,9 @@ def test_columns_are_vectors_row_by_row(name):
         assert value.ndim == (2 if reading else 3) and value.shape[-1] == N
         assert reading or value.shape[1] == 3
         assert np.isfinite(value).all() and np.abs(value).max() > 0
-        assert np.linalg.matrix_rank(value.reshape(len(value), -1)) == len(value), "two columns say the same"
+        assert np.linalg.matrix_rank(value.reshape(len(value), -1)) == len(value), (
+            "two columns say the same"
+        )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -109,7 +113,9 @@ def test_parameters_say_all_of_a_fit(name):
         )
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if any(hasattr(effects.load(n), how) for how in APPLIED)])
+@pytest.mark.parametrize(
+    "name", [n for n in NAMES if any(hasattr(effects.load(n), how) for how in APPLIED)]
+)
 def test_tables_are_the_same_physics(name):
     """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are linear between nodes).
     Windup is fully built up in the table, so it is compared far from a reversal."""
@@ -123,19 +129,25 @@ def test_tables_are_the_same_physics(name):
         wanted = effects.deviation(module, far, axis, **named)
         got = np.zeros((3, N))
         moving = module.moving(axis, **named) if module.PER == "pair" else axis
-        rows = module.tables(axis, STATE.travel[moving], **named) if hasattr(module, "tables") else []
+        rows = (
+            module.tables(axis, STATE.travel[moving], **named) if hasattr(module, "tables") else []
+        )
         if hasattr(module, "by_angle"):  # a measured rotation: a straight line here
             rows = rows + module.by_angle(axis, ENDS, LINE, LINE, **named)
             far = effects.State(**{**vars(far), "angles": {axis: line_at(STATE.position[axis])}})
             wanted = effects.deviation(module, far, axis, **named)
         if hasattr(module, "grids"):
-            for component, letter, other, nodes, others, value in module.grids(axis, STATE.travel, **named):
+            for component, letter, other, nodes, others, value in module.grids(
+                axis, STATE.travel, **named
+            ):
                 at = np.clip(
                     (STATE.position[letter], STATE.position[other]),
                     [[nodes[0]], [others[0]]],
                     [[nodes[-1]], [others[-1]]],
                 )
-                got["XYZ".index(component[1])] += RegularGridInterpolator((nodes, others), value)(at.T)
+                got["XYZ".index(component[1])] += RegularGridInterpolator((nodes, others), value)(
+                    at.T
+                )
         for component, letter, nodes, forward, reverse in rows:
             assert (np.diff(nodes) > 0).all() and len(nodes) == len(forward) == len(reverse)
             table = np.where(

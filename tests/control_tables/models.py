@@ -91,7 +91,9 @@ def cec(files: dict[str, bytes], unit: float = 1.0, turn: float = 1.0):
     return added
 
 
-def fanuc(text: str, home: dict[str, float], step: float, increment: float, axes: str, turn: float = 1.0):
+def fanuc(
+    text: str, home: dict[str, float], step: float, increment: float, axes: str, turn: float = 1.0
+):
     """B-63980EN page 100: number n is put out between the points n-1 and n, detection unit x 3623; A-77810E: numbers from
     3626 on for travel in -, 3627 at the reference from the other side; 1851 at a reversal."""
     parameter, pitch = {}, {}
@@ -108,7 +110,10 @@ def fanuc(text: str, home: dict[str, float], step: float, increment: float, axes
         start = int(p[3626]) if way < 0 and 3626 in p else int(p[3621])
         reference = start + int(p[3620] - p[3621])
         numbers = np.arange(start, start + int(p[3622] - p[3621]) + 1)
-        points = home.get(moving, 0.0) + (np.arange(start - 1, numbers[-1] + 1) - reference) * p[3624] * increment
+        points = (
+            home.get(moving, 0.0)
+            + (np.arange(start - 1, numbers[-1] + 1) - reference) * p[3624] * increment
+        )
         sums = np.concatenate([[0], np.cumsum([pitch[n] for n in numbers])]) * p[3623] * step
         at = home.get(moving, 0.0)
         other = p.get(3627, 0) * step if way < 0 and 3626 in p else 0.0

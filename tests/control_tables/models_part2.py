@@ -27,9 +27,15 @@ def lsec(text: str):
     assert entries["kw.ssfk.unit"] == "1"
     n = int(entries["kw.ssfk.kw_nr_max"])
     gap, first = int(entries["kw.ssfk.interval"]), int(entries["kw.ssfk.kw_startpos"])
-    at = [first + gap * i if gap else int(entries[f"kw.ssfk.table[{i}].setpoint"]) for i in range(n)]
+    at = [
+        first + gap * i if gap else int(entries[f"kw.ssfk.table[{i}].setpoint"]) for i in range(n)
+    ]
     pos = [int(entries[f"kw.ssfk.table[{i}].pos"]) for i in range(n)]
-    neg = [int(entries[f"kw.ssfk.table[{i}].neg"]) for i in range(n)] if entries["kw.ssfk.bilateral"] == "1" else pos
+    neg = (
+        [int(entries[f"kw.ssfk.table[{i}].neg"]) for i in range(n)]
+        if entries["kw.ssfk.bilateral"] == "1"
+        else pos
+    )
 
     def sent(command, way):
         return command - np.interp(command * 1e4, at, pos if way > 0 else neg) * 1e-4
@@ -50,7 +56,11 @@ def isg_parameters(text: str) -> dict:
         for name in names:
             if len(name) > 1:
                 assert name not in found
-                found[name] = _grid(arguments, data[:, [names.index(a) for a in arguments]], data[:, names.index(name)])
+                found[name] = _grid(
+                    arguments,
+                    data[:, [names.index(a) for a in arguments]],
+                    data[:, names.index(name)],
+                )
     return found
 
 
@@ -75,7 +85,9 @@ def etalon_parameters(text: str) -> dict:
         if "VALUE" in body:
             found[name] = _grid([], None, [float(body.split("=")[1])])
             continue
-        data = np.array([float(w) for w in body[body.index("{") + 1 : body.index("}")].split()]).reshape(-1, 2)
+        data = np.array(
+            [float(w) for w in body[body.index("{") + 1 : body.index("}")].split()]
+        ).reshape(-1, 2)
         found[name] = _grid([name[2]], data[:, :1], data[:, 1])
     return found
 
@@ -132,7 +144,11 @@ class Marlin:
                 assert metric, "value_linear_units()"
                 values = {w[0]: float(w[1:]) for w in words[1:]}
                 assert all(-1 <= v <= 1 for v in values.values())
-                self.xy, self.xz, self.yz = values.get("I", 0.0), values.get("J", 0.0), values.get("K", 0.0)
+                self.xy, self.xz, self.yz = (
+                    values.get("I", 0.0),
+                    values.get("J", 0.0),
+                    values.get("K", 0.0),
+                )
             if words[:1] == ["M425"]:
                 values = {w[0]: float(w[1:]) for w in words[1:]}
                 fraction = values.pop("F")
@@ -201,7 +217,9 @@ def nc_studio(text: str):
         elif axis and line.strip() and not line.startswith(";"):
             rows[axis].append([float(c) for c in line.split(",")])
     tables = {x: np.array(r).T for x, r in rows.items()}
-    return lambda x, command, way: command - np.interp(command, tables[x][0], tables[x][1 if way > 0 else 2])
+    return lambda x, command, way: (
+        command - np.interp(command, tables[x][0], tables[x][1 if way > 0 else 2])
+    )
 
 
 def typed(text: str):
@@ -214,7 +232,9 @@ def typed(text: str):
         elif line[:1].isdigit() or line[:1] == "-":
             rows.append([float(c) for c in line.split(",")])
     unit = {"mm": 1.0, "inch": 25.4}[head["unit"]]
-    places = float(head["start"]) + float(head["length"]) * np.arange(int(head["points"])) / (int(head["points"]) - 1)
+    places = float(head["start"]) + float(head["length"]) * np.arange(int(head["points"])) / (
+        int(head["points"]) - 1
+    )
     data = np.array(rows).T
     return places * unit, data[1] * unit, data[-1] * unit
 
@@ -224,6 +244,9 @@ def centroid_one(text: str, counts_per_mm: float):
     lines = text.split()
     n, last = int(lines[0]), int(lines[1])
     assert len(lines) == n + 2
-    places, values = np.linspace(0, last, n) / counts_per_mm, np.array([int(v) for v in lines[2:]]) / counts_per_mm
+    places, values = (
+        np.linspace(0, last, n) / counts_per_mm,
+        np.array([int(v) for v in lines[2:]]) / counts_per_mm,
+    )
     order = np.argsort(places)
     return lambda command: command + np.interp(command, places[order], values[order])

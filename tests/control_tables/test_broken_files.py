@@ -14,7 +14,9 @@ from postproc.errors import GcompError, UsageError
 from postproc.recordings import Source
 
 OPTIONS = ExportOptions(reference={"X": 0.0})
-FANUC = "axis,parameter_no,value\nX,3620,2\nX,3621,1\nX,3622,4\nX,3623,1\nX,3624,20000\nX,1,1\nX,2,0\n"
+FANUC = (
+    "axis,parameter_no,value\nX,3620,2\nX,3621,1\nX,3622,4\nX,3623,1\nX,3624,20000\nX,1,1\nX,2,0\n"
+)
 ENC = (
     "%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,X1]=0.0\n$AA_ENC_COMP[0,1,X1]=0.001\n"
     "$AA_ENC_COMP_STEP[0,X1]=10\n$AA_ENC_COMP_MIN[0,X1]=0\n$AA_ENC_COMP_MAX[0,X1]=10\n$AA_ENC_COMP_IS_MODULO[0,X1]=0\nM17\n"
@@ -23,7 +25,9 @@ CEC = (
     "$AN_CEC_INPUT_AXIS[0]=(AX1)\n$AN_CEC_OUTPUT_AXIS[0]=(AX3)\n$AN_CEC_STEP[0]=10\n$AN_CEC_MIN[0]=0\n$AN_CEC_MAX[0]=10\n"
     "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]=0\n$AN_CEC_IS_MODULO[0]=0\n$AN_CEC[0,0]=0.0\n$AN_CEC[0,1]=0.001\nM17\n"
 )
-COM = "BEGIN A.COM MM\nNR  AXISPOS   X         \n0   0.0000    0.0010\n1   10.0000   0.0020\n[END]\n"
+COM = (
+    "BEGIN A.COM MM\nNR  AXISPOS   X         \n0   0.0000    0.0010\n1   10.0000   0.0020\n[END]\n"
+)
 HAAS = "axis,point,position_in,value_in\nX,0,0.0,0.0001\nX,1,-0.5,0.0002\n"
 FAGOR = "axis,position_mm,error_plus_mm,error_minus_mm\nX,0.0,0.001,0.002\nX,10.0,0.001,0.002\n"
 MITSUBISHI = "axis,point,position_mm,increment\nX,0,0,0\nX,1,10,3\n"
@@ -93,7 +97,9 @@ def test_a_broken_table_is_refused_with_file_line_and_reason(control, name, text
         assert name in str(caught.value)
 
 
-@pytest.mark.parametrize("text", [("siemens-enc-comp", ENC), ("siemens-cec", CEC), ("fanuc", FANUC), ("fanuc", G10)])
+@pytest.mark.parametrize(
+    "text", [("siemens-enc-comp", ENC), ("siemens-cec", CEC), ("fanuc", FANUC), ("fanuc", G10)]
+)
 def test_the_whole_file_is_read(text):
     assert control_tables.load(text[0]).read(Source("f", text[1].encode()), OPTIONS)
 
@@ -108,10 +114,22 @@ def test_an_axis_that_the_file_does_not_say_is_asked_for():
         with pytest.raises(UsageError, match="axis"):
             control_tables.load(control).read(Source("table.txt", text.encode()), OPTIONS)
         told = replace(OPTIONS, extra={"axis": "Z"})
-        assert control_tables.load(control).read(Source("table.txt", text.encode()), told)[0].moving == "Z"
+        assert (
+            control_tables.load(control).read(Source("table.txt", text.encode()), told)[0].moving
+            == "Z"
+        )
 
 
-MINE = ("linuxcnc", "fanuc", "siemens-enc-comp", "siemens-cec", "heidenhain", "haas", "fagor", "mitsubishi")
+MINE = (
+    "linuxcnc",
+    "fanuc",
+    "siemens-enc-comp",
+    "siemens-cec",
+    "heidenhain",
+    "haas",
+    "fagor",
+    "mitsubishi",
+)
 WHOLE = {
     "linuxcnc": "0 0 0\n10 10.001 10\n", "fanuc": FANUC, "siemens-enc-comp": ENC, "siemens-cec": CEC, "heidenhain": COM,
     "haas": HAAS, "fagor": FAGOR, "mitsubishi": MITSUBISHI,
@@ -127,10 +145,16 @@ def test_any_bytes_end_in_tables_or_one_sentence(control, data):
     for _ in range(data.draw(st.integers(1, 3))):
         at = data.draw(st.integers(0, len(text)))
         gone = data.draw(st.integers(0, 6))
-        text = text[:at] + data.draw(st.text("0123456789.,;-+eEnaX[]()=\n \t%$#GNPR", max_size=4)) + text[at + gone :]
+        text = (
+            text[:at]
+            + data.draw(st.text("0123456789.,;-+eEnaX[]()=\n \t%$#GNPR", max_size=4))
+            + text[at + gone :]
+        )
     raw = data.draw(st.one_of(st.just(text.encode()), st.binary(max_size=40)))
     try:
-        tables = control_tables.load(control).read(Source("AXIS_X.COM", raw), replace(OPTIONS, extra={"axis": "X"}))
+        tables = control_tables.load(control).read(
+            Source("AXIS_X.COM", raw), replace(OPTIONS, extra={"axis": "X"})
+        )
     except GcompError as error:
         assert error.message
     else:

@@ -75,7 +75,10 @@ def _lengths(text: str, small: float) -> str:
     return "\n".join(lines)
 
 
-MM, INCHES = ExportOptions(reference={"X": 0.0, "Z": 40.0}), ExportOptions(unit="inch", reference={"X": 0.0, "Z": 40.0})
+MM, INCHES = (
+    ExportOptions(reference={"X": 0.0, "Z": 40.0}),
+    ExportOptions(unit="inch", reference={"X": 0.0, "Z": 40.0}),
+)
 ONE = replace(MM, two_way=False)
 TOP = replace(MM, reference={"X": 600.0, "Z": 700.0})
 CASES = [
@@ -85,10 +88,16 @@ CASES = [
     Case("siemens-enc-comp", replace(MM, spacing=10.0), zero=0.0),
     Case("siemens-enc-comp", replace(INCHES, spacing=12.7), zero=0.0),
     Case("siemens-cec", replace(MM, spacing=10.0), zero=0.0, own=False),
-    Case("siemens-cec", replace(INCHES, spacing=12.7, extra={"cec_sign": "+"}), zero=0.0, own=False),
+    Case(
+        "siemens-cec", replace(INCHES, spacing=12.7, extra={"cec_sign": "+"}), zero=0.0, own=False
+    ),
     Case("siemens-cec", replace(ONE, spacing=10.0), zero=0.0, own=False),
     Case("fanuc", replace(MM, spacing=10.0), zero=1.0),
-    Case("fanuc", replace(MM, spacing=20.0, extra={"form": "l52", "return": "+", "axes": "XZ"}), zero=1.0),
+    Case(
+        "fanuc",
+        replace(MM, spacing=20.0, extra={"form": "l52", "return": "+", "axes": "XZ"}),
+        zero=1.0,
+    ),
     Case("fanuc", replace(ONE, spacing=10.0, step=0.0001, extra={"largest": "127"}), zero=0.0),
     Case("fanuc", replace(ONE, unit="inch", spacing=12.7, extra={"form": "l52"}), zero=0.0),
     Case("heidenhain", MM, own=False),
@@ -105,11 +114,15 @@ CASES = [
 def tables(draw, moving: str = "X", along: str = "X", amplitude: float = 0.06):
     """A table that bends gently: 2 to 20 nodes, up to 60 um, its two directions up to 10 um apart."""
     count = draw(st.integers(2, 20))
-    gaps = draw(st.lists(st.sampled_from([10.0, 20.0, 25.0, 30.0]), min_size=count - 1, max_size=count - 1))
+    gaps = draw(
+        st.lists(st.sampled_from([10.0, 20.0, 25.0, 30.0]), min_size=count - 1, max_size=count - 1)
+    )
     start = draw(st.sampled_from([-100.0, -40.0, 0.0, 30.0]))
     nodes = start + np.concatenate([[0.0], np.cumsum(gaps)])
     steps = draw(st.lists(st.integers(-60, 60), min_size=count, max_size=count))
-    forward = np.clip(np.cumsum(steps) * 1e-4, -amplitude, amplitude)  # up to 6 um between neighbours
+    forward = np.clip(
+        np.cumsum(steps) * 1e-4, -amplitude, amplitude
+    )  # up to 6 um between neighbours
     play = draw(st.lists(st.integers(-50, 50), min_size=count, max_size=count))
     reverse = forward + np.array(play) * 1e-4 if draw(st.booleans()) else forward
     return ErrorTable(moving, along, nodes, forward, reverse)
@@ -130,10 +143,15 @@ def checked(case: Case, group: list[ErrorTable]):
     for table in group:
         if case.own and table.moving != table.along:
             continue
-        back = [t for name, data in export.files.items() for t in _read(module, name, data, case.options)]
+        back = [
+            t
+            for name, data in export.files.items()
+            for t in _read(module, name, data, case.options)
+        ]
         got = next(t for t in back if t.name == table.name)
         places = np.union1d(
-            np.union1d(table.nodes, got.nodes), np.linspace(table.nodes[0] - 50, table.nodes[-1] + 50, 97)
+            np.union1d(table.nodes, got.nodes),
+            np.linspace(table.nodes[0] - 50, table.nodes[-1] + 50, 97),
         )
         left, twice = [], []
         for way in (1.0, -1.0):
@@ -160,7 +178,9 @@ def span(values: np.ndarray) -> float:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 @settings(max_examples=20, deadline=None)
 @given(group=sets())
-def test_actual_is_commanded_within_what_is_left_and_the_turned_sign_shows_the_deviation_twice(case, group):
+def test_actual_is_commanded_within_what_is_left_and_the_turned_sign_shows_the_deviation_twice(
+    case, group
+):
     for export, table, places, left, twice in checked(case, group):
         rest = export.remainder[table.name]
         deviation = np.stack([table.at(places, way) for way in (1.0, -1.0)])
@@ -184,7 +204,9 @@ def test_nothing_is_added_at_the_reference(case, group):
             continue
         home = np.array([case.options.reference[table.moving]])
         ways = (case.zero,) if case.zero else (1.0, -1.0)
-        added = sum(float(model(table.moving, table.along, home, way)[0]) for way in ways) / len(ways)
+        added = sum(float(model(table.moving, table.along, home, way)[0]) for way in ways) / len(
+            ways
+        )
         assert abs(added) <= 1e-5 + NANOMETRE  # 5 decimals of a mm, half of it for each direction
 
 
@@ -194,7 +216,9 @@ def test_nothing_is_added_at_the_reference(case, group):
 def test_what_was_read_writes_the_same_bytes(case, group):
     module = control_tables.load(case.control)
     if case.control == "fanuc":  # a magnification may round increments to ones that need none
-        case = replace(case, options=replace(case.options, extra={**case.options.extra, "largest": "127"}))
+        case = replace(
+            case, options=replace(case.options, extra={**case.options.extra, "largest": "127"})
+        )
     files = module.write(group, case.options).files
     back = [t for name, data in files.items() for t in _read(module, name, data, case.options)]
     again = module.write(back, case.options)
@@ -221,7 +245,9 @@ def test_what_active_tables_do_is_the_negative_deviation_of_all_that_correct_an_
     own = ErrorTable("X", "X", nodes, np.array([0.0, 0.010]), np.array([0.002, 0.012]))
     cross = ErrorTable("Z", "X", nodes, np.array([0.001, 0.001]), np.array([0.001, 0.001]))
     x, z = np.array([50.0, 200.0, 50.0]), np.zeros(3)
-    done = control_tables.correction_of([own, cross], {"X": x, "Z": z}, {"X": np.array([1.0, -1.0, 0.0])})
+    done = control_tables.correction_of(
+        [own, cross], {"X": x, "Z": z}, {"X": np.array([1.0, -1.0, 0.0])}
+    )
     np.testing.assert_allclose(done["X"], [-0.006, -0.013, -0.007], atol=1e-12)
     assert set(done) == {"X"}
     with pytest.raises(control_tables.TableError, match="no position of Z"):

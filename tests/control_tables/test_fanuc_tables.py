@@ -17,7 +17,10 @@ from postproc.recordings import Source
 from postproc.units import UM
 
 SEED = Path(__file__).resolve().parents[2].parent / "shared" / "seed"
-PITCH, SETTINGS = SEED / "table_7_2_mv1060_fanuc_pitch.csv", SEED / "table_7_2_mv1060_fanuc_settings.csv"
+PITCH, SETTINGS = (
+    SEED / "table_7_2_mv1060_fanuc_pitch.csv",
+    SEED / "table_7_2_mv1060_fanuc_settings.csv",
+)
 HOME = ExportOptions(reference={x: 0.0 for x in "XYZ"})
 seed = pytest.mark.skipif(not PITCH.exists(), reason="the seed's tables are not here")
 
@@ -28,7 +31,14 @@ MANUAL = dict(
 
 def manual_csv() -> bytes:
     rows = [f"X,{n},{v}" for n, v in MANUAL.items()]
-    head = ["axis,parameter_no,value", "X,3620,40", "X,3621,33", "X,3622,49", "X,3623,1", "X,3624,50000"]
+    head = [
+        "axis,parameter_no,value",
+        "X,3620,40",
+        "X,3621,33",
+        "X,3622,49",
+        "X,3623,1",
+        "X,3624,50000",
+    ]
     return "\n".join([*head, *rows, ""]).encode()
 
 
@@ -47,8 +57,21 @@ def test_table_7_2_is_read_and_written_back_to_the_same_82_numbers_and_settings(
     told = replace(HOME, extra={"settings": SETTINGS.read_text()})
     tables = fanuc.read(Source(PITCH.name, PITCH.read_bytes()), told)
     assert [t.name for t in tables] == ["EXX", "EYY", "EZZ"]
-    extra = {"form": "csv", "span": "map", "range_X": "1:101", "range_Y": "102:201", "range_Z": "202:301"}
-    back = replace(HOME, spacing=20.0, two_way=False, first={"X": 100, "Y": 200, "Z": 300}, program="t", extra=extra)
+    extra = {
+        "form": "csv",
+        "span": "map",
+        "range_X": "1:101",
+        "range_Y": "102:201",
+        "range_Z": "202:301",
+    }
+    back = replace(
+        HOME,
+        spacing=20.0,
+        two_way=False,
+        first={"X": 100, "Y": 200, "Z": 300},
+        program="t",
+        extra=extra,
+    )
     files = fanuc.write(tables, back).files
     assert files["t_pitch.csv"] == PITCH.read_bytes()
     assert files["t_settings.csv"] == SETTINGS.read_bytes()
@@ -82,12 +105,19 @@ def test_every_form_holds_the_same_numbers(form):
     (back,) = fanuc.read(Source(name, export.files[name]), replace(options, extra=extra))
     moved = table.at(np.zeros(1), 1.0)[0]
     for way in (1.0, -1.0):
-        np.testing.assert_allclose(back.at(nodes, way), table.at(nodes, way) - moved, atol=0.0005 + 1e-9)
-    assert (form in ("l50", "l52")) == any("G10" in n for n in export.notices if n.startswith("unverified"))
+        np.testing.assert_allclose(
+            back.at(nodes, way), table.at(nodes, way) - moved, atol=0.0005 + 1e-9
+        )
+    assert (form in ("l50", "l52")) == any(
+        "G10" in n for n in export.notices if n.startswith("unverified")
+    )
 
 
 @settings(max_examples=200, deadline=None)
-@given(values=st.lists(st.floats(-0.05, 0.05), min_size=2, max_size=60), step=st.sampled_from([0.001, 0.0001, 0.0005]))
+@given(
+    values=st.lists(st.floats(-0.05, 0.05), min_size=2, max_size=60),
+    step=st.sampled_from([0.001, 0.0001, 0.0005]),
+)
 def test_carry_keeps_the_running_sum_within_half_a_unit(values, step):
     nodes = 10.0 * np.arange(len(values))
     column = np.array(values)
@@ -101,21 +131,36 @@ def test_carry_keeps_the_running_sum_within_half_a_unit(values, step):
 
 def test_an_increment_beyond_seven_halves_the_spacing_and_then_raises_the_magnification():
     nodes = np.array([0.0, 10.0, 20.0])
-    table = ErrorTable("X", "X", nodes, np.array([0.0, 0.012, 0.012]), np.array([0.0, 0.012, 0.012]))
+    table = ErrorTable(
+        "X", "X", nodes, np.array([0.0, 0.012, 0.012]), np.array([0.0, 0.012, 0.012])
+    )
     finer = fanuc.write([table], HOME)
-    assert b"N3624 P1 R5000\n" in finer.files["gcomp_fanuc.nc"] and b"N3623 P1 R1\n" in finer.files["gcomp_fanuc.nc"]
+    assert (
+        b"N3624 P1 R5000\n" in finer.files["gcomp_fanuc.nc"]
+        and b"N3623 P1 R1\n" in finer.files["gcomp_fanuc.nc"]
+    )
     raised = fanuc.write([table], replace(HOME, spacing=10.0))
     assert b"N3623 P1 R2\n" in raised.files["gcomp_fanuc.nc"]
     assert any("3623 = 2" in n for n in raised.notices)
     wide = fanuc.write([table], replace(HOME, spacing=10.0, extra={"largest": "127"}))
-    assert b"N3623 P1 R1\n" in wide.files["gcomp_fanuc.nc"] and b"R-12\n" in wide.files["gcomp_fanuc.nc"]
+    assert (
+        b"N3623 P1 R1\n" in wide.files["gcomp_fanuc.nc"]
+        and b"R-12\n" in wide.files["gcomp_fanuc.nc"]
+    )
 
 
 def test_tables_by_direction_begin_at_3626_and_3627_is_added_at_the_reference():
     nodes = np.array([-40.0, -20.0, 0.0, 20.0])
     table = ErrorTable("X", "X", nodes, np.array([4, 2, 1, 0]) * UM, np.array([9, 7, 6, 3]) * UM)
     text = fanuc.write([table], replace(HOME, first={"X": 30})).files["gcomp_fanuc.nc"].decode()
-    for line in ("N3620 P1 R30", "N3621 P1 R29", "N3622 P1 R31", "N3626 P1 R32", "N3627 P1 R-5", "N1851 P1 R0"):
+    for line in (
+        "N3620 P1 R30",
+        "N3621 P1 R29",
+        "N3622 P1 R31",
+        "N3626 P1 R32",
+        "N3627 P1 R-5",
+        "N1851 P1 R0",
+    ):
         assert f"\n{line}\n" in text
     numbers = [int(line.split("R")[1]) for line in text.splitlines() if line.startswith("N100")]
     assert numbers == [2, 1, 1, 2, 1, 3]  # falling deviation: more travel in +

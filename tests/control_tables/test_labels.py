@@ -16,7 +16,9 @@ def test_labels_agree(name, tmp_path, capsys):
     module = control_tables.load(name)
     open_ = bool(module.UNVERIFIED)
     assert module.VERIFIED or open_  # a format that no source gives is named
-    assert ("unverified" in module.SIGN) == ("sign" in module.UNVERIFIED or "list" in module.UNVERIFIED), module.SIGN
+    assert ("unverified" in module.SIGN) == (
+        "sign" in module.UNVERIFIED or "list" in module.UNVERIFIED
+    ), module.SIGN
     assert cli.main(["export", "--list", "--control", name]) == 0
     listed = capsys.readouterr().out
     assert ("UNVERIFIED" in listed) == open_ and ("\nverified" in listed) == (not open_)

@@ -31,10 +31,16 @@ from postproc.units import UM
 HOME = ExportOptions(reference={x: 0.0 for x in "XYZ"})
 
 
-def table(values, step: float = 10.0, moving: str = "X", along: str = "X", reverse=None) -> ErrorTable:
+def table(
+    values, step: float = 10.0, moving: str = "X", along: str = "X", reverse=None
+) -> ErrorTable:
     up = np.array(values, float) * UM
     return ErrorTable(
-        moving, along, step * np.arange(len(up)), up, up if reverse is None else np.array(reverse, float) * UM
+        moving,
+        along,
+        step * np.arange(len(up)),
+        up,
+        up if reverse is None else np.array(reverse, float) * UM,
     )
 
 
@@ -44,12 +50,15 @@ def table(values, step: float = 10.0, moving: str = "X", along: str = "X", rever
 def test_linuxcnc_gets_three_bare_numbers_a_line_of_actual_positions_or_of_trims():
     one = table([0.0, 3.0], reverse=[-1.0, 2.0])
     assert (
-        linuxcnc.write([one], HOME).files["X.comp"] == b"0.000000 0.000000 -0.001000\n10.000000 10.003000 10.002000\n"
+        linuxcnc.write([one], HOME).files["X.comp"]
+        == b"0.000000 0.000000 -0.001000\n10.000000 10.003000 10.002000\n"
     )
     trims = linuxcnc.write([one], replace(HOME, extra={"type": "1"})).files["X.comp"]
     assert trims == b"0.000000 0.000000 0.001000\n10.000000 -0.003000 -0.002000\n"
     inch = linuxcnc.write([one], replace(HOME, unit="inch")).files["X.comp"].decode()
-    assert [float(w) for w in inch.split()[3:]] == approx([10 / 25.4, 10.003 / 25.4, 10.002 / 25.4], abs=1e-8)
+    assert [float(w) for w in inch.split()[3:]] == approx(
+        [10 / 25.4, 10.003 / 25.4, 10.002 / 25.4], abs=1e-8
+    )
 
 
 def test_linuxcnc_holds_256_entries_and_the_rest_is_thinned_out_within_a_bound_or_refused():
@@ -62,14 +71,18 @@ def test_linuxcnc_holds_256_entries_and_the_rest_is_thinned_out_within_a_bound_o
     got = models.linuxcnc(export.files, "0")("X", "X", smooth.nodes, 1.0)
     assert np.abs(got + smooth.forward).max() <= said + 1e-6 and said < 1 * UM
     rough = np.random.default_rng(3).normal(0, 0.005, 600)
-    with pytest.raises(TableError, match="has 600 entries, LinuxCNC holds 256, and thinning them out loses"):
+    with pytest.raises(
+        TableError, match="has 600 entries, LinuxCNC holds 256, and thinning them out loses"
+    ):
         linuxcnc.write([ErrorTable("X", "X", 1000 * x, rough, rough)], HOME)
 
 
 @settings(max_examples=100, deadline=None)
 @given(values=st.lists(st.floats(-0.05, 0.05), min_size=3, max_size=80), most=st.integers(2, 40))
 def test_thinning_keeps_the_ends_holds_its_bound_and_never_has_more_than_asked(values, most):
-    full = ErrorTable("X", "X", np.arange(len(values), dtype=float), np.array(values), np.array(values[::-1]))
+    full = ErrorTable(
+        "X", "X", np.arange(len(values), dtype=float), np.array(values), np.array(values[::-1])
+    )
     thin, lost = common.thinned(full, most)
     assert len(thin.nodes) <= most and {thin.nodes[0], thin.nodes[-1]} == {0.0, len(values) - 1.0}
     there = np.linspace(-1, len(values), 511)
@@ -180,13 +193,19 @@ def test_a_template_that_can_not_hold_the_table_is_refused(text, words):
 
 def test_the_legacy_form_has_a_spacing_of_a_power_of_two_and_gentle_neighbours():
     """TNC 407 page 153: 500 mm, 7 mm wanted, 2^16 x 0.1 um = 6.5536 mm, 77 points."""
-    long = ErrorTable("Y", "Y", np.array([-90.0, 410.0]), np.array([0.0, 0.04]), np.array([0.0, 0.04]))
+    long = ErrorTable(
+        "Y", "Y", np.array([-90.0, 410.0]), np.array([0.0, 0.04]), np.array([0.0, 0.04])
+    )
     export = heidenhain.write([long], replace(HOME, spacing=6.5536, extra={"form": "legacy"}))
     rows = export.files["AXIS_Y.COM"].decode().splitlines()[2:-1]
     positions = [float(row.split()[1]) for row in rows]
-    assert positions[:4] == [-90.0, -83.4464, -76.8928, -70.3392] and len(rows) == 78  # 77 intervals
+    assert (
+        positions[:4] == [-90.0, -83.4464, -76.8928, -70.3392] and len(rows) == 78
+    )  # 77 intervals
     assert any("2^16 x 0.1 um" in n for n in export.notices)
-    with pytest.raises(UsageError, match=r"7 mm is not a power of two x 0.1 um\n +--spacing 6.5536 or 13.1072"):
+    with pytest.raises(
+        UsageError, match=r"7 mm is not a power of two x 0.1 um\n +--spacing 6.5536 or 13.1072"
+    ):
         heidenhain.write([long], replace(HOME, spacing=7.0, extra={"form": "legacy"}))
     steep = table([0.0, 200.0])  # 20 um/mm, and spacing / 64 is 15.6 um/mm
     with pytest.raises(TableError, match="is the limit"):
@@ -197,7 +216,9 @@ def test_the_legacy_form_has_a_spacing_of_a_power_of_two_and_gentle_neighbours()
 
 
 def test_haas_goes_down_from_machine_zero_every_half_inch():
-    one = ErrorTable("X", "X", np.array([-25.4, 0.0]), np.array([0.00508, 0.0]), np.array([0.00508, 0.0]))
+    one = ErrorTable(
+        "X", "X", np.array([-25.4, 0.0]), np.array([0.00508, 0.0]), np.array([0.00508, 0.0])
+    )
     rows = haas.write([one], HOME).files["gcomp_haas.csv"].decode().splitlines()[2:]
     assert rows == ["X,0,0.0,0.0000", "X,1,-0.5,-0.0001", "X,2,-1.0,-0.0002"]
     with pytest.raises(TableError, match="entries only go down from there"):

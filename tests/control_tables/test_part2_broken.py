@@ -104,7 +104,9 @@ BROKEN = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("control, text, line, says", BROKEN, ids=[f"{c}-{i}" for i, (c, *_) in enumerate(BROKEN)])
+@pytest.mark.parametrize(
+    "control, text, line, says", BROKEN, ids=[f"{c}-{i}" for i, (c, *_) in enumerate(BROKEN)]
+)
 def test_a_broken_file_is_refused_with_file_line_and_reason(control, text, line, says):
     module = load(control)
     reader = getattr(module, "read_machine", module.read)
@@ -113,13 +115,26 @@ def test_a_broken_file_is_refused_with_file_line_and_reason(control, text, line,
     with pytest.raises(GcompError) as caught:
         reader(Source("broken.txt", data), options)
     error = caught.value
-    assert error.place is not None and (error.place.file, error.place.line) == ("broken.txt", line), str(error)
+    assert error.place is not None and (error.place.file, error.place.line) == (
+        "broken.txt",
+        line,
+    ), str(error)
     assert says in str(error)
 
 
 @pytest.mark.parametrize(
     "control",
-    ["isg-csv", "etalon", "beckhoff-lsec", "marlin", "klipper", "reprapfirmware", "nc-studio", "mach4", "centroid"],
+    [
+        "isg-csv",
+        "etalon",
+        "beckhoff-lsec",
+        "marlin",
+        "klipper",
+        "reprapfirmware",
+        "nc-studio",
+        "mach4",
+        "centroid",
+    ],
 )
 @given(data=st.data())
 def test_a_file_with_a_slip_is_read_or_refused_and_nothing_else(control, data):
@@ -130,14 +145,34 @@ def test_a_file_with_a_slip_is_read_or_refused_and_nothing_else(control, data):
     options = ExportOptions(extra=ONE if control == "centroid" else {}, reference={"X": 0.0})
     text = bytearray(
         next(
-            iter(module.write([table, ErrorTable("Y", "X", nodes, nodes * 1e-3, nodes * 1e-3)], options).files.values())
+            iter(
+                module.write(
+                    [table, ErrorTable("Y", "X", nodes, nodes * 1e-3, nodes * 1e-3)], options
+                ).files.values()
+            )
         )
     )
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text) - 1))
         until = min(len(text), at + data.draw(st.integers(0, 6)))
         text[at:until] = data.draw(
-            st.sampled_from([b"", b"-", b"9", b"e", b"\n", b",", b"[", b"}", b" ", b"=", b"#", b"\xff", b"M852 I"])
+            st.sampled_from(
+                [
+                    b"",
+                    b"-",
+                    b"9",
+                    b"e",
+                    b"\n",
+                    b",",
+                    b"[",
+                    b"}",
+                    b" ",
+                    b"=",
+                    b"#",
+                    b"\xff",
+                    b"M852 I",
+                ]
+            )
         )
     reader = getattr(module, "read_machine", module.read)
     try:

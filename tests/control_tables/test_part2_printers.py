@@ -9,7 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx
 
-from postproc.control_tables import ErrorTable, ExportOptions, TableError, klipper, marlin, reprapfirmware
+from postproc.control_tables import (
+    ErrorTable,
+    ExportOptions,
+    TableError,
+    klipper,
+    marlin,
+    reprapfirmware,
+)
 from postproc.recordings import Source
 
 FIRMWARES = [(marlin, models.Marlin), (klipper, models.Klipper), (reprapfirmware, models.RepRap)]
@@ -24,7 +31,10 @@ def leaning(moving: str, along: str, slope: float) -> ErrorTable:
 
 
 def machine(xy: float, xz: float, yz: float, lost=(0.0, 0.0, 0.0)) -> list[ErrorTable]:
-    own = [ErrorTable(x, x, NODES, np.zeros(4), np.full(4, b)) for x, b in zip("XYZ", lost, strict=True)]
+    own = [
+        ErrorTable(x, x, NODES, np.zeros(4), np.full(4, b))
+        for x, b in zip("XYZ", lost, strict=True)
+    ]
     return [leaning("Y", "X", xy), leaning("Z", "X", xz), leaning("Z", "Y", yz), *own]
 
 
@@ -75,12 +85,18 @@ def test_what_is_read_writes_the_same_file(form, model, xy, xz, yz):
     if tables:
         written = model(text_of(form, tables))
         place = (200.0, 150.0, 100.0)
-        assert written.sent(place, (1, 1, 1)) == approx(model(text).sent(place, (1, 1, 1)), abs=NANOMETRE)
+        assert written.sent(place, (1, 1, 1)) == approx(
+            model(text).sent(place, (1, 1, 1)), abs=NANOMETRE
+        )
 
 
 @pytest.mark.parametrize("form, model", FIRMWARES)
-@pytest.mark.parametrize("along, moving, plane", [("Y", "X", (0, 1)), ("Z", "X", (0, 2)), ("Z", "Y", (1, 2))])
-def test_an_axis_that_leans_the_other_way_round_makes_the_same_angle(form, model, along, moving, plane):
+@pytest.mark.parametrize(
+    "along, moving, plane", [("Y", "X", (0, 1)), ("Z", "X", (0, 2)), ("Z", "Y", (1, 2))]
+)
+def test_an_axis_that_leans_the_other_way_round_makes_the_same_angle(
+    form, model, along, moving, plane
+):
     """X leaning towards +Y by 1 mrad closes the angle as Y leaning towards +X would: the part comes out square, turned."""
     export = form.write([leaning(moving, along, 1e-3)], ExportOptions())
     (data,) = export.files.values()
@@ -99,7 +115,9 @@ def test_the_example_of_klippers_manual():
     """docs/Skew_Correction.md: XY=140.4,142.8,99.8; by hand, side = sqrt(2*140.4^2 + 2*142.8^2 - 4*99.8^2)/2 = 100.4587,
     cos = (140.4^2 - 142.8^2)/(4*99.8*100.4587) = -0.016948: the factor is -0.016951."""
     (table,) = klipper.read(Source("f", b"SET_SKEW XY=140.4,142.8,99.8\n"), ExportOptions())
-    assert table.name == "EXY" and table.forward[-1] / table.nodes[-1] == approx(-0.016951, abs=1e-6)
+    assert table.name == "EXY" and table.forward[-1] / table.nodes[-1] == approx(
+        -0.016951, abs=1e-6
+    )
 
 
 def test_marlins_report_is_read():
@@ -112,17 +130,29 @@ def test_marlins_report_is_read():
 
 @pytest.mark.parametrize("form, model", FIRMWARES)
 def test_what_no_factor_holds_is_told(form, model):
-    bent = ErrorTable("Y", "X", np.array([0.0, 100.0, 200.0]), np.array([0.0, 0.03, 0.0]), np.array([0.0, 0.03, 0.0]))
-    screw = ErrorTable("X", "X", np.array([0.0, 200.0]), np.array([0.0, 0.05]), np.array([0.02, 0.07]))
+    bent = ErrorTable(
+        "Y",
+        "X",
+        np.array([0.0, 100.0, 200.0]),
+        np.array([0.0, 0.03, 0.0]),
+        np.array([0.0, 0.03, 0.0]),
+    )
+    screw = ErrorTable(
+        "X", "X", np.array([0.0, 200.0]), np.array([0.0, 0.05]), np.array([0.02, 0.07])
+    )
     export = form.write([bent, screw], ExportOptions())
     lost = 0.0 if form is klipper else 0.02
-    assert export.remainder["EXX"] == approx(0.07 - lost) and export.remainder["EXY"] == approx(0.03)
+    assert export.remainder["EXX"] == approx(0.07 - lost) and export.remainder["EXY"] == approx(
+        0.03
+    )
     assert any("it leaves: EXX" in notice for notice in export.notices)
     if form is klipper:
         assert any("no lost motion" in notice for notice in export.notices)
     (data,) = export.files.values()
     slide = model(data.decode()).sent((150.0, 100.0, 0.0), (-1, 1, 1))
-    assert abs(slide[0] + np.interp(slide[0], [0, 200], [0.02, 0.07]) + 0.03 - 150.0) <= sum(export.remainder.values())
+    assert abs(slide[0] + np.interp(slide[0], [0, 200], [0.02, 0.07]) + 0.03 - 150.0) <= sum(
+        export.remainder.values()
+    )
 
 
 def test_slips_are_refused():
@@ -137,4 +167,7 @@ def test_slips_are_refused():
 
 def test_lost_motion_of_reprapfirmware_is_marked():
     export = reprapfirmware.write(machine(0.001, 0, 0, (0.02, 0, 0)), ExportOptions())
-    assert export.notices[0].startswith("unverified: ") and b"; unverified: " in export.files["gcomp.g"]
+    assert (
+        export.notices[0].startswith("unverified: ")
+        and b"; unverified: " in export.files["gcomp.g"]
+    )

@@ -33,7 +33,9 @@ def error_tables(draw, even: bool = False, axis: str = "Y", home: bool = False):
     gaps = (
         [10.0] * (n - 1)
         if even
-        else draw(st.lists(st.integers(160, 900).map(lambda v: v / 10), min_size=n - 1, max_size=n - 1))
+        else draw(
+            st.lists(st.integers(160, 900).map(lambda v: v / 10), min_size=n - 1, max_size=n - 1)
+        )
     )
     start = -10.0 * (n - 1) if home else draw(st.integers(-3000, 3000)) / 10
     nodes = start + np.concatenate([[0.0], np.cumsum(gaps)])
@@ -56,7 +58,10 @@ def reaches(table: ErrorTable, sent, bound: float) -> None:
         slide = sent(p, way)
         assert np.abs(slide + table.at(slide, way) - p).max() <= bound
         turned = 2 * p - slide
-        assert np.abs(turned + table.at(turned, way) - p - 2 * own).max() <= bound + np.abs(slide - p + own).max()
+        assert (
+            np.abs(turned + table.at(turned, way) - p - 2 * own).max()
+            <= bound + np.abs(slide - p + own).max()
+        )
 
 
 # -- Beckhoff -----------------------------------------------------------------------------------------------------------
@@ -65,7 +70,9 @@ def reaches(table: ErrorTable, sent, bound: float) -> None:
 @given(error_tables())
 def test_beckhoff_reaches_the_command(table):
     export = beckhoff_lsec.write([table], ExportOptions())
-    reaches(table, models.lsec(export.files["achskw_Y.lis"].decode()), export.remainder["EYY"] + SELF)
+    reaches(
+        table, models.lsec(export.files["achskw_Y.lis"].decode()), export.remainder["EYY"] + SELF
+    )
     assert export.remainder["EYY"] <= 1.01e-4 / 2 + 3e-7, "half a tenth of a micrometre"
 
 
@@ -75,7 +82,9 @@ def test_beckhoff_is_read_as_written(table):
     (found,) = beckhoff_lsec.read(Source("f", data), ExportOptions())
     assert (found.moving, found.along) == ("Y", "Y")
     assert found.nodes == approx(table.nodes, abs=1e-9)
-    assert found.forward == approx(table.forward, abs=1e-9) and found.reverse == approx(table.reverse, abs=1e-9)
+    assert found.forward == approx(table.forward, abs=1e-9) and found.reverse == approx(
+        table.reverse, abs=1e-9
+    )
 
 
 @given(error_tables(even=True))
@@ -113,7 +122,11 @@ kw.ssfk.table[ 1].pos                24
 End
 """
     (found,) = beckhoff_lsec.read(Source("f", text.encode()), ExportOptions())
-    assert found.name == "EYY" and found.nodes == approx([-20.0, -19.9306]) and found.reverse == approx([0, 0.0024])
+    assert (
+        found.name == "EYY"
+        and found.nodes == approx([-20.0, -19.9306])
+        and found.reverse == approx([0, 0.0024])
+    )
 
 
 def test_beckhoff_refuses_what_it_can_not_hold():
@@ -124,7 +137,9 @@ def test_beckhoff_refuses_what_it_can_not_hold():
     with pytest.raises(TableError, match="closer than"):
         beckhoff_lsec.write([near], ExportOptions())
     with pytest.raises(TableError, match="along the moving axis"):
-        beckhoff_lsec.write([ErrorTable("X", "Z", np.arange(3.0), np.zeros(3), np.zeros(3))], ExportOptions())
+        beckhoff_lsec.write(
+            [ErrorTable("X", "Z", np.arange(3.0), np.zeros(3), np.zeros(3))], ExportOptions()
+        )
 
 
 # -- NcStudio -----------------------------------------------------------------------------------------------------------
@@ -140,10 +155,13 @@ def test_nc_studio_reaches_the_command(one, two):
     found = {
         t.name: t
         for t in nc_studio.read(
-            Source("f", export.files["axeserr.dat"]), ExportOptions(reference={"X": 10.0, "Y": -20.0})
+            Source("f", export.files["axeserr.dat"]),
+            ExportOptions(reference={"X": 10.0, "Y": -20.0}),
         )
     }
-    assert found["EYY"].nodes == approx(one.nodes) and found["EYY"].reverse == approx(one.reverse, abs=1e-9)
+    assert found["EYY"].nodes == approx(one.nodes) and found["EYY"].reverse == approx(
+        one.reverse, abs=1e-9
+    )
     assert found["EXX"].forward == approx(two.forward, abs=1e-9)
 
 
@@ -155,7 +173,8 @@ def test_nc_studio_reads_the_example_of_its_manual():
     behind = ErrorTable("Y", "Y", np.array([0.0, 1000.0]), np.zeros(2), np.full(2, 0.03))
     assert (
         y.reverse == approx(behind.reverse)
-        and "1000.0000, 0.0000, 0.0300" in nc_studio.write([behind], ExportOptions()).files["axeserr.dat"].decode()
+        and "1000.0000, 0.0000, 0.0300"
+        in nc_studio.write([behind], ExportOptions()).files["axeserr.dat"].decode()
     )
 
 
@@ -170,11 +189,19 @@ def test_a_sheet_that_is_typed_in_reaches_the_command(form, turn, other, table, 
     (data,) = export.files.values()
     nodes, up, down = models.typed(data.decode())
     reaches(
-        table, lambda p, way: p - turn * np.interp(p, nodes, up if way > 0 else down), export.remainder["EYY"] + SELF
+        table,
+        lambda p, way: p - turn * np.interp(p, nodes, up if way > 0 else down),
+        export.remainder["EYY"] + SELF,
     )
-    assert export.remainder["EYY"] < 1e-5 and export.notices[0].startswith("unverified: ") and b"# unverified: " in data
+    assert (
+        export.remainder["EYY"] < 1e-5
+        and export.notices[0].startswith("unverified: ")
+        and b"# unverified: " in data
+    )
     (found,) = form.read(Source("f", data), ExportOptions())
-    assert found.nodes == approx(table.nodes, abs=1e-5) and found.reverse == approx(table.reverse, abs=1e-5)
+    assert found.nodes == approx(table.nodes, abs=1e-5) and found.reverse == approx(
+        table.reverse, abs=1e-5
+    )
     turned = form.write([table], ExportOptions(unit=unit, extra={"sign": other}))
     assert models.typed(next(iter(turned.files.values())).decode())[1] == approx(-up, abs=1e-9)
 
@@ -183,7 +210,9 @@ def test_a_sheet_that_is_typed_in_reaches_the_command(form, turn, other, table, 
 def test_centroid_version_one_reaches_the_command(table):
     """One value for both directions, in counts: half the reversal stays, and half a count (0.32 um); what is off at home,
     where the table must be zero, is told and stays as well."""
-    options = ExportOptions(extra={"version": "1", "counts_per_mm": str(COUNTS), "axis": "Y"}, reference={"Y": 0.0})
+    options = ExportOptions(
+        extra={"version": "1", "counts_per_mm": str(COUNTS), "axis": "Y"}, reference={"Y": 0.0}
+    )
     export = centroid.write([table], options)
     sent = models.centroid_one(export.files["cnc7y.tab"].decode(), COUNTS)
     at_home = float(table.at(np.zeros(1))[0])
@@ -191,10 +220,14 @@ def test_centroid_version_one_reaches_the_command(table):
     p = places(table)
     for way in (1.0, -1.0):
         slide = sent(p)
-        assert np.abs(slide + table.at(slide, way) - p - at_home).max() <= half + 0.5 / COUNTS + 2e-4
+        assert (
+            np.abs(slide + table.at(slide, way) - p - at_home).max() <= half + 0.5 / COUNTS + 2e-4
+        )
     (found,) = centroid.read(Source("f", export.files["cnc7y.tab"]), options)
     mean = (table.forward + table.reverse) / 2 - at_home
-    assert found.nodes == approx(table.nodes, abs=1e-3) and found.forward == approx(mean, abs=0.51 / COUNTS)
+    assert found.nodes == approx(table.nodes, abs=1e-3) and found.forward == approx(
+        mean, abs=0.51 / COUNTS
+    )
 
 
 def test_centroid_version_one_is_the_example_that_is_published():
@@ -227,15 +260,22 @@ def test_centroid_version_one_is_the_example_that_is_published():
     ]
     text = "24 -1448819\n" + "\n".join(map(str, values))
     options = ExportOptions(
-        extra={"version": "1", "counts_per_mm": str(40000 / 25.4), "axis": "x"}, reference={"X": 0.0}
+        extra={"version": "1", "counts_per_mm": str(40000 / 25.4), "axis": "x"},
+        reference={"X": 0.0},
     )
     (found,) = centroid.read(Source("cnc7x.tab", text.encode()), options)
-    assert np.diff(found.nodes) == approx(np.full(23, 40.0), abs=1e-4) and found.nodes[0] == approx(-920.0, abs=1e-4)
+    assert np.diff(found.nodes) == approx(np.full(23, 40.0), abs=1e-4) and found.nodes[0] == approx(
+        -920.0, abs=1e-4
+    )
     assert found.forward[0] == approx(148 / 40000 * 25.4), (
         "the control adds -0.094 mm: the tool stood that much too far in +"
     )
     written = centroid.write([found], options).files["cnc7x.tab"].decode().split()
-    assert written[0] == "24" and [int(v) for v in written[2:]] == values and abs(int(written[1]) + 1448819) <= 1
+    assert (
+        written[0] == "24"
+        and [int(v) for v in written[2:]] == values
+        and abs(int(written[1]) + 1448819) <= 1
+    )
 
 
 def test_what_a_table_of_version_one_needs_must_be_told():
@@ -251,7 +291,17 @@ def test_what_a_table_of_version_one_needs_must_be_told():
 
 @pytest.mark.parametrize(
     "name",
-    ["beckhoff-lsec", "centroid", "etalon", "isg-csv", "klipper", "mach4", "marlin", "nc-studio", "reprapfirmware"],
+    [
+        "beckhoff-lsec",
+        "centroid",
+        "etalon",
+        "isg-csv",
+        "klipper",
+        "mach4",
+        "marlin",
+        "nc-studio",
+        "reprapfirmware",
+    ],
 )
 def test_every_control_says_what_it_is_and_how_it_signs(name):
     module = load(name)

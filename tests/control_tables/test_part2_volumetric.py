@@ -25,7 +25,9 @@ CHAINS = [(order, side) for order in permutations("XYZ") for side in range(4)]
 FORMATS = [isg_csv, etalon]
 
 
-def machine(seed: int, order=("X", "Y", "Z"), side: int = 2, two_way: bool = False, optics=("", "", "")) -> Machine:
+def machine(
+    seed: int, order=("X", "Y", "Z"), side: int = 2, two_way: bool = False, optics=("", "", "")
+) -> Machine:
     """A three-axis machine of random errors: tens of um, tens of urad, measured somewhere, with a tool."""
     rng = np.random.default_rng(seed)
     size = np.array([0.02, 0.02, 0.02, 5e-5, 5e-5, 5e-5])[:, None]
@@ -36,10 +38,14 @@ def machine(seed: int, order=("X", "Y", "Z"), side: int = 2, two_way: bool = Fal
         forward = rng.uniform(-1, 1, (6, len(nodes))) * size
         reverse = forward + rng.uniform(-0.2, 0.2, forward.shape) * size if two_way else forward
         table = AxisTable(x, nodes, forward, reverse)
-        axes[x] = Axis(x, (nodes[0], nodes[-1]), 1e-4, rng.uniform(-100, 100, 3), table, optic=optic)
+        axes[x] = Axis(
+            x, (nodes[0], nodes[-1]), 1e-4, rng.uniform(-100, 100, 3), table, optic=optic
+        )
         square[x] = rng.uniform(-1e-4, 1e-4, 3) * (np.arange(3) != "XYZ".index(x))
     chain = Chain(tuple(order), side)
-    return Machine("random", "", "linuxcnc", chain, axes, square=square, tool=rng.uniform(-100, 100, 3))
+    return Machine(
+        "random", "", "linuxcnc", chain, axes, square=square, tool=rng.uniform(-100, 100, 3)
+    )
 
 
 def with_grid(base: Machine, seed: int = 5) -> Machine:
@@ -72,9 +78,15 @@ def control(form, m: Machine, chain: str | None = None, side: int | None = None)
     files = form.write_machine(m, ExportOptions()).files
     if form is isg_csv:
         told = models.listing(files["gcomp.lis"].decode())
-        assert (told["interpolation"], told["file[0]"], told["file_format[0]"]) == ("GRID", "gcomp.csv", "ISG_CSV")
+        assert (told["interpolation"], told["file[0]"], told["file_format[0]"]) == (
+            "GRID",
+            "gcomp.csv",
+            "ISG_CSV",
+        )
         return models.volcomp(
-            models.isg_parameters(files["gcomp.csv"].decode()), told["chain"], int(told["workpiece_axes"])
+            models.isg_parameters(files["gcomp.csv"].decode()),
+            told["chain"],
+            int(told["workpiece_axes"]),
         )
     parameters = models.etalon_parameters(files["gcomp.txt"].decode())
     return models.volcomp(parameters, "".join(m.chain.axes), m.chain.workpiece_side)
@@ -103,20 +115,33 @@ def test_the_control_reaches_what_was_commanded(form, order, side):
     assert model == approx(own, abs=NANOMETRE)
     sent, turned = p - model, p + model
     assert np.abs(sent + m.deviation(sent, still) - p).max() < 0.004 * np.abs(own).max()
-    assert np.abs(turned + m.deviation(turned, still) - p - 2 * own).max() < 0.01 * np.abs(own).max()
+    assert (
+        np.abs(turned + m.deviation(turned, still) - p - 2 * own).max() < 0.01 * np.abs(own).max()
+    )
 
 
 def test_the_example_mill_goes_through_both_formats():
     """All 21 components of the example machine, through text and back, at 1000 places."""
     m = read_machine(ROOT / "machines" / "example-mill")
     m = replace(m, effects=())
-    p = np.random.default_rng(3).uniform(-1, 1, (3, 1000)) * np.array([[350], [200], [200]]) - [[0], [0], [200]]
+    p = np.random.default_rng(3).uniform(-1, 1, (3, 1000)) * np.array([[350], [200], [200]]) - [
+        [0],
+        [0],
+        [200],
+    ]
     still = np.zeros_like(p)
     for form in FORMATS:
         export = form.write_machine(m, ExportOptions())
         off = np.abs(back(form, m).deviation(p, still) - m.deviation(p, still)).max()
         assert off <= sum(export.remainder.values()) + NANOMETRE / 100
-    assert len(models.isg_parameters(isg_csv.write_machine(m, ExportOptions()).files["gcomp.csv"].decode())) == 21
+    assert (
+        len(
+            models.isg_parameters(
+                isg_csv.write_machine(m, ExportOptions()).files["gcomp.csv"].decode()
+            )
+        )
+        == 21
+    )
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -128,7 +153,9 @@ def test_one_value_for_both_directions_leaves_what_is_told(form):
         off = m.deviation(p, np.full_like(p, way)) - back(form, m).deviation(p, np.zeros_like(p))
         assert 1e-4 < np.abs(off).max() <= sum(export.remainder.values())
     assert any("both directions" in notice for notice in export.notices)
-    assert back(form, m).deviation(p, np.zeros_like(p)) == approx(m.deviation(p, np.zeros_like(p)), abs=NANOMETRE)
+    assert back(form, m).deviation(p, np.zeros_like(p)) == approx(
+        m.deviation(p, np.zeros_like(p)), abs=NANOMETRE
+    )
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -138,18 +165,26 @@ def test_a_point_that_went_along_with_the_other_side_is_exact_at_nodes_only(form
     m = machine(13, side=side, optics=("tool", "workpiece", "tool"))
     export = form.write_machine(m, ExportOptions())
     p = places(m, 300)
-    off = np.abs(back(form, m).deviation(p, np.zeros_like(p)) - m.deviation(p, np.zeros_like(p))).max()
+    off = np.abs(
+        back(form, m).deviation(p, np.zeros_like(p)) - m.deviation(p, np.zeros_like(p))
+    ).max()
     assert NANOMETRE < off <= sum(export.remainder.values())
     nodes = np.array([[m.tables[x].nodes[1]] for x in "XYZ"])
-    assert back(form, m).deviation(nodes, 0 * nodes) == approx(m.deviation(nodes, 0 * nodes), abs=NANOMETRE)
+    assert back(form, m).deviation(nodes, 0 * nodes) == approx(
+        m.deviation(nodes, 0 * nodes), abs=NANOMETRE
+    )
 
 
 def test_errors_that_depend_on_a_second_axis_are_exact_in_isg_csv():
     m = with_grid(machine(17))
     p = places(m, 200, beyond=20.0)
-    assert back(isg_csv, m).deviation(p, 0 * p) == approx(m.deviation(p, 0 * p), abs=NANOMETRE / 100)
+    assert back(isg_csv, m).deviation(p, 0 * p) == approx(
+        m.deviation(p, 0 * p), abs=NANOMETRE / 100
+    )
     deviation = control(isg_csv, m)
-    assert np.array([deviation(q) for q in p.T[:20]]).T == approx(m.deviation(p, 0 * p)[:, :20], abs=NANOMETRE)
+    assert np.array([deviation(q) for q in p.T[:20]]).T == approx(
+        m.deviation(p, 0 * p)[:, :20], abs=NANOMETRE
+    )
 
 
 def test_etalon_holds_the_middle_of_what_depends_on_a_second_axis():
@@ -167,7 +202,9 @@ def test_squareness_leans_as_the_names_say(name, along, sign):
     for form, text in ((isg_csv, f"{name}\n0.0001\n"), (etalon, f"[{name}]\nVALUE = 0.0001\n")):
         found = form.read_machine(Source("f", text.encode()), ExportOptions())
         place = 200.0 * np.array(along)[:, None]
-        assert found.machine().deviation(place, 0 * place)[:, 0] == approx(0.02 * np.array(sign), abs=1e-12)
+        assert found.machine().deviation(place, 0 * place)[:, 0] == approx(
+            0.02 * np.array(sign), abs=1e-12
+        )
 
 
 def test_the_examples_of_the_manual_are_read():
@@ -185,7 +222,9 @@ Y0A Z0A X0B
     found = isg_csv.read_machine(Source("m.csv", text.encode()), ExportOptions())
     (exx,) = (g for g in found.grids if g.rows == [0])
     assert (exx.letter, exx.other) == ("X", "Z")
-    assert exx.evaluate(np.array([5.0]), np.array([50.0]), np.zeros(1))[0] == approx(0.015)  # mean of the four
+    assert exx.evaluate(np.array([5.0]), np.array([50.0]), np.zeros(1))[0] == approx(
+        0.015
+    )  # mean of the four
     assert len(found.grids) == 6 and sum("is not read" in n for n in found.notices) == 3
     text = "[C0B]\nVALUE = 0.000022355737\n[A0Z]\nVALUE = 0.0000476\n[EXY]\nGridpoints = {\n-280.0 -0.001358635132\n-270.0 -0.000240680764 // c\n}  // end of EXY\n"
     found = etalon.read_machine(Source("m.txt", text.encode()), ExportOptions())
@@ -197,7 +236,9 @@ Y0A Z0A X0B
 def test_one_axis_tables_go_there_and_back(form):
     rng = np.random.default_rng(2)
     tables = [
-        ErrorTable(moving, along, np.array([0.0, 10.0, 35.5, 80.0]), v := rng.uniform(-0.05, 0.05, 4), v)
+        ErrorTable(
+            moving, along, np.array([0.0, 10.0, 35.5, 80.0]), v := rng.uniform(-0.05, 0.05, 4), v
+        )
         for moving, along in (("X", "X"), ("X", "Z"), ("Z", "Z"))
     ]
     export = form.write(tables, ExportOptions(program="p"))
@@ -222,7 +263,9 @@ def test_a_whole_machine_is_no_list_of_one_axis_tables(form):
 
 def test_what_can_not_be_written_is_refused():
     with pytest.raises(MachineError, match="rotary axes"):
-        isg_csv.write_machine(read_machine(ROOT / "machines" / "example-five-axis"), ExportOptions())
+        isg_csv.write_machine(
+            read_machine(ROOT / "machines" / "example-five-axis"), ExportOptions()
+        )
     with pytest.raises(TableError, match="has no axis Y"):
         isg_csv.write_machine(read_machine(ROOT / "machines" / "studer-s36"), ExportOptions())
     for form in FORMATS:
@@ -231,7 +274,9 @@ def test_what_can_not_be_written_is_refused():
     m = with_grid(machine(1))
     twice = (*m.axes["X"].grids, replace(m.axes["X"].grids[0], other="Y"))
     with pytest.raises(TableError, match="depends on Z and on Y"):
-        isg_csv.write_machine(replace(m, axes={**m.axes, "X": replace(m.axes["X"], grids=twice)}), ExportOptions())
+        isg_csv.write_machine(
+            replace(m, axes={**m.axes, "X": replace(m.axes["X"], grids=twice)}), ExportOptions()
+        )
 
 
 def test_a_two_axis_machine_is_written_for_etalon():

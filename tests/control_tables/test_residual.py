@@ -71,9 +71,18 @@ def test_a_program_for_the_rest_ends_where_it_belongs_with_the_table_at_work(tmp
     files, _ = exported(tmp_path, "linuxcnc")
     whole = read_machine(ROOT / "machines" / "example-mill")
     targets = [(-300 + 50 * k, -150 + 25 * k, 10 * k) for k in range(12)]
-    lines = ["G21 G90 G54", "G0 X-320 Y-160 Z-10", *(f"G1 X{x} Y{y} Z{z} F1000" for x, y, z in targets)]
+    lines = [
+        "G21 G90 G54",
+        "G0 X-320 Y-160 Z-10",
+        *(f"G1 X{x} Y{y} Z{z} F1000" for x, y, z in targets),
+    ]
     (tmp_path / "a.nc").write_text("\n".join(lines) + "\n")
-    assert gcomp(tmp_path / "a.nc", "--machine", tmp_path / "rest", "-o", tmp_path / "b.nc", "--verify") == 0
+    assert (
+        gcomp(
+            tmp_path / "a.nc", "--machine", tmp_path / "rest", "-o", tmp_path / "b.nc", "--verify"
+        )
+        == 0
+    )
     ends, place = [], {}
     for line in (tmp_path / "b.nc").read_text().splitlines():
         place |= {x: float(v) for x, v in re.findall(r"([XYZ])(-?[\d.]+)", line.split("(")[0])}

@@ -85,7 +85,11 @@ class Row:
         found = [("without errors", self.zero), ("without errors, --expand", self.zero_expanded)]
         found += [("", self.plain), ("--expand", self.expanded)]
         found += [(name, outcome) for name, (_, outcome) in self.variants.items()]
-        faults = [f"{name}: {fault}".removeprefix(": ") for name, outcome in found for fault in outcome.faults]
+        faults = [
+            f"{name}: {fault}".removeprefix(": ")
+            for name, outcome in found
+            for fault in outcome.faults
+        ]
         if self.table.startswith("differs"):
             faults.append(f"the table beside it: {self.table}")
         return list(dict.fromkeys(faults))
@@ -104,7 +108,9 @@ def machines() -> Machines:
     return Machines(Path(tempfile.mkdtemp(prefix="gcomp-corpus-")))
 
 
-def row_of(program: Program, text: bytes, variants: Iterable[Variant] = (), where: Machines | None = None) -> Row:
+def row_of(
+    program: Program, text: bytes, variants: Iterable[Variant] = (), where: Machines | None = None
+) -> Row:
     """All runs of one program."""
     where = where or machines()
     zero, written = (run.run_zero(where, program, text, expand) for expand in (False, True))
@@ -201,17 +207,27 @@ def by_variant(found: list[Row], variants: tuple[Variant, ...]) -> str:
         grown = sum(o.motions_out for o in good) / max(1, sum(o.motions_in for o in good))
         worst = max((o.corrected for o in good), default=0)
         lines.append(
-            (variant, count[AS_IS], count[EXPANDED], count[REFUSED], count[BROKEN], f"{worst:.2f}", f"{grown:.2f}")
+            (
+                variant,
+                count[AS_IS],
+                count[EXPANDED],
+                count[REFUSED],
+                count[BROKEN],
+                f"{worst:.2f}",
+                f"{grown:.2f}",
+            )
         )
-    head = (
-        "machine and tolerance | as it is | with --expand | refused | errors | largest um | motions out per motion in"
-    )
+    head = "machine and tolerance | as it is | with --expand | refused | errors | largest um | motions out per motion in"
     return table(head, lines, " rrrrrr")
 
 
 def text_of(found: list[Row], variants: tuple[Variant, ...]) -> str:
     """The whole document."""
-    parts = [HEAD.format(folders=", ".join(run.FOLDERS)), "## Totals\n", table("what | number", totals(found), " r")]
+    parts = [
+        HEAD.format(folders=", ".join(run.FOLDERS)),
+        "## Totals\n",
+        table("what | number", totals(found), " r"),
+    ]
     parts += ["Other machines and tolerances:\n", by_variant(found, variants)]
     parts.append(MEANING)
     parts += share.section()
@@ -231,7 +247,13 @@ def text_of(found: list[Row], variants: tuple[Variant, ...]) -> str:
                 f"{best.corrected:.2f}",
             )
             lines.append(
-                (cell(p.path.name), p.dialect, other, *(numbers if good else ("", "", "", "")), described(row))
+                (
+                    cell(p.path.name),
+                    p.dialect,
+                    other,
+                    *(numbers if good else ("", "", "", "")),
+                    described(row),
+                )
             )
         parts += [
             f"## {folder}\n",
@@ -242,13 +264,18 @@ def text_of(found: list[Row], variants: tuple[Variant, ...]) -> str:
             ),
         ]
         why = [
-            (cell(row.program.path.name), row.program.dialect, cell(row.program.why)) for row in mine if row.program.why
+            (cell(row.program.path.name), row.program.dialect, cell(row.program.why))
+            for row in mine
+            if row.program.why
         ]
         if why:
             parts += ["Why that dialect:\n", table("program | dialect | because", why)]
     faults = [(row.program.name, fault) for row in found for fault in row.faults]
     if faults:
-        parts += ["## What does not hold\n", table("program | law", [(cell(n), cell(f)) for n, f in faults])]
+        parts += [
+            "## What does not hold\n",
+            table("program | law", [(cell(n), cell(f)) for n, f in faults]),
+        ]
     return "\n".join(parts)
 
 
@@ -271,7 +298,10 @@ def read(text: str) -> tuple[dict[str, str], dict[str, str]]:
 def main(argv: list[str]) -> int:
     """Write the document; --quick: the one machine alone."""
     if not run.programs():
-        print("no programs: they are looked for in ../shared/corpus beside the project", file=sys.stderr)
+        print(
+            "no programs: they are looked for in ../shared/corpus beside the project",
+            file=sys.stderr,
+        )
         return 1
     variants = () if "--quick" in argv else VARIANTS[1:]
     found = rows(variants)

@@ -51,12 +51,18 @@ PLOTTER = "a pen on a small controller: M300 lifts it, G4 P counts milliseconds"
 LATHE = "X and Z alone, X a diameter, I K arcs in G18"
 HELP = "for the eyes of a parser's tests, no program: pieces of many languages"
 MIXED = {
-    "_Insulpro.Piping.-.115mm.OD.-.40mm.WT.txt": ("linuxcnc", "plain DIN codes between % lines, no control of its own"),
+    "_Insulpro.Piping.-.115mm.OD.-.40mm.WT.txt": (
+        "linuxcnc",
+        "plain DIN codes between % lines, no control of its own",
+    ),
     "_cncwebsim_fresa.gcode": ("linuxcnc", "plain codes, `;` comments, G92 with axis words"),
     "_fresa.gcode": ("linuxcnc", "plain codes, `;` comments, G92 with axis words"),
     "_dxf2gcode_join.ngc": ("linuxcnc", "dxf2gcode, G64 P"),
     "_join.ngc": ("linuxcnc", "dxf2gcode, G64 P"),
-    "_ffcp_end.gcode": ("marlin", "the end of a print (Sailfish, a printer's firmware): Marlin is its next of kin"),
+    "_ffcp_end.gcode": (
+        "marlin",
+        "the end of a print (Sailfish, a printer's firmware): Marlin is its next of kin",
+    ),
     "_gcodeLexer_samples.ngc": ("linuxcnc", HELP),
     "_samples.ngc": ("linuxcnc", HELP),
     "_gcodehs_sample.gcode": ("linuxcnc", "pcb2gcode writes for LinuxCNC"),
@@ -73,8 +79,14 @@ MIXED = {
     "estlcam_circle_a.gcode": ("grbl", "Estlcam, plain codes: GRBL reads them"),
     "makerblock_tinycnc.gcode": ("marlin", PLOTTER),
     "plotter_owl.gcode": ("marlin", PLOTTER),
-    "program_1.gcode": ("mach3", "O number of Fanuc, but `;` comments, which a Fanuc does not have"),
-    "program_2.gcode": ("linuxcnc", "`;` takes blocks out; G41 without D means the tool in the spindle"),
+    "program_1.gcode": (
+        "mach3",
+        "O number of Fanuc, but `;` comments, which a Fanuc does not have",
+    ),
+    "program_2.gcode": (
+        "linuxcnc",
+        "`;` takes blocks out; G41 without D means the tool in the spindle",
+    ),
     "reprap_25000_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
     "reprap_cnc.gcode": ("marlin", "for a RepRap's printer board: all feeds, arcs by R"),
 }
@@ -165,7 +177,11 @@ control = "linuxcnc"
 chain   = "w-X-Y-b-Z-t"
 source  = "made up for the tests"
 """
-LATHE_LINES = {'"w-X-Y-b-Z-t"': '"w-b-Z-X-t"\ndiameter = ["X"]', "C0Y = 12.0\n": "", "A0Z = -9.0\n": ""}
+LATHE_LINES = {
+    '"w-X-Y-b-Z-t"': '"w-b-Z-X-t"\ndiameter = ["X"]',
+    "C0Y = 12.0\n": "",
+    "A0Z = -9.0\n": "",
+}
 SQUARE = """
 [squareness]
 C0Y = 12.0
@@ -237,7 +253,10 @@ def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False)
                 columns |= {name + "_fwd": values - gap / 2, name + "_rev": values + gap / 2}
             else:
                 columns[name] = values
-        rows = [",".join(columns), *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True))]
+        rows = [
+            ",".join(columns),
+            *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True)),
+        ]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
     return _written(folder, text, lathe)
 
@@ -261,7 +280,9 @@ class Machines:
 
     def smooth(self, variant: Variant, lathe: bool = False) -> Machine:
         name = f"{'two' if variant.two_way else 'one'}-way-{variant.least:g}"
-        return self._machine(name, lathe, lambda path: write_smooth(path, variant.two_way, variant.least, lathe))
+        return self._machine(
+            name, lathe, lambda path: write_smooth(path, variant.two_way, variant.least, lathe)
+        )
 
     def _machine(self, name: str, lathe: bool, write: Callable[[Path], Path]) -> Machine:
         name += "-lathe" if lathe else ""
@@ -275,9 +296,15 @@ class Machines:
 def offsets() -> dict[str, dict[str, float]]:
     """Every work and tool offset that a program could name, zero."""
     zero = dict.fromkeys(XYZ + ROTARY, 0.0)
-    names = [f"G{n}" for n in range(54, 60)] + ["G59.1", "G59.2", "G59.3"] + [f"G{n}" for n in range(505, 600)]
+    names = (
+        [f"G{n}" for n in range(54, 60)]
+        + ["G59.1", "G59.2", "G59.3"]
+        + [f"G{n}" for n in range(505, 600)]
+    )
     names += [f"G54.1 P{n}" for n in range(1, 49)] + [f"T{n:02d}{n:02d}" for n in range(1, 100)]
-    names += [f"{letter}{n}" for letter in "HDT" for n in range(100)] + [f"T{n}D1" for n in range(100)]
+    names += [f"{letter}{n}" for letter in "HDT" for n in range(100)] + [
+        f"T{n}D1" for n in range(100)
+    ]
     return {name: dict(zero, R=0.0) if name[0] in "DT" else zero for name in names}
 
 
@@ -290,7 +317,10 @@ REASONS = (  # what a refusal is about, by what its message or advice says; the 
         "an axis that the machine has not",
         ("the machine has no axis", "the letter E has no meaning", "ELX is not defined"),
     ),
-    ("outside of the map or the travel", ("outside its table", "beyond the travel", "outside the travel")),
+    (
+        "outside of the map or the travel",
+        ("outside its table", "beyond the travel", "outside the travel"),
+    ),
     (
         "an error in the program itself",
         (
@@ -342,7 +372,10 @@ class Outcome:
 
 
 def make_filter(
-    machine: Machine, program: Program, tolerance_um: float | None = None, start: dict[str, float] | None = None
+    machine: Machine,
+    program: Program,
+    tolerance_um: float | None = None,
+    start: dict[str, float] | None = None,
 ) -> Filter:
     """A filter for the dialect; all offsets are zero, and the machine stands at zero where `start` does not say more."""
     dialect = dialects.load(program.dialect)
@@ -353,7 +386,9 @@ def make_filter(
     return Filter(machine, dialect, setup, options, program.path.name)
 
 
-def output(filter_: Filter, text: bytes, expand: bool = False, cuts: tuple[int, ...] = ()) -> Iterator[bytes]:
+def output(
+    filter_: Filter, text: bytes, expand: bool = False, cuts: tuple[int, ...] = ()
+) -> Iterator[bytes]:
     """The output; the input is cut at these places ((0,): behind every line)."""
     if expand:
         yield from expansion.through(filter_, written_out(filter_, text), lambda n: None)
@@ -399,22 +434,31 @@ def run_zero(machines: Machines, program: Program, text: bytes, expand: bool) ->
     if outcome.status == "done":
         outcome.status = "written" if expand else "identical"
         if not expand and outcome.output != text:
-            outcome.faults.append("a map without errors moved a byte: " + first_difference(text, outcome.output))
+            outcome.faults.append(
+                "a map without errors moved a byte: " + first_difference(text, outcome.output)
+            )
     return outcome
 
 
-def run_smooth(machines: Machines, program: Program, text: bytes, expand: bool, variant: Variant = MAIN) -> Outcome:
+def run_smooth(
+    machines: Machines, program: Program, text: bytes, expand: bool, variant: Variant = MAIN
+) -> Outcome:
     """On a machine with a map: verified, and the laws measured."""
     machine = machines.smooth(variant, program.lathe)
     filter_ = make_filter(machine, program, variant.tolerance_um)
     verifier = Verifier(filter_)
     counts: list[tuple[int, np.ndarray, np.ndarray]] = []
     filter_.watchers.append(
-        lambda words, motions, pieces, out, line: counts.append((len(motions), pieces.motion, pieces.take_up))
+        lambda words, motions, pieces, out, line: counts.append(
+            (len(motions), pieces.motion, pieces.take_up)
+        )
     )
     outcome = _run(filter_, text, expand)
     outcome.motions_in, outcome.motions_out = verifier.motions_in, verifier.motions_out
-    outcome.uncorrected, outcome.corrected = verifier.uncorrected.deviation / UM, verifier.corrected.deviation / UM
+    outcome.uncorrected, outcome.corrected = (
+        verifier.uncorrected.deviation / UM,
+        verifier.corrected.deviation / UM,
+    )
     if outcome.status != "done":
         return outcome
     outcome.status = "verified"
@@ -424,18 +468,29 @@ def run_smooth(machines: Machines, program: Program, text: bytes, expand: bool, 
         with at_most(LONGEST_S):
             plain = text
             if expand:
-                plain = b"".join(written_out(make_filter(machine, program, variant.tolerance_um), text))
+                plain = b"".join(
+                    written_out(make_filter(machine, program, variant.tolerance_um), text)
+                )
             _measure(outcome, filter_, plain, counts)
     except (GcompError, BlockFault, TimeoutError) as error:
         outcome.faults.append(f"input or output can not be followed as a whole: {error}")
     except Exception:
-        outcome.faults.append("input or output can not be followed as a whole: " + traceback.format_exc(limit=-2))
+        outcome.faults.append(
+            "input or output can not be followed as a whole: " + traceback.format_exc(limit=-2)
+        )
     return outcome
 
 
-def run_cut(machines: Machines, program: Program, text: bytes, cuts: tuple[int, ...] = ()) -> Outcome:
+def run_cut(
+    machines: Machines, program: Program, text: bytes, cuts: tuple[int, ...] = ()
+) -> Outcome:
     """On the machine with a map, the input cut in other places; not verified."""
-    return _run(make_filter(machines.smooth(MAIN, program.lathe), program, MAIN.tolerance_um), text, False, cuts)
+    return _run(
+        make_filter(machines.smooth(MAIN, program.lathe), program, MAIN.tolerance_um),
+        text,
+        False,
+        cuts,
+    )
 
 
 def _run(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] = ()) -> Outcome:
@@ -518,7 +573,9 @@ def lengths(motions: Motions, rows: list[int]) -> np.ndarray:
         across = np.array([[row != axis for axis in holes.axis] for row in rows])
         length[holes.motion] = np.sqrt(((way[:, holes.motion] * across) ** 2).sum(axis=0))
         length[holes.motion] += 2 * np.abs(holes.level - holes.bottom) / TICKS_PER_MM
-    known = (motions.start_known[rows] & motions.target_known[rows]).all(axis=0) & (motions.code != FOREIGN)
+    known = (motions.start_known[rows] & motions.target_known[rows]).all(axis=0) & (
+        motions.code != FOREIGN
+    )
     return np.where(known, length, 0.0)
 
 
@@ -537,29 +594,46 @@ def _measure(outcome: Outcome, filter_: Filter, plain: bytes, counts) -> None:
     owner_all = np.concatenate(owner) if owner else np.zeros(0, np.int64)
     take_up = np.concatenate([t for _, _, t in counts]) if counts else np.zeros(0, bool)
     if len(out) != len(owner_all):
-        outcome.faults.append(f"{len(owner_all)} pieces were planned, {len(out)} motions stand in the output")
+        outcome.faults.append(
+            f"{len(owner_all)} pieces were planned, {len(out)} motions stand in the output"
+        )
         return
     if len(np.unique(owner_all)) != len(nominal):
-        outcome.faults.append(f"{len(nominal) - len(np.unique(owner_all))} motions have no piece in the output")
+        outcome.faults.append(
+            f"{len(nominal) - len(np.unique(owner_all))} motions have no piece in the output"
+        )
     a, b = lengths(nominal, rows), lengths(out, rows)
     outcome.path_in, outcome.path_out = float(a.sum()), float(b.sum())
     # Where the place is lost and found again the way up to there is not known; both sums leave it out.
-    slack = 1e-3 * outcome.path_in + tolerance * len(out) + (GAP_UM + 1) * UM * int(take_up.sum()) + 0.05
+    slack = (
+        1e-3 * outcome.path_in
+        + tolerance * len(out)
+        + (GAP_UM + 1) * UM * int(take_up.sum())
+        + 0.05
+    )
     if len(out) > 4 * len(nominal) + outcome.path_in / 2 + 100:
-        outcome.faults.append(f"{len(nominal)} motions became {len(out)} on {outcome.path_in:.0f} mm")
+        outcome.faults.append(
+            f"{len(nominal)} motions became {len(out)} on {outcome.path_in:.0f} mm"
+        )
     if abs(outcome.path_in - outcome.path_out) > slack:
-        outcome.faults.append(f"{outcome.path_in:.3f} mm in, {outcome.path_out:.3f} mm out, {slack:.3f} allowed")
+        outcome.faults.append(
+            f"{outcome.path_in:.3f} mm in, {outcome.path_out:.3f} mm out, {slack:.3f} allowed"
+        )
     if len(owner_all):
         _same_places(outcome, filter_, nominal, out, owner_all)
 
 
-def _same_places(outcome: Outcome, filter_: Filter, nominal: Motions, out: Motions, owner: np.ndarray) -> None:
+def _same_places(
+    outcome: Outcome, filter_: Filter, nominal: Motions, out: Motions, owner: np.ndarray
+) -> None:
     """The end of each motion's last piece: by no more than a correction beside the nominal end, rotary axes on it."""
     last = np.flatnonzero(np.append(owner[1:] != owner[:-1], True))
     away = np.abs(out.target[:, last] - nominal.target[:, owner[last]]) / TICKS_PER_MM
     known = out.target_known[:, last] & nominal.target_known[:, owner[last]]
     if (out.target_known[:, last] != nominal.target_known[:, owner[last]]).any():
-        outcome.faults.append("a place is known in the input and not in the output, or the other way round")
+        outcome.faults.append(
+            "a place is known in the input and not in the output, or the other way round"
+        )
     if (out.code[last] == HOLE).any() != (nominal.code == HOLE).any():
         outcome.faults.append("holes were lost or came in")
     for row, letter in enumerate(filter_.machine.letters):
@@ -583,16 +657,23 @@ TABLE_BEGINS = {"sinumerik/increment.mpf": {"Y": 900.0}}
 def table_of(program: Program) -> list[tuple[float, ...]] | None:
     """The places X Y Z A B C, each other than the one before, that a table beside the program says it reaches."""
     stem = program.path.with_suffix("")
-    path = next((p for p in (stem.with_suffix(".csv"), Path(f"{stem}_raw.csv")) if p.exists()), None)
+    path = next(
+        (p for p in (stem.with_suffix(".csv"), Path(f"{stem}_raw.csv")) if p.exists()), None
+    )
     if path is None:
         return None
     begin = TABLE_BEGINS.get(program.name, {})
     with path.open(newline="", encoding="utf-8") as file:
-        rows = [tuple(float(row.get(x) or begin.get(x, 0.0)) for x in XYZ + ROTARY) for row in csv.DictReader(file)]
+        rows = [
+            tuple(float(row.get(x) or begin.get(x, 0.0)) for x in XYZ + ROTARY)
+            for row in csv.DictReader(file)
+        ]
     return _changing(program, rows)
 
 
-def places_of(machines: Machines, program: Program, text: bytes, expand: bool) -> list[tuple[float, ...]]:
+def places_of(
+    machines: Machines, program: Program, text: bytes, expand: bool
+) -> list[tuple[float, ...]]:
     """The same, as the program takes the machine there. Raises GcompError or BlockFault where it is refused."""
     filter_ = make_filter(machines.zero(), program, start=TABLE_BEGINS.get(program.name))
     plain = b"".join(output(filter_, text, expand))

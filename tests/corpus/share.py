@@ -24,7 +24,16 @@ from tests.corpus.run import MAIN, XYZ, Machines, at_most, offsets, write_smooth
 
 FIGURES = Path(__file__).with_name("share.csv")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "COVERAGE.md"
-COLUMNS = ("source", "dialect", "programs", "corrected", "with an option", "broken", "not in the text", "ours")
+COLUMNS = (
+    "source",
+    "dialect",
+    "programs",
+    "corrected",
+    "with an option",
+    "broken",
+    "not in the text",
+    "ours",
+)
 TITLE = "## The share of real programs that are corrected"
 SAID = """Programs of other people, read from public repositories and from the examples that LinuxCNC's package brings along, each in the
 dialect of its control; long ones with fewer of their motions. Where a search named no repository each program is a source
@@ -76,11 +85,19 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
     zero = "{ " + ", ".join(f"{x} = 0.0" for x in ("XZ" if lathe else XYZ)) + " }"
     text = re.sub('control = ".*"', f'control = "{dialect}"\nhome = {zero}', path.read_text())
     path.write_text(text)
-    names = {**offsets(), **{f"H{n}": {} for n in range(100, 200)}, **{f"D{n}": {} for n in range(100, 200)}}
+    names = {
+        **offsets(),
+        **{f"H{n}": {} for n in range(100, 200)},
+        **{f"D{n}": {} for n in range(100, 200)},
+    }
     letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]
     rows = [
         ["name", *(f"{x}_mm" for x in letters)],
-        *([name, *("0" for _ in letters)] for name in names if not re.fullmatch("[HDT]0(D1)?", name)),
+        *(
+            [name, *("0" for _ in letters)]
+            for name in names
+            if not re.fullmatch("[HDT]0(D1)?", name)
+        ),
     ]
     (folder / "offsets.csv").write_text("\n".join(",".join(row) for row in rows) + "\n")
     return folder
@@ -89,7 +106,11 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
 def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
     """Whether `gcomp` accepts a program and verifies it, and what it says."""
     said = io.StringIO()
-    with tempfile.TemporaryDirectory() as out, contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+    with (
+        tempfile.TemporaryDirectory() as out,
+        contextlib.redirect_stderr(said),
+        contextlib.redirect_stdout(said),
+    ):
         try:
             with at_most(SECONDS):
                 done = gcomp([str(path), "--machine", str(folder), "--tolerance", "1um",
@@ -110,7 +131,9 @@ def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result
         return Result(source, dialect, path.name, "corrected")
     first = said
     for _ in range(len(OPTIONS)):
-        found = next(((m, o) for s, o in OPTIONS if (m := re.search(s, said)) and o[0] not in more), None)
+        found = next(
+            ((m, o) for s, o in OPTIONS if (m := re.search(s, said)) and o[0] not in more), None
+        )
         if found is None:
             break
         more += tuple(word or found[0][1] for word in found[1])
@@ -152,9 +175,14 @@ def table(rows: list[dict[str, str]]) -> list[str]:
              "|---|---:|---:|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
     for name in [*sorted(n for n in each if n != "all"), *(["all"] if "all" in each else [])]:
         c = each[name]
-        good, legitimate = c["corrected"] + c["with an option"], c["programs"] - c["broken"] - c["not in the text"]
+        good, legitimate = (
+            c["corrected"] + c["with an option"],
+            c["programs"] - c["broken"] - c["not in the text"],
+        )
         share = f"{100 * good / legitimate:.0f} %" if legitimate else ""
-        lines.append(f"| {name} | {c['sources']} | {' | '.join(str(c[column]) for column in COLUMNS[2:])} | {share} |")
+        lines.append(
+            f"| {name} | {c['sources']} | {' | '.join(str(c[column]) for column in COLUMNS[2:])} | {share} |"
+        )
     return lines
 
 
@@ -179,7 +207,10 @@ def main(arguments: list[str] | None = None) -> int:
             result = measure(path, source, dialect, machines)
             results.append(result)
             if result.status == "refused":
-                print(f"{kind(result)}: {dialect} {source} {path.name}\n{result.said.rstrip()}\n", flush=True)
+                print(
+                    f"{kind(result)}: {dialect} {source} {path.name}\n{result.said.rstrip()}\n",
+                    flush=True,
+                )
     rows = figures(results)
     print("\n".join(table(rows)))
     if options.write:

@@ -12,7 +12,9 @@ from . import report, run
 from .run import MAIN, Machines, Program, Variant
 
 PROGRAMS = run.programs()
-pytestmark = pytest.mark.skipif(not PROGRAMS, reason="the programs beside the project are not there")
+pytestmark = pytest.mark.skipif(
+    not PROGRAMS, reason="the programs beside the project are not there"
+)
 COARSE = Variant(True, 0.001, 5.0)
 SINGLE = Variant(False, 0.0001, 5.0)
 
@@ -76,7 +78,11 @@ def test_cuts_of_the_input_do_not_matter(machines, program):
     for cuts in [(0,), (third, third + 1, 2 * third)]:
         parts = run.run_cut(machines, program, text, cuts)
         assert parts.output == as_one.output
-        assert (parts.status, parts.line, parts.message) == (as_one.status, as_one.line, as_one.message)
+        assert (parts.status, parts.line, parts.message) == (
+            as_one.status,
+            as_one.line,
+            as_one.message,
+        )
 
 
 def test_written_out_without_need_is_the_same(machines, program):
@@ -107,5 +113,7 @@ def test_totals_are_those_of_the_tables():
     assert int(numbers["corrected and verified with --expand"]) == found.count(report.EXPANDED)
     assert int(numbers["refused"]) == found.count(report.REFUSED)
     assert int(numbers["errors of gcomp"]) == found.count(report.BROKEN)
-    held_back = 1.5 * 1.0 * 3**0.5  # um: each of three slides by the hysteresis, and half of it inside a block
+    held_back = (
+        1.5 * 1.0 * 3**0.5
+    )  # um: each of three slides by the hysteresis, and half of it inside a block
     assert float(numbers["largest deviation corrected, um"]) <= MAIN.tolerance_um + held_back

@@ -107,7 +107,9 @@ def head(key: str, value: str | None) -> Change:
     """Another value of a key, or none."""
 
     def done(text: str) -> str:
-        changed = re.sub(rf"(?m)^# {key} = .*\n", "" if value is None else f"# {key} = {value}\n", text, count=1)
+        changed = re.sub(
+            rf"(?m)^# {key} = .*\n", "" if value is None else f"# {key} = {value}\n", text, count=1
+        )
         assert changed != text
         return changed
 

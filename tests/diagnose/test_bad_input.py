@@ -46,7 +46,21 @@ def good(tmp_path_factory) -> dict[str, str]:
     for name, more in made.items():
         file = folder / f"{name}.csv"
         assert (
-            main(["simulate", *more, "--machine", STUDER, "--noise", "0.4", "--seed", "3", "-o", str(file), "--quiet"])
+            main(
+                [
+                    "simulate",
+                    *more,
+                    "--machine",
+                    STUDER,
+                    "--noise",
+                    "0.4",
+                    "--seed",
+                    "3",
+                    "-o",
+                    str(file),
+                    "--quiet",
+                ]
+            )
             == 0
         )
         texts[name] = file.read_text()
@@ -171,7 +185,9 @@ def test_is_answered_with_its_limit(good, tmp_path, name):
     file.write_bytes(change(good[which]).encode())
     assert ask([str(file)], "--json", str(out)) == 0
     told = json.loads(out.read_text())
-    accepted = {f"{e['effect']}:{e['axis'] or ''}" for e in told["effects"] if e["status"] == "accepted"}
+    accepted = {
+        f"{e['effect']}:{e['axis'] or ''}" for e in told["effects"] if e["status"] == "accepted"
+    }
     assert accepted <= (set() if which == "null" else TRUE)
     if said:
         assert said in json.dumps([told["data_faults"], told["doubts"], told["notices"]])
@@ -207,7 +223,12 @@ def test_folders_missing_files_and_machines(good, tmp_path, capsys):
         ([str(tmp_path)], (), STUDER, "is a folder"),
         ([str(tmp_path / "none.csv")], (), STUDER, "there is no recording"),
         ([str(file)], (), "studder", "there is no machine 'studder'"),
-        ([str(file)], (), str(ROOT / "machines" / "example-mill"), "lies outside the travel of example-mill"),
+        (
+            [str(file)],
+            (),
+            str(ROOT / "machines" / "example-mill"),
+            "lies outside the travel of example-mill",
+        ),
         ([str(file)], ("--holdout", "3"), STUDER, "--holdout 3 is not understood"),
         ([str(file)], ("--holdout", "run=9"), STUDER, "nothing run=9"),
         ([str(file)], ("--json", str(tmp_path / "no" / "a.json")), STUDER, "there is no folder"),
@@ -228,8 +249,12 @@ def test_the_same_twice_and_two_that_contradict(good, tmp_path, capsys):
     out = tmp_path / "answer.json"
     assert ask([str(a), str(c)], "--json", str(out)) == 0
     told = json.loads(out.read_text())
-    assert told["unknown"]["rms_um"] > 0.8 or told["doubts"]  # it says that more is there than it names
-    assert not [e for e in told["effects"] if e["effect"] == "backlash" and e["status"] == "accepted"]
+    assert (
+        told["unknown"]["rms_um"] > 0.8 or told["doubts"]
+    )  # it says that more is there than it names
+    assert not [
+        e for e in told["effects"] if e["effect"] == "backlash" and e["status"] == "accepted"
+    ]
 
 
 def test_a_file_that_may_not_be_read(good, tmp_path, capsys, monkeypatch):

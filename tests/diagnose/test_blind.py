@@ -16,7 +16,20 @@ STUDER = str(Path(__file__).parents[2] / "machines" / "studer-s36")
 def test_circles_of_one_sense_hide_which_it_is(tmp_path, senses):
     file, out = tmp_path / "a.csv", tmp_path / "a.json"
     assert (
-        main(["simulate", "--test", "ballbar:XZ", "--machine", STUDER, "--noise", "0.3", "-o", str(file), "--quiet"])
+        main(
+            [
+                "simulate",
+                "--test",
+                "ballbar:XZ",
+                "--machine",
+                STUDER,
+                "--noise",
+                "0.3",
+                "-o",
+                str(file),
+                "--quiet",
+            ]
+        )
         == 0
     )
     lines = file.read_text().splitlines()
@@ -26,8 +39,14 @@ def test_circles_of_one_sense_hide_which_it_is(tmp_path, senses):
     assert len(kept) > 100 and (len(kept) < len(lines) - head - 1) == (len(senses) == 1)
     file.write_text("\n".join([*lines[: head + 1], *kept]) + "\n")
     assert main(["diagnose", str(file), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
-    told = [s for s in json.loads(out.read_text())["not_visible"] if s["effect"] == "servo_mismatch"]
+    told = [
+        s for s in json.loads(out.read_text())["not_visible"] if s["effect"] == "servo_mismatch"
+    ]
     if len(senses) == 2:
         assert not told
     else:
-        assert told[0]["axis"] == "XZ" and "one sense" in told[0]["why"] and "ballbar:XZ" in told[0]["next_test"]
+        assert (
+            told[0]["axis"] == "XZ"
+            and "one sense" in told[0]["why"]
+            and "ballbar:XZ" in told[0]["next_test"]
+        )

@@ -35,15 +35,32 @@ def switched(at: list[float], size_um: float) -> np.ndarray:
     return size_um * (np.searchsorted(at, TIME) % 2)
 
 
-def told(folder: Path, error_um: np.ndarray, sees: str = "scale", across_um: np.ndarray | float = 0.0) -> list[dict]:
+def told(
+    folder: Path, error_um: np.ndarray, sees: str = "scale", across_um: np.ndarray | float = 0.0
+) -> list[dict]:
     """The accepted effects of a trace of X with an error, um, and Y at rest with another."""
     x, y = PLACE + (error_um + NOISE[0]) * 1e-3, 100 + (across_um + NOISE[1]) * 1e-3
-    rows = [f"1,{t:.3f},{c:.6f},100.000000,{a:.6f},{b:.6f}" for t, c, a, b in zip(TIME, PLACE, x, y, strict=True)]
+    rows = [
+        f"1,{t:.3f},{c:.6f},100.000000,{a:.6f},{b:.6f}"
+        for t, c, a, b in zip(TIME, PLACE, x, y, strict=True)
+    ]
     file = folder / "trace.csv"
-    file.write_text(HEAD.format(sees) + "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm\n" + "\n".join(rows) + "\n")
+    file.write_text(
+        HEAD.format(sees) + "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm\n" + "\n".join(rows) + "\n"
+    )
     (folder / "machine").mkdir()
     (folder / "machine" / "machine.toml").write_text(MACHINE)
-    main(["diagnose", str(file), "--machine", str(folder / "machine"), "--json", str(folder / "a.json"), "--quiet"])
+    main(
+        [
+            "diagnose",
+            str(file),
+            "--machine",
+            str(folder / "machine"),
+            "--json",
+            str(folder / "a.json"),
+            "--quiet",
+        ]
+    )
     answer = json.loads((folder / "a.json").read_text())
     return [f for f in answer["effects"] if f["status"] == "accepted"]
 
@@ -60,16 +77,23 @@ def test_a_jump_that_stays_is_a_lost_step(tmp_path):
 
 def test_what_changes_with_every_turn_is_the_machine(tmp_path):
     """10 um of lost motion that the scale at the tool sees: two levels too, but the axis makes them."""
-    names = [f["effect"] for f in told(tmp_path, -5.0 * np.sign(np.cos(2 * np.pi * TIME / 7.0)), sees="tool")]
+    names = [
+        f["effect"]
+        for f in told(tmp_path, -5.0 * np.sign(np.cos(2 * np.pi * TIME / 7.0)), sees="tool")
+    ]
     assert names and names[0] in ("backlash", "windup", "coulomb_friction", "backlash_position")
 
 
 def test_a_slide_that_yaws_as_it_turns(tmp_path):
     """By 40 urad about the zero of X: across, 200 mm from there, 4 um to either side."""
     side = np.sign(np.cos(2 * np.pi * TIME / 7.0))
-    (found,) = told(tmp_path, np.zeros(len(TIME)), sees="tool", across_um=-20.0 * side * PLACE * 1e-3)
+    (found,) = told(
+        tmp_path, np.zeros(len(TIME)), sees="tool", across_um=-20.0 * side * PLACE * 1e-3
+    )
     assert found["effect"] == "squareness" and found["axis"] == "XY"
-    at_200 = found["parameters"]["turn_um"]["value"] - 0.2 * found["parameters"]["turn_urad"]["value"]
+    at_200 = (
+        found["parameters"]["turn_um"]["value"] - 0.2 * found["parameters"]["turn_urad"]["value"]
+    )
     assert at_200 == pytest.approx(-8.0, abs=0.3)
 
 
@@ -79,6 +103,10 @@ def test_a_squareness_with_two_values_is_written_as_a_table_of_two_directions():
         "XY", (0.0, 400.0), urad=50.0, turn_urad=40.0, turn_um=3.0
     )
     for side, table in ((1.0, forward), (-1.0, reverse)):
-        state = State({"X": np.zeros(2), "Y": nodes}, {"X": np.ones(2), "Y": np.full(2, side)}, {"X": (0.0, 1.0)})
+        state = State(
+            {"X": np.zeros(2), "Y": nodes},
+            {"X": np.ones(2), "Y": np.full(2, side)},
+            {"X": (0.0, 1.0)},
+        )
         shown = effects.deviation(module, state, "XY", urad=50.0, turn_urad=40.0, turn_um=3.0)
         assert (component, axis) == ("EX", "Y") and shown[0] == pytest.approx(table, abs=1e-12)

@@ -55,7 +55,22 @@ def simulate(
 
 def answer(files: list[str], machine: str, folder: Path, *more: str) -> dict:
     out = folder / "answer.json"
-    assert main(["diagnose", *files, "--machine", machine, "--json", str(out), "--force", "--quiet", *more]) == 0
+    assert (
+        main(
+            [
+                "diagnose",
+                *files,
+                "--machine",
+                machine,
+                "--json",
+                str(out),
+                "--force",
+                "--quiet",
+                *more,
+            ]
+        )
+        == 0
+    )
     return json.loads(out.read_text())
 
 
@@ -73,10 +88,18 @@ def accepted(told: dict) -> list[tuple[str, str]]:
         ("cyclic:Z:period_mm=11.3,amplitude_um=3,phase_deg=40", "cyclic", "Z", "amplitude_um", 3.0),
     ],
 )
-def test_one_effect_is_found_and_then_nothing_is_left(tmp_path, effect, name, axis, parameter, value):
+def test_one_effect_is_found_and_then_nothing_is_left(
+    tmp_path, effect, name, axis, parameter, value
+):
     files = simulate(tmp_path, (effect,))
     told = answer(
-        files, STUDER, tmp_path, "--write-machine", str(tmp_path / "found"), "--residuals", str(tmp_path / "r.csv")
+        files,
+        STUDER,
+        tmp_path,
+        "--write-machine",
+        str(tmp_path / "found"),
+        "--residuals",
+        str(tmp_path / "r.csv"),
     )
     assert told["verdict"] == "left-out-physics"
     found = told["effects"][0]
@@ -105,7 +128,9 @@ def test_nothing_is_found_where_nothing_is(tmp_path, seed):
     assert told["detection_limits_um"]["backlash:Z"] < 2.0  # it says what it would have seen
     assert all(size >= 0.7 for size in told["detection_limits_um"].values())
     unseen = {f"{spot['effect']}:{spot['axis'] or ''}" for spot in told["not_visible"]}
-    assert unseen and not unseen & set(told["detection_limits_um"])  # what can not be seen has no limit
+    assert unseen and not unseen & set(
+        told["detection_limits_um"]
+    )  # what can not be seen has no limit
 
 
 def test_an_instrument_never_reaches_the_machine(tmp_path):
@@ -129,7 +154,11 @@ def test_an_instrument_never_reaches_the_machine(tmp_path):
 def test_the_written_effect_has_its_interval(tmp_path):
     """Half of the 95 % interval stands beside the size, where it was fitted; the play over which it is taken up was not."""
     told = answer(
-        simulate(tmp_path, ("backlash:Z:size_um=7",)), STUDER, tmp_path, "--write-machine", str(tmp_path / "found")
+        simulate(tmp_path, ("backlash:Z:size_um=7",)),
+        STUDER,
+        tmp_path,
+        "--write-machine",
+        str(tmp_path / "found"),
     )
     low, high = told["effects"][0]["parameters"]["size_um"]["ci95"]
     (term,) = read_machine(tmp_path / "found").effects
@@ -146,16 +175,24 @@ def test_what_even_targets_hide_is_said(tmp_path):
     machine = places.load(STUDER)
     rows = []
     for run in (1, 2, 3):
-        for way, z in [(1, 30.0 * k) for k in range(17)] + [(-1, 30.0 * k) for k in range(16, -1, -1)]:
+        for way, z in [(1, 30.0 * k) for k in range(17)] + [
+            (-1, 30.0 * k) for k in range(16, -1, -1)
+        ]:
             position, approach = np.array([[50.0], [z]]), np.array([[1.0], [float(way)]])
             off = machine.deviation(position, approach)[1, 0] * 1000 + rng.normal(0, 0.4)
             rows.append(f"{run},{len(rows) * 6},50.0,{z},1,{way},{off:.2f}")
     file = tmp_path / "even.csv"
-    file.write_text(head + "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um\n" + "\n".join(rows) + "\n")
+    file.write_text(
+        head + "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um\n" + "\n".join(rows) + "\n"
+    )
     told = answer([str(file)], STUDER, tmp_path)
     assert told["verdict"] == "nothing-left-out"
     hidden = [v for v in told["not_visible"] if v["effect"] == "cyclic" and v["axis"] == "Z"]
-    assert len(hidden) == 1 and "even steps of 30 mm" in hidden[0]["why"] and "period:Z" in hidden[0]["next_test"]
+    assert (
+        len(hidden) == 1
+        and "even steps of 30 mm" in hidden[0]["why"]
+        and "period:Z" in hidden[0]["next_test"]
+    )
     assert all(v["why"] and v["next_test"] for v in told["not_visible"])
 
 
@@ -192,7 +229,11 @@ def test_a_row_that_can_not_be_used_is_listed(tmp_path):
     lines = file.read_text().splitlines()
     cells = lines[-5].split(",")
     cells[
-        [i for i, n in enumerate(next(x for x in lines if x.startswith("run,")).split(",")) if n == "reading_um"][0]
+        [
+            i
+            for i, n in enumerate(next(x for x in lines if x.startswith("run,")).split(","))
+            if n == "reading_um"
+        ][0]
     ] = "nan"
     lines[-5] = ",".join(cells)
     file.write_text("\n".join(lines) + "\n")
@@ -201,7 +242,9 @@ def test_a_row_that_can_not_be_used_is_listed(tmp_path):
 
 
 @pytest.mark.skipif(not PRACTICE.is_dir(), reason="the practice cases are not here")
-@pytest.mark.parametrize("case", sorted(p.name for p in PRACTICE.iterdir() if p.is_dir()) if PRACTICE.is_dir() else [])
+@pytest.mark.parametrize(
+    "case", sorted(p.name for p in PRACTICE.iterdir() if p.is_dir()) if PRACTICE.is_dir() else []
+)
 def test_practice_cases(case):
     """Every visible effect is named or in the set; nothing is accepted where nothing is."""
     truth = json.loads((PRACTICE / "answers.json").read_text())[case]
@@ -248,9 +291,15 @@ def test_a_vibration_whose_phase_differs_from_run_to_run(tmp_path):
     for k in range(at + 1, len(lines)):
         cells = dict(zip(names, lines[k].split(","), strict=True))
         key = cells["run"] + cells["sense"]
-        unit = np.array([float(cells["X_cmd_mm"]) - centre["X"], float(cells["Z_cmd_mm"]) - centre["Z"]])
-        swing = 4.0 * np.sin(2 * np.pi * 17.0 * float(cells["t_s"]) + phase.setdefault(key, rng.uniform(0, 6.28)))
-        cells["radial_um"] = f"{float(cells['radial_um']) + swing * unit[0] / np.linalg.norm(unit):.2f}"
+        unit = np.array(
+            [float(cells["X_cmd_mm"]) - centre["X"], float(cells["Z_cmd_mm"]) - centre["Z"]]
+        )
+        swing = 4.0 * np.sin(
+            2 * np.pi * 17.0 * float(cells["t_s"]) + phase.setdefault(key, rng.uniform(0, 6.28))
+        )
+        cells["radial_um"] = (
+            f"{float(cells['radial_um']) + swing * unit[0] / np.linalg.norm(unit):.2f}"
+        )
         lines[k] = ",".join(cells[n] for n in names)
     file.write_text("\n".join(lines) + "\n")
     told = answer([str(file)], STUDER, tmp_path)

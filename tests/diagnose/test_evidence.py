@@ -20,7 +20,14 @@ NOISE = 4e-4
 def unit(rows: np.ndarray, ar: tuple[float, ...] = ()) -> Unit:
     n = len(rows)
     return Unit(
-        rows, "laser", True, np.array([0, n]), np.arange(n) * 1.0, np.full(n, NOISE), np.array(ar), 1 - 0.25 * len(ar)
+        rows,
+        "laser",
+        True,
+        np.array([0, n]),
+        np.arange(n) * 1.0,
+        np.full(n, NOISE),
+        np.array(ar),
+        1 - 0.25 * len(ar),
     )
 
 
@@ -82,7 +89,10 @@ def test_a_look_at_the_whole_dictionary_says_the_same_as_one_after_the_other():
     for k, b in enumerate(evidence.blocks):
         usual = b.columns * SLAB / np.abs(b.columns).max(axis=0)
         wanted = (
-            max(twice_log_density(evidence.y, without + s**2 * usual @ usual.T) - surprise(s, 1.0) for s in TRIED)
+            max(
+                twice_log_density(evidence.y, without + s**2 * usual @ usual.T) - surprise(s, 1.0)
+                for s in TRIED
+            )
             - base
         )
         assert scores[k] == pytest.approx(wanted, rel=1e-6, abs=1e-6)
@@ -105,7 +115,9 @@ def test_what_an_instrument_wanders_is_learned(size):
     rng = np.random.default_rng(7)
     columns = np.repeat(np.eye(20), N // 20, axis=0)
     y = columns @ rng.normal(0, size, 20) + rng.normal(0, NOISE, N)
-    evidence = Evidence(y, [unit(np.arange(N))], [[Group("wander", columns, WANDER, 3e-3)]], [], np.ones(N, bool))
+    evidence = Evidence(
+        y, [unit(np.arange(N))], [[Group("wander", columns, WANDER, 3e-3)]], [], np.ones(N, bool)
+    )
     fit = evidence.learn((), None, steps=30)
     learned = float(fit.parts[0].sd[0])
     assert learned < 2.5e-4 if size < NOISE / 4 else learned == pytest.approx(size, rel=0.4)
@@ -114,6 +126,8 @@ def test_what_an_instrument_wanders_is_learned(size):
 
 def test_few_readings_scatter_as_others_do():
     """Of five readings 5 um apart beside others that scatter by 0.2 um: 5 (0.2/5)^(6/11) = 0.86 um; of sixty, what they scatter by."""
-    few = Unit(np.arange(5), "laser", False, np.array([0, 5]), np.arange(5.0), np.full(5, 5e-3), usual=2e-4)
+    few = Unit(
+        np.arange(5), "laser", False, np.array([0, 5]), np.arange(5.0), np.full(5, 5e-3), usual=2e-4
+    )
     assert few.shrunk(5e-3) == pytest.approx(0.864e-3, rel=1e-2)
     assert unit(np.arange(60)).shrunk(5e-3) == 5e-3

@@ -18,7 +18,9 @@ def moved(name: str, state: State, axis: str = "X", **named: float) -> np.ndarra
 
 def test_viscous_friction_with_a_power_is_no_lag():
     """At 10 mm/s it is um_s_mm times 10 whatever the power; at 40 mm/s with the power 1/2 only twice as much."""
-    state = State({"X": np.zeros(3)}, {"X": np.ones(3)}, LIMITS, velocity={"X": np.array([10.0, 40.0, -40.0])})
+    state = State(
+        {"X": np.zeros(3)}, {"X": np.ones(3)}, LIMITS, velocity={"X": np.array([10.0, 40.0, -40.0])}
+    )
     assert moved("viscous_friction", state, um_s_mm=0.5) == approx([-5.0, -20.0, 20.0])
     assert moved("viscous_friction", state, um_s_mm=0.5, power=0.5) == approx([-5.0, -10.0, 10.0])
 
@@ -26,17 +28,32 @@ def test_viscous_friction_with_a_power_is_no_lag():
 def test_friction_is_let_go_at_rest_and_higher_when_slow():
     """10 um between the directions; 4 um more at the slowest, fallen by e at 6 mm/s: 5 + 2 exp(-(1)^2) = 5.736 um behind."""
     speed = np.array([100.0, 6.0, 0.0, -100.0])
-    state = State({"X": np.zeros(4)}, {"X": np.array([1.0, 1.0, 1.0, -1.0])}, LIMITS, velocity={"X": speed})
+    state = State(
+        {"X": np.zeros(4)}, {"X": np.array([1.0, 1.0, 1.0, -1.0])}, LIMITS, velocity={"X": speed}
+    )
     named = {"size_um": 10.0, "stribeck_um": 4.0, "stribeck_mm_s": 6.0}
-    assert moved("coulomb_friction", state, released=1.0, **named) == approx([-5.0, -5.7358, 0.0, 5.0], abs=1e-3)
+    assert moved("coulomb_friction", state, released=1.0, **named) == approx(
+        [-5.0, -5.7358, 0.0, 5.0], abs=1e-3
+    )
     assert moved("coulomb_friction", state, **named)[2] == approx(-7.0)
 
 
 def test_steps_are_lost_and_found_again():
-    state = State({"X": np.zeros(4)}, {"X": np.ones(4)}, LIMITS, time=np.array([0.0, 10.0, 20.0, 30.0]))
-    named = {"jump_um": 8.0, "t_s": 5.0, "second_um": -6.0, "second_s": 15.0, "third_um": 1.0, "third_s": 25.0}
+    state = State(
+        {"X": np.zeros(4)}, {"X": np.ones(4)}, LIMITS, time=np.array([0.0, 10.0, 20.0, 30.0])
+    )
+    named = {
+        "jump_um": 8.0,
+        "t_s": 5.0,
+        "second_um": -6.0,
+        "second_s": 15.0,
+        "third_um": 1.0,
+        "third_s": 25.0,
+    }
     assert moved("step_loss", state, **named) == approx([0.0, 8.0, 2.0, 3.0])
-    assert not step_loss.sensible(jump_um=1.2, second_um=-1.0) and step_loss.sensible(jump_um=1.0, second_um=-3.0)
+    assert not step_loss.sensible(jump_um=1.2, second_um=-1.0) and step_loss.sensible(
+        jump_um=1.0, second_um=-3.0
+    )
 
 
 def test_a_screw_swings_otherwise_from_the_other_side():
@@ -46,18 +63,26 @@ def test_a_screw_swings_otherwise_from_the_other_side():
         state = State({"X": np.array([20.0, 25.0])}, {"X": np.full(2, side)}, LIMITS)
         assert moved("cyclic", state, **named) == approx([size, -size])
     _, _, nodes, forward, reverse = cyclic.tables("X", (0.0, 100.0), **named)[0]
-    assert np.interp(20.0, nodes, forward) == approx(3e-3) and np.interp(20.0, nodes, reverse) == approx(1e-3)
+    assert np.interp(20.0, nodes, forward) == approx(3e-3) and np.interp(
+        20.0, nodes, reverse
+    ) == approx(1e-3)
 
 
 def test_leads_are_asked_for_where_they_turn_often_enough():
     state = State({"X": np.linspace(0.0, 14.0, 30)}, {"X": np.ones(30)}, LIMITS)
-    assert max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 4.0  # three turns of 4 mm are 12 mm
+    assert (
+        max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 4.0
+    )  # three turns of 4 mm are 12 mm
 
 
 def test_beams_give_as_textbooks_say():
     """A beam held at one end: 5/16 of its end's deflection at half the reach. One on two supports under its load: s^2 (1 - s)^2, at a
     quarter (3/16)^2 over (1/4)^2 = 0.5625 of the middle; the series of four terms is within 1 %."""
-    state = State({"X": np.array([50.0, 100.0, 25.0]), "Z": np.zeros(3)}, {"X": np.ones(3)}, LIMITS | {"Z": (0.0, 1.0)})
+    state = State(
+        {"X": np.array([50.0, 100.0, 25.0]), "Z": np.zeros(3)},
+        {"X": np.ones(3)},
+        LIMITS | {"Z": (0.0, 1.0)},
+    )
     sag = effects.load("sag")
     held = effects.deviation(sag, state, "X", size_um=16.0, along=2.0)[2] * 1e3
     assert held[:2] == approx([5.0, 16.0])
@@ -67,7 +92,12 @@ def test_beams_give_as_textbooks_say():
 
 def test_a_tool_is_ground_between_two_parts():
     """12 um larger, 6 um from part 3 on: a pocket grows by as much as the tool."""
-    channels = {"part": np.arange(1.0, 5.0), "material": np.ones(4), "wall": -np.ones(4), "bore": np.zeros(4)}
+    channels = {
+        "part": np.arange(1.0, 5.0),
+        "material": np.ones(4),
+        "wall": -np.ones(4),
+        "bore": np.zeros(4),
+    }
     state = State({"X": np.full(4, 50.0)}, {"X": np.ones(4)}, LIMITS, channels=channels)
     found = moved("tool_size", state, "", diameter_um=12.0, change=3.0, then_um=6.0)
     assert found == approx([12.0, 12.0, 6.0, 6.0])
@@ -75,7 +105,12 @@ def test_a_tool_is_ground_between_two_parts():
 
 def test_the_walls_of_the_first_part_are_cut_by_a_worn_edge():
     """10 um a part: 5, 15 and 25 um where walls are finished when half of the part is cut."""
-    channels = {"part": np.arange(1.0, 4.0), "material": np.ones(3), "wall": np.ones(3), "bore": np.zeros(3)}
+    channels = {
+        "part": np.arange(1.0, 4.0),
+        "material": np.ones(3),
+        "wall": np.ones(3),
+        "bore": np.zeros(3),
+    }
     state = State({"X": np.full(3, 50.0)}, {"X": np.ones(3)}, LIMITS, channels=channels)
     found = moved("tool_wear", state, rate_um=10.0, start_um=0.0, change=0.0, cut=0.5)
     assert found == approx([5.0, 15.0, 25.0])

@@ -19,7 +19,12 @@ MILL = read_machine(Path(__file__).parents[2] / "machines" / "example-mill")
 
 def recording(column: str = "load_X_N"):
     """Four runs over 15 targets, two of them under 500 N, by which X gives 0.02 um a newton."""
-    head = ['format = "gcomp-recording/1"', 'kind = "targets"', 'machine = "example-mill"', 'instrument = "laser"']
+    head = [
+        'format = "gcomp-recording/1"',
+        'kind = "targets"',
+        'machine = "example-mill"',
+        'instrument = "laser"',
+    ]
     head += ['quantity = "displacement"', "sensitive = { X = 1.0 }"]
     lines = [f"# {line}" for line in head]
     lines.append(f"run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um,{column}")
@@ -53,7 +58,9 @@ def test_any_load_is_a_channel():
 def state(**channels: np.ndarray) -> State:
     n = len(next(iter(channels.values())))
     place = {x: np.linspace(0.0, 100.0, n) for x in "XYZ"}
-    return State(place, {x: np.ones(n) for x in "XYZ"}, dict.fromkeys("XYZ", (0.0, 100.0)), channels=channels)
+    return State(
+        place, {x: np.ones(n) for x in "XYZ"}, dict.fromkeys("XYZ", (0.0, 100.0)), channels=channels
+    )
 
 
 def test_where_both_were_recorded_either_or_their_sum_may_bend_it():
@@ -73,5 +80,7 @@ def test_a_mass_that_was_weighed_sags_in_proportion():
     heavy = [s for s in sag.shapes(at, "X") if s["usual_N"]]
     assert heavy and all(s["usual_N"] == 200.0 for s in heavy)
     plain = {**heavy[0], "usual_N": 0.0}
-    assert sag.columns(at, "X", **heavy[0]) == pytest.approx(sag.columns(at, "X", **plain) * load / 200.0)
+    assert sag.columns(at, "X", **heavy[0]) == pytest.approx(
+        sag.columns(at, "X", **plain) * load / 200.0
+    )
     assert not any(s["usual_N"] for s in sag.shapes(state(load_X_N=np.full(3, 200.0)), "X"))

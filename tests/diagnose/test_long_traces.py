@@ -24,13 +24,18 @@ def log(rows: list[str]) -> bytes:
 
 
 def read(data: bytes):
-    return recordings.read(recordings.Source("a.csv", data), options=recordings.ReadingOptions(strict=False))
+    return recordings.read(
+        recordings.Source("a.csv", data), options=recordings.ReadingOptions(strict=False)
+    )
 
 
 def test_blocks_are_read_as_single_lines_are():
     """A row that can not be used, an empty cell, a comment and a blank line change what they should, and nothing else."""
     rng = np.random.default_rng(3)
-    rows = [f"{1 + k // 9000},{k * 1e-3:.3f},{v:.4f},{v + 1e-3:.4f},20.5" for k, v in enumerate(rng.uniform(0, 100, N))]
+    rows = [
+        f"{1 + k // 9000},{k * 1e-3:.3f},{v:.4f},{v + 1e-3:.4f},20.5"
+        for k, v in enumerate(rng.uniform(0, 100, N))
+    ]
     plain = read(log(rows))
     assert len(plain) == N and not plain.faults
     assert plain.lines.tolist() == list(range(4, N + 4))
@@ -82,7 +87,9 @@ def test_rows_after_a_turn_are_short_and_the_mean_stays():
     for k in first:
         assert size[k] == 1 and (np.diff(size[k : k + 8]) >= 0).all()
         after = np.cumsum(size[k : k + 30]) - size[k : k + 30]
-        assert (size[k : k + 30] <= np.maximum(1, np.maximum(after // 4, 1))).all() or size[k : k + 30].max() <= width
+        assert (size[k : k + 30] <= np.maximum(1, np.maximum(after // 4, 1))).all() or size[
+            k : k + 30
+        ].max() <= width
     assert set(averaged["channel T_air_C"]) == {20.0}
 
 
@@ -93,7 +100,8 @@ def test_single_samples_tell_the_noise_of_a_row():
 
 
 @pytest.mark.xfail(
-    strict=True, reason="a spike of 12 um beside a lag of 100 um is below the error of form of the lag (a tenth)"
+    strict=True,
+    reason="a spike of 12 um beside a lag of 100 um is below the error of form of the lag (a tenth)",
 )
 def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
     """The same motion at 100 and 1000 Hz: lag, lost motion and a spike that lasts 25 ms."""
@@ -116,10 +124,14 @@ def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
             ["simulate", str(tmp_path / "p.nc"), "--machine", STUDER, "--instrument", "log", "--set", f"rate={rate}", "--set", "sees=tool",
              "--parts", "3", "--noise", "0.4", "--seed", "5", "-o", str(file), "--quiet", *more]
         ) == 0  # fmt: skip
-        assert main(["diagnose", str(file), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
+        assert (
+            main(["diagnose", str(file), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
+        )
         told = json.loads(out.read_text())
         found[rate] = {
-            e["effect"] + ":" + e["axis"]: e["parameters"] for e in told["effects"] if e["status"] == "accepted"
+            e["effect"] + ":" + e["axis"]: e["parameters"]
+            for e in told["effects"]
+            if e["status"] == "accepted"
         }
         assert told["recordings"][0]["rows"] > (signals.LONG if rate == 1000 else 1000)
     play = found[1000].keys() & {"backlash:Z", "coulomb_friction:Z"}  # the same while an axis moves

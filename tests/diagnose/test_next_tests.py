@@ -19,7 +19,11 @@ TEST = re.compile(r"gcomp simulate --test (\S+)")
 
 
 def test_the_controls_without_circles_are_those_whose_circles_can_not_be_read_back():
-    refused = {n for n in dialects.names() if (g2 := dialects.load(n).by_number.get(20)) is not None and g2.refuses}
+    refused = {
+        n
+        for n in dialects.names()
+        if (g2 := dialects.load(n).by_number.get(20)) is not None and g2.refuses
+    }
     assert set(NO_CIRCLES) == refused
 
 

@@ -15,7 +15,19 @@ MILL = str(Path(__file__).parents[2] / "machines" / "example-mill")
 def recorded(folder: Path, test: str, instrument: str, column: str, off) -> str:
     """A recording with so much added to the readings: off(row as a dictionary of its columns)."""
     file = folder / f"{instrument}.csv"
-    words = ["simulate", "--test", test, "--machine", MILL, "--instrument", instrument, "--seed", "4", "--noise", "0.3"]
+    words = [
+        "simulate",
+        "--test",
+        test,
+        "--machine",
+        MILL,
+        "--instrument",
+        instrument,
+        "--seed",
+        "4",
+        "--noise",
+        "0.3",
+    ]
     assert main([*words, "-o", str(file), "--quiet"]) == 0
     lines = file.read_text().splitlines()
     head = next(k for k, line in enumerate(lines) if not line.startswith("#"))
@@ -30,17 +42,33 @@ def recorded(folder: Path, test: str, instrument: str, column: str, off) -> str:
 
 def told(folder: Path, *files: str) -> dict:
     out = folder / "a.json"
-    words = ["diagnose", *files, "--machine", MILL, "--json", str(out), "--residuals", str(folder / "r.csv"), "--quiet"]
+    words = [
+        "diagnose",
+        *files,
+        "--machine",
+        MILL,
+        "--json",
+        str(out),
+        "--residuals",
+        str(folder / "r.csv"),
+        "--quiet",
+    ]
     assert main(words) == 0
     return json.loads(out.read_text())
 
 
 def test_an_angle_is_located_in_urad(tmp_path):
     laser = recorded(tmp_path, "positioning:X", "laser", "reading_um", lambda row: 0.0)
-    angle = recorded(tmp_path, "angle:X", "angle", "reading_urad", lambda row: 12.0 * (row["X_mm"] > 100))
+    angle = recorded(
+        tmp_path, "angle:X", "angle", "reading_urad", lambda row: 12.0 * (row["X_mm"] > 100)
+    )
     answer = told(tmp_path, laser, angle)
     (place,) = answer["mismatch"]
-    assert place["recording"].endswith("angle.csv") and place["unit"] == "urad" and 6 < place["rms_um"] < 10
+    assert (
+        place["recording"].endswith("angle.csv")
+        and place["unit"] == "urad"
+        and 6 < place["rms_um"] < 10
+    )
     where = place["where"]
     assert (
         where["axis"] == "X"
@@ -61,4 +89,8 @@ def test_one_direction_alone(tmp_path, side):
         lambda row: 6.0 * (-180 < row["X_mm"] < 60 and row["approach_X"] == side),
     )  # fmt: skip
     where = told(tmp_path, bump)["mismatch"][0]["where"]
-    assert where["approach"] == "-+"[side > 0] and -180 < where["from_mm"] < -120 and 0 < where["to_mm"] < 60
+    assert (
+        where["approach"] == "-+"[side > 0]
+        and -180 < where["from_mm"] < -120
+        and 0 < where["to_mm"] < 60
+    )

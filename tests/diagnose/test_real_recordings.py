@@ -34,12 +34,17 @@ def found(numbers: tuple[str, ...]):
 
 
 def lags(d) -> dict[str, tuple[float, float, float]]:
-    return {f.block.axis: (f.value["tau_ms"], *f.ci95["tau_ms"]) for f in d.findings if f.block.name == "servo_lag"}
+    return {
+        f.block.axis: (f.value["tau_ms"], *f.ci95["tau_ms"])
+        for f in d.findings
+        if f.block.name == "servo_lag"
+    }
 
 
 @real
 @pytest.mark.xfail(
-    strict=True, reason="the lag of X comes out as 6.6 ms where its log is rounded to 1 mm; Y and Z are 8.1 and 8.2 ms"
+    strict=True,
+    reason="the lag of X comes out as 6.6 ms where its log is rounded to 1 mm; Y and Z are 8.1 and 8.2 ms",
 )
 def test_every_axis_of_the_mill_lags_by_8_ms():
     seen = lags(found(MILL))
@@ -112,7 +117,9 @@ def made(terms: dict[str, float], noise: float = 0.5, seed: int = 3) -> recordin
     x = 100 + 80 * np.sin(0.7 * t) + 10 * np.sin(2.3 * t)
     v, a = np.gradient(x, t), np.gradient(np.gradient(x, t), t)
     force = 30e-3 * a + 100e-3 * v + 12 * np.sign(v)
-    force += terms.get("offset", 0.0) + terms.get("stribeck", 0.0) * np.sign(v) * np.exp(-((v / 10) ** 2))
+    force += terms.get("offset", 0.0) + terms.get("stribeck", 0.0) * np.sign(v) * np.exp(
+        -((v / 10) ** 2)
+    )
     force += terms.get("ripple", 0.0) * np.cos(2 * np.pi * x / 10)
     force += np.random.default_rng(seed).normal(0, noise, len(t))
     columns = {"run": np.ones(len(t)), "t_s": t, "X_cmd_mm": x, "X_act_mm": x, "force_X_N": force}
@@ -121,15 +128,19 @@ def made(terms: dict[str, float], noise: float = 0.5, seed: int = 3) -> recordin
 
 @pytest.mark.parametrize(
     "terms, name",
-    [({"offset": 6.0}, "force_offset"), ({"stribeck": 5.0}, "stribeck_friction"), ({"ripple": 3.0}, "force_ripple")],
+    [
+        ({"offset": 6.0}, "force_offset"),
+        ({"stribeck": 5.0}, "stribeck_friction"),
+        ({"ripple": 3.0}, "force_ripple"),
+    ],
 )
 def test_what_a_force_is_made_of_is_found_with_its_size(terms, name):
     (d,) = drive.drives([made(terms)])
     value = {f.term.name: f.value for f in d.fitted}
     assert set(value) == {"inertia", "viscous_friction", "coulomb_friction", name}
-    assert value["inertia"]["N_per_m_s2"] == approx(30, rel=0.02) and value["coulomb_friction"]["size_N"] == approx(
-        12, rel=0.1
-    )
+    assert value["inertia"]["N_per_m_s2"] == approx(30, rel=0.02) and value["coulomb_friction"][
+        "size_N"
+    ] == approx(12, rel=0.1)
     assert abs(next(iter(value[name].values()))) == approx(next(iter(terms.values())), rel=0.25)
 
 
@@ -149,4 +160,6 @@ def test_rounding_is_read_from_the_numbers():
     step = rounding.step(three)
     assert set(np.unique(step)) == {0.01, 0.1, 1.0} and (step[three >= 100] == 1.0).all()
     assert np.unique(rounding.step(np.round(place, 4))).tolist() == [approx(1e-4)]
-    assert not rounding.alike(np.round(place, 4), rounding.noise(np.round(place, 4), np.round(place, 4))).any()
+    assert not rounding.alike(
+        np.round(place, 4), rounding.noise(np.round(place, 4), np.round(place, 4))
+    ).any()

@@ -40,7 +40,22 @@ def simulated(folder: Path, machine: str, seed: int, *more: str) -> list[str]:
 
 
 def diagnosed(files: list[str], machine: str, out: Path, *more: str) -> dict:
-    assert main(["diagnose", *files, "--machine", machine, "--json", str(out), "--force", "--quiet", *more]) == 0
+    assert (
+        main(
+            [
+                "diagnose",
+                *files,
+                "--machine",
+                machine,
+                "--json",
+                str(out),
+                "--force",
+                "--quiet",
+                *more,
+            ]
+        )
+        == 0
+    )
     return json.loads(out.read_text())
 
 
@@ -68,7 +83,10 @@ def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path,
         assert rest["verdict"] == "nothing-left-out" and not rest["effects"]
     missed = diagnosed(again, str(STUDER), tmp_path / "c.json")
     for was, now in zip(told["effects"], missed["effects"], strict=True):
-        assert was["effect"] in {now["effect"], *(name.partition(":")[0] for name in now["equivalent"])}
+        assert was["effect"] in {
+            now["effect"],
+            *(name.partition(":")[0] for name in now["equivalent"]),
+        }
 
 
 def written(folder: str) -> list[dict]:
@@ -137,7 +155,16 @@ def test_its_deviation_is_no_part_of_the_model_that_is_inverted(tmp_path, name):
 def test_a_machine_says_of_which_names_its_effects_were_not_told_apart(tmp_path, capsys):
     """Circles alone do not part lost motion from friction: what is written says so, and so does the command."""
     circle, found = str(tmp_path / "c.csv"), tmp_path / "found"
-    how = ["--test", "ballbar:XZ", "--machine", str(STUDER), "--with", "backlash:Z:size_um=9", "--noise", "0.3"]
+    how = [
+        "--test",
+        "ballbar:XZ",
+        "--machine",
+        str(STUDER),
+        "--with",
+        "backlash:Z:size_um=9",
+        "--noise",
+        "0.3",
+    ]
     assert main(["simulate", *how, "-o", circle, "--quiet"]) == 0
     out = ["--json", str(tmp_path / "a.json"), "--write-machine", str(found)]
     assert main(["diagnose", circle, "--machine", str(STUDER), *out]) == 0

@@ -38,13 +38,17 @@ def told(grinder) -> dict:
 
 
 def effects(told: dict) -> dict[str, dict]:
-    return {f"{e['effect']}:{e['axis'] or ''}": e for e in told["effects"] if e["status"] == "accepted"}
+    return {
+        f"{e['effect']}:{e['axis'] or ''}": e for e in told["effects"] if e["status"] == "accepted"
+    }
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the seed is not here")
 @pytest.mark.parametrize("name", sorted(p.name for p in experiment.TABLES.glob("*.csv")))
 def test_the_tables_are_those_of_the_seed(name):
-    mine, theirs = (list(csv.reader((f / name).read_text().splitlines())) for f in (experiment.TABLES, SHARED))
+    mine, theirs = (
+        list(csv.reader((f / name).read_text().splitlines())) for f in (experiment.TABLES, SHARED)
+    )
     assert mine == theirs
 
 
@@ -53,7 +57,11 @@ def test_the_jump_of_x_is_linked_to_its_straightness_and_its_cause_is_a_set(told
     value = {name: p["value"] for name, p in jump["parameters"].items()}
     assert 130 <= value["from_mm"] <= 140 and value["to_mm"] == 170
     assert value["ratio"] == approx(0.357, abs=0.015) and value["correlation"] > 0.995
-    assert jump["parameters"]["ratio"]["ci95"][0] < 0.357 < jump["parameters"]["ratio"]["ci95"][1] + 0.005
+    assert (
+        jump["parameters"]["ratio"]["ci95"][0]
+        < 0.357
+        < jump["parameters"]["ratio"]["ci95"][1] + 0.005
+    )
     assert len(jump["equivalent"]) >= 3 and "abbe:X" in jump["equivalent"]
     assert "--test angle:X" in jump["next_test"] and jump["use"] != "compensate"
     assert "x_straightness" in jump["text"] and "x_positioning" in jump["text"]
@@ -79,7 +87,9 @@ def test_reversal_changes_along_x_and_along_z(told):
 
 def test_the_slip_at_90_is_the_only_bad_reading(told, paths):
     (fault,) = told["data_faults"]
-    assert Path(fault["recording"]).name == "x_straightness.csv" and fault["size_um"] == approx(3.2, abs=0.5)
+    assert Path(fault["recording"]).name == "x_straightness.csv" and fault["size_um"] == approx(
+        3.2, abs=0.5
+    )
     line = paths["x_straightness"].read_text().splitlines()[fault["row"] - 1].split(",")
     assert (float(line[1]), line[3], float(line[5])) == (90.0, "-1", -31.5)
 
@@ -91,9 +101,13 @@ def test_abbe_of_z_is_a_trap(told, grinder):
 
 
 def test_nothing_is_said_of_times_that_were_not_recorded(told):
-    assert not {"structure_drift:X", "structure_drift:Z", "step_loss:X", "step_loss:Z", "screw_heat:Z"} & set(
-        effects(told)
-    )
+    assert not {
+        "structure_drift:X",
+        "structure_drift:Z",
+        "step_loss:X",
+        "step_loss:Z",
+        "screw_heat:Z",
+    } & set(effects(told))
 
 
 def test_the_oversized_tool_is_named_from_walls(paths):
@@ -106,10 +120,15 @@ def test_the_oversized_tool_is_named_from_walls(paths):
     assert fit["rms_before_um"] > 60 and fit["rms_after_um"] < 0.2 * fit["rms_before_um"]
 
 
-@pytest.mark.xfail(strict=True, reason="distances of holes alone are called nothing left out; unknown is wanted")
+@pytest.mark.xfail(
+    strict=True, reason="distances of holes alone are called nothing left out; unknown is wanted"
+)
 def test_hole_distances_alone_name_no_tool(paths, tmp_path):
     lines = paths["parts"].read_text().splitlines()
-    text = "\n".join(x for x in lines if x.startswith(("#", "feature")) or "centre_distance" in x) + "\n"
+    text = (
+        "\n".join(x for x in lines if x.startswith(("#", "feature")) or "centre_distance" in x)
+        + "\n"
+    )
     read = recordings.read(recordings.Source("holes.csv", text.encode()))
     d = analysis.diagnose([read], read_machine(experiment.MACHINES["mill"]))
     assert not d.findings and d.verdict == "unknown"
@@ -135,7 +154,9 @@ def test_two_smooth_ways_share_no_jump():
             for _ in range(2)
         ]
         profiles = [
-            shared_jump.Profile(i, "tool", place, (y + rng.normal(0, 0.3, len(u))) * 1e-3, 0.3e-3, [])
+            shared_jump.Profile(
+                i, "tool", place, (y + rng.normal(0, 0.3, len(u))) * 1e-3, 0.3e-3, []
+            )
             for i, y in enumerate(smooth)
         ]
         called += shared_jump._pair("X", *profiles) is not None

@@ -25,7 +25,11 @@ def test_a_slip_on_a_curve_is_found_with_its_size():
 
 def test_a_kink_and_a_step_are_no_slips():
     noise = np.random.default_rng(3).normal(0, 0.1, 18)
-    for shape in (np.maximum(0, PLACE - 120), 20.0 * (PLACE > 85), np.where(PLACE > 135, 0.02 * (PLACE - 135) ** 2, 0)):
+    for shape in (
+        np.maximum(0, PLACE - 120),
+        20.0 * (PLACE > 85),
+        np.where(PLACE > 135, 0.02 * (PLACE - 135) ** 2, 0),
+    ):
         assert largest(shape + noise, 0.1)[1] < slips.DROPPED
 
 
@@ -36,4 +40,6 @@ def test_noise_is_seldom_called_a_slip():
 
 
 def test_too_few_places_say_nothing():
-    assert not np.any(slips.departures(PLACE[:6], np.array([0, 0, 9, 0, 0, 0.0]), np.full(6, 0.1))[0])
+    assert not np.any(
+        slips.departures(PLACE[:6], np.array([0, 0, 9, 0, 0, 0.0]), np.full(6, 0.1))[0]
+    )

@@ -23,7 +23,9 @@ HEAD = '# format = "gcomp-recording/1"\n# kind = "targets"\n# instrument = "{}"\
 
 
 def targets(instrument: str) -> recordings.Recording:
-    table = "run,t_s,Z_mm,approach_Z,reading_um\n" + "".join(f"1,{10 * k},{50 * k},1,0.0\n" for k in range(8))
+    table = "run,t_s,Z_mm,approach_Z,reading_um\n" + "".join(
+        f"1,{10 * k},{50 * k},1,0.0\n" for k in range(8)
+    )
     return recordings.read(recordings.Source("r.csv", (HEAD.format(instrument) + table).encode()))
 
 
@@ -48,13 +50,24 @@ def state(**channels: np.ndarray) -> State:
 
 def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
     module, s = effects.load("laser_air"), state()
-    assert module.shapes(s, "") == [{"told": 0.0, "by": -2.0}, {"told": 1.0, "by": -2.0}, {"told": 1.0, "by": 0.0}]
+    assert module.shapes(s, "") == [
+        {"told": 0.0, "by": -2.0},
+        {"told": 1.0, "by": -2.0},
+        {"told": 1.0, "by": 0.0},
+    ]
     first, second, told = module.columns(s, "", told=1.0, by=-2.0)
-    assert first[5] == pytest.approx(500e-6 * 3000 / 3600) and not first[6:].any()  # 1 ppm/h over 500 mm and 50 min
+    assert (
+        first[5] == pytest.approx(500e-6 * 3000 / 3600) and not first[6:].any()
+    )  # 1 ppm/h over 500 mm and 50 min
     assert not second[:6].any() and second[11] == pytest.approx(first[5])
     assert told == pytest.approx(s.beam * 1e-6)
     named = module.parameters(np.array([2.0, -3.0, 7.0]), {"told": 1.0, "by": -2.0})
-    assert (named["ppm_h_1"], named["ppm_h_2"], named["ppm_h_3"], named["wrong_ppm"]) == (2.0, -3.0, 0.0, 7.0)
+    assert (named["ppm_h_1"], named["ppm_h_2"], named["ppm_h_3"], named["wrong_ppm"]) == (
+        2.0,
+        -3.0,
+        0.0,
+        7.0,
+    )
     value, shape = module.coefficients(**named)
     assert list(value) == [2.0, -3.0, 7.0] and shape == {"told": 1.0, "by": -2.0}
 
@@ -73,7 +86,9 @@ def test_a_coarse_thermometer_on_the_screw_does_not_hide_its_heat():
     """Heat that comes with time or travel is offered beside a recorded temperature, cold at the beginning."""
     s = state(T_screw_Z_C=np.round(np.linspace(20.0, 20.4, 12)))
     offered = effects.load("screw_heat").shapes(s, "Z")
-    assert {shape["tau_s"] > 0 for shape in offered} == {False, True} and not any(shape["warm"] for shape in offered)
+    assert {shape["tau_s"] > 0 for shape in offered} == {False, True} and not any(
+        shape["warm"] for shape in offered
+    )
 
 
 def test_a_screw_that_may_have_been_warm_is_offered_only_without_its_temperature():
@@ -114,13 +129,26 @@ def test_one_air_says_the_slopes_of_all_lasers(tmp_path):
     files = []
     for number, test in enumerate(("positioning:Z", "positioning:X", "ballbar:XZ")):
         file = tmp_path / f"r{number}.csv"
-        asked = ["simulate", "--test", test, "--machine", STUDER, "--noise", "0.4", "--seed", str(number + 5)]
+        asked = [
+            "simulate",
+            "--test",
+            test,
+            "--machine",
+            STUDER,
+            "--noise",
+            "0.4",
+            "--seed",
+            str(number + 5),
+        ]
         assert main([*asked, "-o", str(file), "--quiet"]) == 0
         files.append(file)
     changed(files[0], 25.0, -20.0)
     changed(files[1], 25.0, 30.0)
     out = tmp_path / "answer.json"
-    assert main(["diagnose", *map(str, files), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
+    assert (
+        main(["diagnose", *map(str, files), "--machine", STUDER, "--json", str(out), "--quiet"])
+        == 0
+    )
     told = json.loads(out.read_text())
     found = [(e["effect"], e["axis"]) for e in told["effects"] if e["status"] == "accepted"]
     assert found == [("laser_air", None)]
@@ -157,14 +185,27 @@ def bare(folder: Path) -> str:
 
 
 def answered(folder: Path, path: str) -> dict:
-    main(["diagnose", path, "--machine", bare(folder), "--json", str(folder / "a.json"), "--quiet", "--force"])
+    main(
+        [
+            "diagnose",
+            path,
+            "--machine",
+            bare(folder),
+            "--json",
+            str(folder / "a.json"),
+            "--quiet",
+            "--force",
+        ]
+    )
     return json.loads((folder / "a.json").read_text())
 
 
 def test_a_frame_drifts_across_the_axis_that_moves(tmp_path):
     """12 um in 43 minutes across Z, which alone moves: X does not move, and drifts all the same."""
     answer = answered(tmp_path, straightness(tmp_path, 0.0, 17.0))
-    assert [e["effect"] for e in answer["effects"] if e["status"] == "accepted"] == ["structure_drift"]
+    assert [e["effect"] for e in answer["effects"] if e["status"] == "accepted"] == [
+        "structure_drift"
+    ]
 
 
 def test_the_line_of_a_straightness_reading_is_the_machines_and_that_is_said(tmp_path, capsys):

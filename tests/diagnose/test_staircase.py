@@ -20,7 +20,15 @@ MACHINE = read_machine(STUDER)
 @pytest.fixture(scope="module")
 def staircase(tmp_path_factory):
     out = tmp_path_factory.mktemp("stairs") / "a.csv"
-    given = ["--with", "windup:X:size_um=9,length_mm=0.8", "--noise", "0.3", "-o", str(out), "--quiet"]
+    given = [
+        "--with",
+        "windup:X:size_um=9,length_mm=0.8",
+        "--noise",
+        "0.3",
+        "-o",
+        str(out),
+        "--quiet",
+    ]
     assert main(["simulate", "--test", "staircase:X", "--machine", str(STUDER), *given]) == 0
     return recordings.read(recordings.Source("a.csv", out.read_bytes()))
 
@@ -46,7 +54,12 @@ def test_there_was_no_time_to_overrun_a_step(staircase):
 
 def targets(feed: str, wait: float):
     """Two runs there and back of 5 mm, the ends read once."""
-    head = ['format = "gcomp-recording/1"', 'kind = "targets"', 'instrument = "laser"', 'quantity = "displacement"']
+    head = [
+        'format = "gcomp-recording/1"',
+        'kind = "targets"',
+        'instrument = "laser"',
+        'quantity = "displacement"',
+    ]
     lines = [f"# {line}" for line in [*head, "sensitive = { X = 1.0 }"]]
     lines.append("run,t_s,X_mm,approach_X,reading_um" + feed.partition("=")[0])
     t, last = 0.0, 50.0
@@ -61,5 +74,7 @@ def targets(feed: str, wait: float):
 def test_how_far_it_went_beyond_is_what_it_had_time_for():
     assert targets(",feed_mm_min=,600", 0.0) == pytest.approx([0.0, 0.0], abs=1e-9)
     assert targets(",feed_mm_min=,600", 0.4) == pytest.approx([2.0, 2.0])
-    assert targets(",feed_mm_min=,600", 9.0) == pytest.approx([3.0, 3.0])  # it waited: no more than usual
+    assert targets(",feed_mm_min=,600", 9.0) == pytest.approx(
+        [3.0, 3.0]
+    )  # it waited: no more than usual
     assert targets("", 0.0) == pytest.approx([3.0, 3.0])  # nobody knows

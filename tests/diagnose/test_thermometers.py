@@ -20,7 +20,9 @@ MILL = Path(__file__).parents[2] / "machines" / "example-mill"
 def test_what_metal_does_is_no_fault():
     assert faulty(np.round(WARMING, 2), TIME) is None
     assert faulty(np.round(WARMING, 0), TIME) is None, "a coarse thermometer"
-    assert faulty(np.repeat(np.round(WARMING, 2), 40), np.arange(N * 40) * 0.3) is None, "a slow one"
+    assert faulty(np.repeat(np.round(WARMING, 2), 40), np.arange(N * 40) * 0.3) is None, (
+        "a slow one"
+    )
     gone = WARMING.copy()
     gone[::3] = np.nan
     assert faulty(gone, TIME) is None
@@ -55,16 +57,30 @@ def test_one_wrong_reading_is_no_step():
 def test_it_is_listed_with_its_row_and_not_used(tmp_path):
     """From row 60 on the column's thermometer reads 8 degrees too much."""
     file, out = tmp_path / "a.csv", tmp_path / "a.json"
-    test = ["simulate", "--test", "positioning:X", "--machine", str(MILL), "--instrument", "laser", "--seed", "3"]
+    test = [
+        "simulate",
+        "--test",
+        "positioning:X",
+        "--machine",
+        str(MILL),
+        "--instrument",
+        "laser",
+        "--seed",
+        "3",
+    ]
     assert main([*test, "-o", str(file), "--quiet"]) == 0
     lines = file.read_text().splitlines()
     head = next(k for k, line in enumerate(lines) if not line.startswith("#"))
     rows = [line.split(",") for line in lines[head + 1 :]]
     assert len(rows) > 70
-    noise = np.random.default_rng(8).normal(20, 0.03, len(rows)) + np.where(np.arange(len(rows)) >= 60, 8.0, 0.0)
+    noise = np.random.default_rng(8).normal(20, 0.03, len(rows)) + np.where(
+        np.arange(len(rows)) >= 60, 8.0, 0.0
+    )
     text = [f"{line},{v:.2f}" for line, v in zip(lines[head + 1 :], noise, strict=True)]
     file.write_text("\n".join([*lines[:head], lines[head] + ",T_column_C", *text]) + "\n")
     assert main(["diagnose", str(file), "--machine", str(MILL), "--json", str(out), "--quiet"]) == 0
     told = json.loads(out.read_text())
-    fault = next(f for f in told["data_faults"] if f["fault"].startswith("sensor_drift: T_column_C jumps by"))
+    fault = next(
+        f for f in told["data_faults"] if f["fault"].startswith("sensor_drift: T_column_C jumps by")
+    )
     assert fault["row"] == head + 62 and fault["fault"].endswith("not recorded")

@@ -47,7 +47,9 @@ def test_a_tool_only_loses():
     assert not tool_wear.sensible(**sensible | {"start_um": 9.0})
 
 
-@pytest.mark.parametrize("shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}])
+@pytest.mark.parametrize(
+    "shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}]
+)
 def test_wear_names_its_coefficients_and_takes_them_back(shape):
     shape = {"change": 0.0, "bores": 1.0, "older": 0.0, "cut": 0.0} | shape
     values = np.array([3.0, 1.0, 2.0][: 3 if shape["older"] else 2])
@@ -57,10 +59,18 @@ def test_wear_names_its_coefficients_and_takes_them_back(shape):
 
 def test_parts_that_were_turned_drift_from_part_to_part():
     part = np.array([0.0, 1.0, 2.0, 3.0, 1.0, 3.0])
-    channels = {"part": part, "wall": np.array([0, 1, 1, 1, -1, -1.0]), "material": np.array([0, 0, 0, 0, 1, 1.0])}
-    at = replace(state(np.zeros(6)), channels=channels, time=np.zeros(6), file=np.array([0, 1, 1, 1, 1, 1.0]))
+    channels = {
+        "part": part,
+        "wall": np.array([0, 1, 1, 1, -1, -1.0]),
+        "material": np.array([0, 0, 0, 0, 1, 1.0]),
+    }
+    at = replace(
+        state(np.zeros(6)), channels=channels, time=np.zeros(6), file=np.array([0, 1, 1, 1, 1, 1.0])
+    )
     shown = structure_drift.columns(at, "X", tau_s=1e6, file=1.0)[0, 0] * 1e3
-    assert np.allclose(shown, [0.0, 0.0, 0.5, 1.0, 0.0, 0.0])  # what lies between two walls keeps its size
+    assert np.allclose(
+        shown, [0.0, 0.0, 0.5, 1.0, 0.0, 0.0]
+    )  # what lies between two walls keeps its size
 
 
 def test_a_step_may_be_in_every_pause():
@@ -77,8 +87,14 @@ def test_a_step_may_be_in_every_pause():
 
 def test_a_spindle_of_which_nobody_says_that_it_turned_stood_still():
     told = np.array([1500.0, np.nan, np.nan, 750.0])
-    at = replace(state(np.zeros(4)), channels={"spindle_rpm": told, "part": told, "force_X_N": told})
-    assert rows._filled("spindle_rpm", at).tolist() == rows._filled("part", at).tolist() == [1500.0, 0.0, 0.0, 750.0]
+    at = replace(
+        state(np.zeros(4)), channels={"spindle_rpm": told, "part": told, "force_X_N": told}
+    )
+    assert (
+        rows._filled("spindle_rpm", at).tolist()
+        == rows._filled("part", at).tolist()
+        == [1500.0, 0.0, 0.0, 750.0]
+    )
     assert rows._filled("force_X_N", at).tolist() == [1500.0, 1125.0, 1125.0, 750.0]
 
 

@@ -48,7 +48,10 @@ def strange(text: str) -> str:
     place, side = ([float(row[names.index(n)]) for row in rows] for n in ("Z_mm", "approach_Z"))
     numbers = {z: k for k, z in enumerate(sorted({round(z, 1) for z in place}))}
     rng = np.random.default_rng(17)
-    dents = {s: rng.choice([-1.0, 1.0], len(numbers)) * rng.uniform(2.0, 9.0, len(numbers)) for s in (-1.0, 1.0)}
+    dents = {
+        s: rng.choice([-1.0, 1.0], len(numbers)) * rng.uniform(2.0, 9.0, len(numbers))
+        for s in (-1.0, 1.0)
+    }
     off = [dents[s][numbers[round(z, 1)]] for z, s in zip(place, side, strict=True)]
     return cells("reading_um", lambda v, k: f"{float(v) + off[k]:.3f}")(text)
 
@@ -56,7 +59,22 @@ def strange(text: str) -> str:
 def answer(text: str, folder: Path, *more: str) -> dict:
     file, out = folder / "r.csv", folder / "a.json"
     file.write_text(text)
-    assert main(["diagnose", str(file), "--machine", STUDER, "--json", str(out), "--force", "--quiet", *more]) == 0
+    assert (
+        main(
+            [
+                "diagnose",
+                str(file),
+                "--machine",
+                STUDER,
+                "--json",
+                str(out),
+                "--force",
+                "--quiet",
+                *more,
+            ]
+        )
+        == 0
+    )
     return json.loads(out.read_text())
 
 
@@ -65,13 +83,20 @@ def test_what_no_name_explains_is_mapped(plain, tmp_path):
     left = told["unknown"]
     assert told["verdict"] == "unknown"
     assert not [e for e in told["effects"] if e["status"] == "accepted"]
-    assert left["rms_um"] > 2.0 and left["depends_on"] == ["position", "direction"] and left["along"] == "Z"
+    assert (
+        left["rms_um"] > 2.0
+        and left["depends_on"] == ["position", "direction"]
+        and left["along"] == "Z"
+    )
     assert left["held_out_rms_after_um"] < 0.5 * left["held_out_rms_before_um"]
     assert {row["approach"] for row in left["table"]} == {-1, 1}
     assert all(row["from"] <= row["to"] and row["readings"] >= 2 for row in left["table"])
     assert 0.2 < left["share_left"] <= 1.0
     lines = (tmp_path / "found" / f"{left['map']}.csv").read_text().splitlines()
-    assert lines[0] == "Z_mm_from,Z_mm_to,approach,readings,residual_um,u_um" and len(lines) == len(left["table"]) + 1
+    assert (
+        lines[0] == "Z_mm_from,Z_mm_to,approach,readings,residual_um,u_um"
+        and len(lines) == len(left["table"]) + 1
+    )
 
 
 def test_a_map_is_no_effect_of_the_machine(plain, tmp_path):
@@ -88,7 +113,10 @@ def test_a_map_is_no_effect_of_the_machine(plain, tmp_path):
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_is_never_unknown(plain, tmp_path, seed):
     rng = np.random.default_rng(seed)
-    told = answer(cells("reading_um", lambda v, k: f"{float(v) + rng.standard_t(4) * 0.7:.3f}")(plain), tmp_path)
+    told = answer(
+        cells("reading_um", lambda v, k: f"{float(v) + rng.standard_t(4) * 0.7:.3f}")(plain),
+        tmp_path,
+    )
     assert told["unknown"] is None and told["verdict"] == "nothing-left-out"
 
 

@@ -19,9 +19,18 @@ STUDER = read_machine(MACHINES / "studer-s36")
 
 def parts(machine, features: list[tuple[str, str, float]]):
     """Rows of one reading of each feature: kind, axis, nominal mm."""
-    head = ['# format = "gcomp-recording/1"', '# kind = "features"', f'# machine = "{machine.name}"']
-    head += ['# instrument = "coordinate measuring machine"', "feature,kind,axis,nominal_mm,measured_mm,part,reading"]
-    lines = [f"F{k},{kind},{axis},{size},{size},1,1" for k, (kind, axis, size) in enumerate(features)]
+    head = [
+        '# format = "gcomp-recording/1"',
+        '# kind = "features"',
+        f'# machine = "{machine.name}"',
+    ]
+    head += [
+        '# instrument = "coordinate measuring machine"',
+        "feature,kind,axis,nominal_mm,measured_mm,part,reading",
+    ]
+    lines = [
+        f"F{k},{kind},{axis},{size},{size},1,1" for k, (kind, axis, size) in enumerate(features)
+    ]
     read = recordings.read(recordings.Source("parts.csv", "\n".join([*head, *lines, ""]).encode()))
     return rows.of([read], machine)
 
@@ -51,7 +60,10 @@ def test_a_pocket_is_smaller_by_the_lost_motion_and_a_boss_larger(name):
 
 def test_lost_motion_of_a_lathe_is_all_in_the_diameter():
     found = shown(
-        parts(STUDER, [("boss_diameter", "X", 50.0), ("bore_diameter", "X", 30.0)]), "backlash", "X", size_um=8.0
+        parts(STUDER, [("boss_diameter", "X", 50.0), ("bore_diameter", "X", 30.0)]),
+        "backlash",
+        "X",
+        size_um=8.0,
     )
     assert found == pytest.approx([8.0, -8.0])
 
@@ -61,7 +73,9 @@ def test_a_distance_shows_what_its_two_ends_differ_by():
     low, high = MILL.axes["X"].travel
     a, b = (low + high) / 2 + 30.0, (low + high) / 2 - 30.0
     wave = [np.cos(2 * np.pi * p / 7.3 - 0.5) for p in (a, b)]
-    found = shown(readings, "cyclic", "X", period_mm=7.3, amplitude_um=4.0, phase_deg=np.degrees(0.5))
+    found = shown(
+        readings, "cyclic", "X", period_mm=7.3, amplitude_um=4.0, phase_deg=np.degrees(0.5)
+    )
     assert found[3] == pytest.approx(4.0 * (wave[0] - wave[1]))
     u = 60.0 / (high - low)
     line = shown(readings, "pitch_shape", "X", c1_um=10.0, c3_um=2.0)
@@ -76,7 +90,8 @@ def test_the_far_wall_is_read_at_its_own_place_beside_averaged_samples_too():
     inside = {x: np.stack([p, np.full(n, np.nan)]) for x, p in readings.state.position.items()}
     beside = replace(readings, state=replace(readings.state, inside=inside))
     plain, other = (
-        shown(r, "cyclic", "X", period_mm=7.3, amplitude_um=4.0, phase_deg=10.0) for r in (readings, beside)
+        shown(r, "cyclic", "X", period_mm=7.3, amplitude_um=4.0, phase_deg=10.0)
+        for r in (readings, beside)
     )
     assert other == pytest.approx(plain) and abs(plain[0]) > 0.1
 

@@ -27,27 +27,43 @@ def test_a_row_shows_the_mean_of_its_samples():
     an even average over 1.33 mm would keep 0.05 of it."""
     place = np.arange(4)[:, None] / 3 + np.zeros((1, 1))
     state = State(
-        position={"X": place.mean(axis=0)}, approach={"X": np.ones(1)}, travel={"X": (0.0, 9.0)}, inside={"X": place}
+        position={"X": place.mean(axis=0)},
+        approach={"X": np.ones(1)},
+        travel={"X": (0.0, 9.0)},
+        inside={"X": place},
     )
     swing = np.hypot(*waves_of(state, "X", 1 / 0.313))
     phase = np.pi / 3 / 0.313
-    assert swing == pytest.approx(abs(np.sin(4 * phase) / (4 * np.sin(phase))))  # the sum of a geometric series
+    assert swing == pytest.approx(
+        abs(np.sin(4 * phase) / (4 * np.sin(phase)))
+    )  # the sum of a geometric series
     assert swing > 0.85 > 0.06 > abs(np.sinc(4 / 3 / 0.313))
 
 
 def test_samples_beyond_the_number_of_a_row_count_for_nothing():
     place = np.array([[1.0], [2.0], [np.nan]])
     state = State(
-        position={"X": np.array([1.5])}, approach={"X": np.ones(1)}, travel={"X": (0.0, 9.0)}, inside={"X": place}
+        position={"X": np.array([1.5])},
+        approach={"X": np.ones(1)},
+        travel={"X": (0.0, 9.0)},
+        inside={"X": place},
     )
-    assert waves_of(state, "X", 0.2)[0] == pytest.approx(np.mean(np.cos(2 * np.pi * 0.2 * np.array([1.0, 2.0]))))
+    assert waves_of(state, "X", 0.2)[0] == pytest.approx(
+        np.mean(np.cos(2 * np.pi * 0.2 * np.array([1.0, 2.0])))
+    )
 
 
 @pytest.mark.parametrize("period", [0.12, 0.313, 1.7])
 def test_periods_shorter_than_a_row_are_found_in_its_samples(period):
     """Fast, slow and turning: rows reach over 0.04 to 1.6 mm."""
-    place = sampled(np.concatenate([np.full(400, 0.01), np.full(500, 0.33), np.full(300, 0.4), np.full(400, 0.013)]))
-    row = np.mean(np.cos(2 * np.pi * place / period + 0.7), axis=0) + RNG.normal(0, 0.3, place.shape[1])
+    place = sampled(
+        np.concatenate(
+            [np.full(400, 0.01), np.full(500, 0.33), np.full(300, 0.4), np.full(400, 0.013)]
+        )
+    )
+    row = np.mean(np.cos(2 * np.pi * place / period + 0.7), axis=0) + RNG.normal(
+        0, 0.3, place.shape[1]
+    )
     best, *_ = spectra._fine(place, row, np.ones(len(row)))
     assert 1 / best == pytest.approx(1 / period, abs=0.5 / np.ptp(place))
 
@@ -86,20 +102,34 @@ def test_a_cosine_that_has_lost_its_sine_is_no_wave():
     place = np.arange(10) * 5.0
     wave = np.stack([np.cos(2 * np.pi * place / 10), np.sin(2 * np.pi * place / 10)], axis=1)
     other = np.stack([np.cos(place), np.sin(place)], axis=1)
-    assert library.swings(np.concatenate([wave, other], axis=1)).tolist() == [False, False, True, True]
+    assert library.swings(np.concatenate([wave, other], axis=1)).tolist() == [
+        False,
+        False,
+        True,
+        True,
+    ]
 
 
 def test_targets_at_every_half_period_are_answered():
     """Two runs there and back over targets 20 mm apart, every other one 6 um off."""
-    head = ['format = "gcomp-recording/1"', 'kind = "targets"', 'machine = "example-mill"', 'instrument = "laser"']
+    head = [
+        'format = "gcomp-recording/1"',
+        'kind = "targets"',
+        'machine = "example-mill"',
+        'instrument = "laser"',
+    ]
     head += ['quantity = "displacement"', "sensitive = { X = 1.0 }"]
-    lines = [f"# {line}" for line in head] + ["run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"]
+    lines = [f"# {line}" for line in head] + [
+        "run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"
+    ]
     noise, t = np.random.default_rng(4), 0.0
     for run in (1, 2, 3):
         for way in (1, -1):
             for k in range(-14, 15)[::way]:
                 t += 5.0
-                lines.append(f"{run},{t},{20 * k},0,0,{way},1,1,{6.0 * (-1) ** k + noise.normal(0, 0.3):.2f}")
+                lines.append(
+                    f"{run},{t},{20 * k},0,0,{way},1,1,{6.0 * (-1) ** k + noise.normal(0, 0.3):.2f}"
+                )
     read = [recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))]
     d = diagnose(read, MILL)
     assert d.findings or d.unknown or d.places

@@ -70,10 +70,16 @@ def test_numbers_that_stand_for_something_are_told_by_what_they_stand_for():
 
 def test_a_drift_says_what_it_goes_with():
     bed = of("structure_drift", size_um=8.0, tau_s=0.0)
-    assert bed[0].startswith("size 8 um per K |") and bed[1] == "by the recorded temperature of the bed"
+    assert (
+        bed[0].startswith("size 8 um per K |")
+        and bed[1] == "by the recorded temperature of the bed"
+    )
     assert of("structure_drift", size_um=8.0, tau_s=-120.0)[1] == "by that of the air, 120 s late"
     came = of("structure_drift", size_um=8.0, tau_s=900.0, from_s=-1.0, file=-1.0, bend_um=0.0)
-    assert came == ["size 8 um | at the end of the recording", "tau about 900 s | the time in which it comes"]
+    assert came == [
+        "size 8 um | at the end of the recording",
+        "tau about 900 s | the time in which it comes",
+    ]
     assert of("structure_drift", size_um=8.0, tau_s=1e6)[1] == "evenly with the time"
 
 
@@ -99,7 +105,9 @@ def test_names_that_share_a_size_or_a_reason_stand_together():
         == "0.7 um: backlash X Z; 2 um: scale X"
     )
     assert (
-        words.blind([("abbe", "X", "one line"), ("abbe", "Z", "one line"), ("delay", "", "at rest")])
+        words.blind(
+            [("abbe", "X", "one line"), ("abbe", "Z", "one line"), ("delay", "", "at rest")]
+        )
         == "abbe X Z (one line); delay (at rest)"
     )
     assert words.stretch("X", 400.0, 400.02) == "X at 400.0 mm"
@@ -114,7 +122,10 @@ def found(tmp_path_factory):
     for name, test in (("bar", "ballbar:XZ"), ("laser", "positioning:Z")):
         file = folder / f"{name}.csv"
         hidden = ["--with", "backlash:Z:size_um=7", "--noise", "0.4", "--seed", "3", "--quiet"]
-        assert main(["simulate", "--test", test, "--machine", str(STUDER), *hidden, "-o", str(file)]) == 0
+        assert (
+            main(["simulate", "--test", test, "--machine", str(STUDER), *hidden, "-o", str(file)])
+            == 0
+        )
         read.append(recordings.read(recordings.Source(str(file), file.read_bytes())))
     return diagnose(read, read_machine(STUDER))
 
@@ -124,7 +135,13 @@ def test_the_text_says_what_where_how_large_how_sure_and_what_next(found):
     assert text.splitlines()[0] == "The model of studer-s36 leaves out: backlash of Z."
     size = re.search(r"size (\d\.\d+) um \(95 %: (\S+) to (\S+)\): lost motion", text)
     assert size and float(size[2]) < 7.0 < float(size[3])
-    for word in ("WHERE: ", "HELD OUT: ", "NEXT: ", "noise alone reaches", "Can not be seen in these recordings: "):
+    for word in (
+        "WHERE: ",
+        "HELD OUT: ",
+        "NEXT: ",
+        "noise alone reaches",
+        "Can not be seen in these recordings: ",
+    ):
         assert word in text
     assert not re.search(r"play|= -1\b|: ,|:\s*$|\bnan\b|:\.|  um", text.replace("\n", "|\n"))
 
@@ -132,7 +149,14 @@ def test_the_text_says_what_where_how_large_how_sure_and_what_next(found):
 def test_a_map_that_foretells_nothing_is_said_to_be_of_no_use(found):
     cell = SimpleNamespace(low=10.0, high=10.0, approach=1, rows=5, mean=3e-3, error=2e-4)
     left = SimpleNamespace(
-        signal=0, rms=2e-3, share=0.5, along="Z", depends=("position",), cells=(cell,), before=2e-3, after=2e-3
+        signal=0,
+        rms=2e-3,
+        share=0.5,
+        along="Z",
+        depends=("position",),
+        cells=(cell,),
+        before=2e-3,
+        after=2e-3,
     )
     kept, found.unknown = found.unknown, left
     try:

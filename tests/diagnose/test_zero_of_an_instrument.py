@@ -18,10 +18,22 @@ STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
 def test_a_large_zero_where_some_places_were_read_more_often_leaves_no_reading_out(tmp_path):
     """100 um of zero; of two runs the first half of the places was read a third time, and in a changed order."""
     path = tmp_path / "r.csv"
-    words = ["simulate", "--test", "positioning:Z,runs=3", "--machine", str(STUDER), "--noise", "0.4", "--seed", "3"]
+    words = [
+        "simulate",
+        "--test",
+        "positioning:Z,runs=3",
+        "--machine",
+        str(STUDER),
+        "--noise",
+        "0.4",
+        "--seed",
+        "3",
+    ]
     assert main([*words, "-o", str(path), "--quiet"]) == 0
     head = [line for line in path.read_text().splitlines(keepends=True) if line.startswith("#")]
-    rows = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    rows = list(
+        csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#"))
+    )
     middle = float(np.median([float(row["Z_mm"]) for row in rows]))
     kept = [row for row in rows if row["run"] != "3" or float(row["Z_mm"]) < middle]
     for k, row in enumerate(kept):
@@ -33,7 +45,10 @@ def test_a_large_zero_where_some_places_were_read_more_often_leaves_no_reading_o
     writer.writerows(kept)
     path.write_text("".join(head) + out.getvalue())
     answer = tmp_path / "a.json"
-    assert main(["diagnose", str(path), "--machine", str(STUDER), "--json", str(answer), "--quiet"]) == 0
+    assert (
+        main(["diagnose", str(path), "--machine", str(STUDER), "--json", str(answer), "--quiet"])
+        == 0
+    )
     left_out = json.loads(answer.read_text())["data_faults"]
     assert len(left_out) <= 2, left_out
 
@@ -42,4 +57,6 @@ def test_a_doubt_stays_where_all_readings_of_a_recording_were_left_out():
     class NoRows:
         file = np.zeros(0, int)
 
-    assert likeness.remaining({1: ["it does not fit"], 2: []}, NoRows(), np.zeros(0)) == ["it does not fit"]
+    assert likeness.remaining({1: ["it does not fit"], 2: []}, NoRows(), np.zeros(0)) == [
+        "it does not fit"
+    ]

@@ -22,7 +22,9 @@ def plain(program: str, diameter: frozenset[str] = frozenset()) -> list[str]:
         start=dict.fromkeys("XYZ", 0.0), diameter=diameter,
     )  # fmt: skip
     text = (program + "|M30|").replace("|", "\n").encode()
-    written = Written(Program("part.mpf", text), Interpreter(dialects.load("siemens"), setup), Limits())
+    written = Written(
+        Program("part.mpf", text), Interpreter(dialects.load("siemens"), setup), Limits()
+    )
     return b"".join(written).decode().split("\n")[:-2]
 
 
@@ -66,13 +68,17 @@ def test_arcs_touch_both_lines_and_chamfers_have_their_length(seed):
     ways = np.column_stack([np.cos(angles), np.sin(angles)]) * random.uniform(15, 30, (8, 1))
     places = np.cumsum(ways, axis=0)
     texts = [f"X{x:.6f} Y{y:.6f}" for x, y in places]
-    lines = plain("G1 F100|" + "|".join(t + f" {kind}={size:.6f}" for t in texts[:-1]) + "|" + texts[-1])[1:]
+    lines = plain(
+        "G1 F100|" + "|".join(t + f" {kind}={size:.6f}" for t in texts[:-1]) + "|" + texts[-1]
+    )[1:]
     assert len(lines) == 2 * len(places) - 1
     here, ends = np.zeros(2), []
     for line in lines:
         word = {m[0]: float(m[1]) for m in re.findall(r"([XYIJG])(-?[\d.]+)", line)}
         to = np.array([word.get("X", here[0]), word.get("Y", here[1])])
-        ends.append((word.get("G"), here, to, np.array([word.get("I", 0.0), word.get("J", 0.0)]) + here))
+        ends.append(
+            (word.get("G"), here, to, np.array([word.get("I", 0.0), word.get("J", 0.0)]) + here)
+        )
         here = to
     for k, (code, start, stop, centre) in enumerate(ends):
         if k % 2 == 0:
@@ -80,7 +86,9 @@ def test_arcs_touch_both_lines_and_chamfers_have_their_length(seed):
         corner = places[k // 2]
         before, behind = corner - ends[k - 1][1], ends[k + 1][2] - corner
         before, behind = before / np.linalg.norm(before), behind / np.linalg.norm(behind)
-        assert np.linalg.norm(corner - start) == pytest.approx(np.linalg.norm(corner - stop), abs=1e-4)
+        assert np.linalg.norm(corner - start) == pytest.approx(
+            np.linalg.norm(corner - stop), abs=1e-4
+        )
         assert np.cross(before, corner - start) == pytest.approx(0, abs=1e-3)
         assert np.cross(behind, stop - corner) == pytest.approx(0, abs=1e-3)
         if kind == "RND":

@@ -41,10 +41,20 @@ class Exact(Tracker):
         return 12 if self.inch else 10
 
 
-def expand(text: str, dialect: str = "linuxcnc", setup: Setup = MILL, tracker=Tracker, **options) -> list[Line]:
+def expand(
+    text: str, dialect: str = "linuxcnc", setup: Setup = MILL, tracker=Tracker, **options
+) -> list[Line]:
     """The plain lines of a program, one source line after the other (no language stage before)."""
-    resolver = Resolver(Program("part", text.encode()), tracker(Interpreter(dialects.load(dialect), setup)), **options)
-    return [plain for n, one in enumerate(text.split("\n"), 1) for plain in resolver.take(Line(one.encode(), n))]
+    resolver = Resolver(
+        Program("part", text.encode()),
+        tracker(Interpreter(dialects.load(dialect), setup)),
+        **options,
+    )
+    return [
+        plain
+        for n, one in enumerate(text.split("\n"), 1)
+        for plain in resolver.take(Line(one.encode(), n))
+    ]
 
 
 def text_of(program: str, dialect: str, setup: Setup = MILL) -> list[str]:
@@ -64,14 +74,20 @@ def same_motions(text: str, theirs: list[oracle.Motion], source: str | None = No
     """Assert that the text written out moves as LinuxCNC does when it runs the original. `source`: what the language
     stage hands on, where that is not the text itself."""
     program = Program("part", text.encode())
-    resolver = Resolver(program, Exact(Interpreter(dialects.load("linuxcnc"), MILL)), synchronised=True)
+    resolver = Resolver(
+        program, Exact(Interpreter(dialects.load("linuxcnc"), MILL)), synchronised=True
+    )
     lines = [
-        plain for n, one in enumerate((source or text).split("\n"), 1) for plain in resolver.take(Line(one.encode(), n))
+        plain
+        for n, one in enumerate((source or text).split("\n"), 1)
+        for plain in resolver.take(Line(one.encode(), n))
     ]
     mine = motions(lines)
     moved = [m for m in theirs if m.kind == "arc" or (m.kind != "dwell" and _length(m) > CLOSE)]
     written = "\n".join(line.text.decode() for line in lines)
-    assert [(lines[a["line"] - 1].source, a["kind"]) for a in mine] == [(b.line, b.kind) for b in moved], written
+    assert [(lines[a["line"] - 1].source, a["kind"]) for a in mine] == [
+        (b.line, b.kind) for b in moved
+    ], written
     for a, b in zip(mine, moved, strict=True):
         assert not a["reason"][0], (a, written)
         assert a["end"] == pytest.approx(list(b.end), abs=CLOSE), (a, b, written)
@@ -171,9 +187,28 @@ def test_holes_are_those_of_linuxcnc(program, holes):
 
 def _random_holes(draw: random.Random) -> str:
     """A program of holes in all modes; LinuxCNC moves wrongly in G84 outside the XY plane, so that is left out."""
-    lines = ["F100", "M3 S100", draw.choice(["G0 X5 Z5", "G0 X-3 Y2 Z9 G98", "G20 G0 Z1", "G0 Z5 G18", "G7 G0 X20 Z5"])]
+    lines = [
+        "F100",
+        "M3 S100",
+        draw.choice(["G0 X5 Z5", "G0 X-3 Y2 Z9 G98", "G20 G0 Z1", "G0 Z5 G18", "G7 G0 X20 Z5"]),
+    ]
     flat = "G18" not in lines[2]
-    modes = ["G98", "G99", "G91", "G90", "G80", "G0 Z4", "G4 P1", "G20", "G21", "M8", "G92 Z1", "G92.1", "G55", "G54"]
+    modes = [
+        "G98",
+        "G99",
+        "G91",
+        "G90",
+        "G80",
+        "G0 Z4",
+        "G4 P1",
+        "G20",
+        "G21",
+        "M8",
+        "G92 Z1",
+        "G92.1",
+        "G55",
+        "G54",
+    ]
     for _ in range(draw.randint(2, 7)):
         if draw.random() < 0.3:
             lines.append(draw.choice(modes + modes[:4]))
@@ -186,7 +221,11 @@ def _random_holes(draw: random.Random) -> str:
             words.append(f"R{draw.uniform(-2, 7):.1f}")
         if draw.random() < 0.2:
             words.append(f"L{draw.randint(1, 3)}")
-        lines.append(" ".join(([draw.choice(["G98", "G99", "G90", "G91"])] if draw.random() < 0.2 else []) + words))
+        lines.append(
+            " ".join(
+                ([draw.choice(["G98", "G99", "G90", "G91"])] if draw.random() < 0.2 else []) + words
+            )
+        )
     return "\n".join([*lines, "M2", ""])
 
 
@@ -195,7 +234,9 @@ def test_random_holes_are_those_of_linuxcnc():
     draw = random.Random(5)
     programs = [_random_holes(draw) for _ in range(250)]
     compared = 0
-    for text, theirs in zip(programs, oracle.motions_of_many([(text, {}) for text in programs]), strict=True):
+    for text, theirs in zip(
+        programs, oracle.motions_of_many([(text, {}) for text in programs]), strict=True
+    ):
         if isinstance(theirs, list):
             same_motions(text, theirs)
             compared += 1
@@ -322,18 +363,29 @@ def test_fanuc_g81_goes_to_the_initial_level_in_g98_and_to_r_in_g99():
 
 
 def test_behind_g80_the_motion_code_from_before_the_cycle_holds():
-    lines = text_of("G0 Z50|G1 X1 F100|G81 X10. Z-5. R2.|G80|M8|X5.|G81 X1. Z-5. R2.|G80 G0 X3", "fanuc-mill")
+    lines = text_of(
+        "G0 Z50|G1 X1 F100|G81 X10. Z-5. R2.|G80|M8|X5.|G81 X1. Z-5. R2.|G80 G0 X3", "fanuc-mill"
+    )
     assert lines[lines.index("M8") + 1] == "G1 X5." and lines[-1] == "G80 G0 X3"
 
 
 def test_fanuc_g91_repeats_and_counts_r_from_the_initial_level_and_z_from_r():
-    lines = motions(expand("G0 X0 Y0 Z50\nG91 G81 X10. Z-12. R-48. K3\nG80\n", "fanuc-mill"), "fanuc-mill")
-    assert [m["end"][:3] for m in lines][1:5] == [[10, 0, 50], [10, 0, 2], [10, 0, -10], [10, 0, 50]]
+    lines = motions(
+        expand("G0 X0 Y0 Z50\nG91 G81 X10. Z-12. R-48. K3\nG80\n", "fanuc-mill"), "fanuc-mill"
+    )
+    assert [m["end"][:3] for m in lines][1:5] == [
+        [10, 0, 50],
+        [10, 0, 2],
+        [10, 0, -10],
+        [10, 0, 50],
+    ]
     assert [m["end"][0] for m in lines[1:]] == [10] * 4 + [20] * 4 + [30] * 4
 
 
 def test_fanuc_data_hold_from_cycle_to_cycle_and_through_g90():
-    lines = text_of("G0 Z50|G91 G81 X1. Z-12. R-48.|G90 X5.|G82 X6. P500|G99 G85 X7.|X8. K0|G80", "fanuc-mill")
+    lines = text_of(
+        "G0 Z50|G91 G81 X1. Z-12. R-48.|G90 X5.|G82 X6. P500|G99 G85 X7.|X8. K0|G80", "fanuc-mill"
+    )
     assert lines[5:] == [
         "G90 G0 X5.", "Z2.", "G1 Z-10.", "G0 Z50.",
         "G0 X6.", "Z2.", "G1 Z-10.", "G4 P500", "G0 Z50.",
@@ -357,12 +409,32 @@ def test_fanuc_pecks_reach_q_each_and_the_bottom_exactly():
         "G0 Z1.",
     ]
     chips = text_of("G0 Z50|G99 G73 X1. Z-5. R1. Q2.5", "fanuc-mill")[1:]
-    assert chips == ["G99 G0 X1.", "Z1.", "G1 Z-1.5", "G0 Z-1.", "G1 Z-4.", "G0 Z-3.5", "G1 Z-5.", "G0 Z1."]
+    assert chips == [
+        "G99 G0 X1.",
+        "Z1.",
+        "G1 Z-1.5",
+        "G0 Z-1.",
+        "G1 Z-4.",
+        "G0 Z-3.5",
+        "G1 Z-5.",
+        "G0 Z1.",
+    ]
 
 
 def test_fanuc_g86_stops_the_spindle_and_g89_dwells_before_the_feed_back():
-    assert text_of("G0 Z9|M3|G99 G86 Z-1. R2.", "fanuc-mill")[2:] == ["G99 G0 Z2.", "G1 Z-1.", "M5", "G0 Z2.", "M3"]
-    assert text_of("G0 Z9|G99 G89 Z-1. R2. P50", "fanuc-mill")[1:] == ["G99 G0 Z2.", "G1 Z-1.", "G4 P50", "Z2."]
+    assert text_of("G0 Z9|M3|G99 G86 Z-1. R2.", "fanuc-mill")[2:] == [
+        "G99 G0 Z2.",
+        "G1 Z-1.",
+        "M5",
+        "G0 Z2.",
+        "M3",
+    ]
+    assert text_of("G0 Z9|G99 G89 Z-1. R2. P50", "fanuc-mill")[1:] == [
+        "G99 G0 Z2.",
+        "G1 Z-1.",
+        "G4 P50",
+        "Z2.",
+    ]
 
 
 def test_tapping_stays_and_gets_the_words_that_the_control_would_have_held():
@@ -396,7 +468,11 @@ def test_an_unknown_place_is_asked_for_and_only_where_it_matters():
     with pytest.raises(ProgramError, match="initial level is where Z stood"):
         expand("G99 G81 X1. Y1. Z-1. R2.\nG98 X2.\n", "fanuc-mill", nowhere)
     with pytest.raises(ProgramError, match="an offset in force is not stated"):
-        expand("G0 Z50\nG43 H1\nG81 X1. Y1. Z-1. R2.\n", "fanuc-mill", replace(nowhere, start={"Z": 0.0}))
+        expand(
+            "G0 Z50\nG43 H1\nG81 X1. Y1. Z-1. R2.\n",
+            "fanuc-mill",
+            replace(nowhere, start={"Z": 0.0}),
+        )
     assert expand("G0 G43 H1 Z50\nG81 X1. Y1. Z-1. R2.\n", "fanuc-mill", nowhere)
 
 
@@ -409,7 +485,11 @@ def lathe(program: str, dialect: str = "fanuc-lathe-a") -> list[str]:
 
 def test_g90_of_system_a_is_g77_of_b_and_g20_of_c():
     """B-64304EN-1, "Outer diameter/internal diameter cutting cycle": rapid in, cut, feed out, rapid back; X holds."""
-    for code, dialect in (("G90", "fanuc-lathe-a"), ("G77", "fanuc-lathe"), ("G20", "fanuc-lathe-c")):
+    for code, dialect in (
+        ("G90", "fanuc-lathe-a"),
+        ("G77", "fanuc-lathe"),
+        ("G20", "fanuc-lathe-c"),
+    ):
         assert lathe(f"G0 X60. Z2.|{code} X50. Z-30. F.2|X45. M8|G0 X100.", dialect) == [
             "G0 X60. Z2.",
             "G0 X50. F.2", "G1 Z-30.", "X60.", "G0 Z2.",
@@ -419,19 +499,35 @@ def test_g90_of_system_a_is_g77_of_b_and_g20_of_c():
 
 def test_tapers_of_g90_and_g94():
     """The same, "Taper cutting cycle": with U<0 W<0 R<0 the cut begins on a smaller radius, by R, than it ends on."""
-    assert lathe("G0 X60. Z2.|G90 U-10. W-32. R-5.")[1:] == ["G0 X40.", "G1 X50. Z-30.", "X60.", "G0 Z2."]
-    assert lathe("G0 X60. Z2.|G94 X20. Z-5. R-1.")[1:] == ["G0 Z-6.", "G1 X20. Z-5.", "Z2.", "G0 X60."]
+    assert lathe("G0 X60. Z2.|G90 U-10. W-32. R-5.")[1:] == [
+        "G0 X40.",
+        "G1 X50. Z-30.",
+        "X60.",
+        "G0 Z2.",
+    ]
+    assert lathe("G0 X60. Z2.|G94 X20. Z-5. R-1.")[1:] == [
+        "G0 Z-6.",
+        "G1 X20. Z-5.",
+        "Z2.",
+        "G0 X60.",
+    ]
 
 
 def test_g71_cuts_by_d_down_to_the_shape_and_then_along_it():
     """B-64304EN-1, "Stock removal in turning (G71)", type I: C is A moved by du/2 and dw, cuts dd apart, escape e at 45
     degrees, the last cut along the shape, and back to A. Levels: radius 50.5 - 4 n above 20.5."""
-    lines = lathe("G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5 F.3|N10 G0 X40.|G1 Z-20. F.1|N20 X100. Z-50.|G0 X200.")
+    lines = lathe(
+        "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5 F.3|N10 G0 X40.|G1 Z-20. F.1|N20 X100. Z-50.|G0 X200."
+    )
     assert lines[1] == "G0 X101. Z2.5 F.3"
     levels = [2 * (50.5 - 4 * n) for n in range(1, 8)]
-    assert [line for line in lines if re.fullmatch(r"X[\d.]+", line)][:-1] == [f"X{x:g}." for x in levels]
+    assert [line for line in lines if re.fullmatch(r"X[\d.]+", line)][:-1] == [
+        f"X{x:g}." for x in levels
+    ]
     ends = [-19.5 - (x - 41) / 2 for x in levels]  # the shape falls by 30 mm in radius over 30 mm
-    assert [float(line[4:]) for line in lines if line.startswith("G1 Z")][:-1] == pytest.approx(ends)
+    assert [float(line[4:]) for line in lines if line.startswith("G1 Z")][:-1] == pytest.approx(
+        ends
+    )
     assert lines[4] == f"G0 X{levels[0] + 2:g}. Z{ends[0] + 1:g}"
     assert lines[-5:] == ["X41.", "G1 Z-19.5", "X101. Z-49.5", "G0 X100. Z2.", "G0 X200."]
 
@@ -447,7 +543,9 @@ def test_g71_ends_its_cuts_on_arcs():
 
 
 def test_g72_is_g71_with_the_axes_changed_over_and_g70_follows():
-    lines = lathe("G0 X100. Z2.|G72 W4. R1.|G72 P10 Q20|N10 G0 Z-9.|G1 X80.|N20 X60. Z1.|G70 P10 Q20 F.1|G0 Z9.")
+    lines = lathe(
+        "G0 X100. Z2.|G72 W4. R1.|G72 P10 Q20|N10 G0 Z-9.|G1 X80.|N20 X60. Z1.|G70 P10 Q20 F.1|G0 Z9."
+    )
     assert lines[1:5] == ["G0 Z-2.", "G1 X66.", "G0 X68. Z-1.", "X100."]
     assert lines[-10:] == [
         "Z-9.", "G1 X80.", "X60. Z1.", "G0 X100. Z2.",
@@ -456,13 +554,17 @@ def test_g72_is_g71_with_the_axes_changed_over_and_g70_follows():
 
 
 def test_one_block_form_and_internal_shapes():
-    lines = lathe("G0 X20. Z2.|G71 P10 Q20 U-1. W.5 D3000|N10 G1 X60.|Z-20.|X40. Z-30.|N20 X20.|G0 Z9.")
+    lines = lathe(
+        "G0 X20. Z2.|G71 P10 Q20 U-1. W.5 D3000|N10 G1 X60.|Z-20.|X40. Z-30.|N20 X20.|G0 Z9."
+    )
     assert lines[1:6] == ["G0 X19. Z2.5", "G1 X25.", "Z-29.5", "G0 X24. Z-29.", "Z2.5"]
 
 
 def test_g73_repeats_the_shape_nearer_each_time():
     """B-64304EN-1, "Pattern repeating (G73)": di, dk shared over d cuts, the last one du/2 and dw off."""
-    lines = lathe("G0 X100. Z2.|G73 U6. W3. R3|G73 P10 Q20 U1. W.5|N10 G0 X40. Z0.|N20 G1 Z-20.|G0 Z9.")
+    lines = lathe(
+        "G0 X100. Z2.|G73 U6. W3. R3|G73 P10 Q20 U1. W.5|N10 G0 X40. Z0.|N20 G1 Z-20.|G0 Z9."
+    )
     assert lines[1:-1] == [
         "G0 X113. Z5.5", "X53. Z3.5", "G1 Z-16.5", "G0 X107. Z4.", "X47. Z2.", "G1 Z-18.", "G0 X101. Z2.5", "X41. Z0.5",
         "G1 Z-19.5", "G0 X100. Z2.",
@@ -484,21 +586,42 @@ def test_g12_and_g13_of_haas_are_circles_about_where_the_tool_stands():
     is gone round in two halves, and half a circle leads in and out."""
     setup = replace(MILL, offsets={"D1": {"R": 5.0}}, start=dict.fromkeys("XYZABC", 0.0))
     lines = text_of("G90 G17 G0 X10. Y20. Z1.|G13 I15. D1 Z-2. F100.|G0 Z9.", "haas", setup)
-    ring = ["G3 X20. Y20. I5. J0.", "X0. Y20. I-10. J0.", "X20. Y20. I10. J0.", "X10. Y20. I-5. J0."]
+    ring = [
+        "G3 X20. Y20. I5. J0.",
+        "X0. Y20. I-10. J0.",
+        "X20. Y20. I10. J0.",
+        "X10. Y20. I-5. J0.",
+    ]
     assert lines[1:] == ["G1 Z-2. F100.", *ring, "G0 Z9."]
     lines = text_of("G90 G17 G0 X10. Y20. Z1.|G12 I8. K15. Q5. D1|G0 Z9.", "haas", setup)
     ends = [float(re.search(r"X(-?[0-9.]+)", line)[1]) - 10.0 for line in lines[1:-1]]
     assert ends == [3.0, -3.0, 3.0, -8.0, 8.0, -8.0, 10.0, -10.0, 10.0, 0.0]
     assert lines[1].startswith("G2 ") and not any("Z" in line for line in lines[1:-1])
     lines = text_of("G17 G0 X0. Y0. Z0.|G91 G13 I8. D0 Z-1. L2|G90 G0 Z9.", "haas", setup)
-    assert lines.count("G1 Z-1.") + lines.count("G91 G1 Z-1.") == 2 and lines[2] == "G3 X8. Y0. I4. J0."
+    assert (
+        lines.count("G1 Z-1.") + lines.count("G91 G1 Z-1.") == 2
+        and lines[2] == "G3 X8. Y0. I4. J0."
+    )
 
 
 def test_lathe_drilling_counts_r_from_where_it_stands():
     """B-64304EN-1, "Front drilling cycle (G83)", "Side drilling (G87)": R is a distance from the initial level."""
-    assert lathe("G0 X0 Z5.|G83 Z-4. R-3. F.1", "fanuc-lathe")[1:] == ["G0 Z2. F.1", "G1 Z-4.", "G0 Z5."]
+    assert lathe("G0 X0 Z5.|G83 Z-4. R-3. F.1", "fanuc-lathe")[1:] == [
+        "G0 Z2. F.1",
+        "G1 Z-4.",
+        "G0 Z5.",
+    ]
     lines = lathe("G0 X50. Z5.|G99 G87 X20. Z-3. R-5. Q6000 P100", "fanuc-lathe")
-    assert lines[1:] == ["G99 G0 Z-3.", "X40.", "G1 X28.", "G0 X40.", "X29.", "G1 X20.", "G4 P100", "G0 X40."]
+    assert lines[1:] == [
+        "G99 G0 Z-3.",
+        "X40.",
+        "G1 X28.",
+        "G0 X40.",
+        "X29.",
+        "G1 X20.",
+        "G4 P100",
+        "G0 X40.",
+    ]
 
 
 def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began():
@@ -518,7 +641,15 @@ def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began()
         "G0 Z5.",
     ]
     lines = lathe("G19|G0 X50. Z-10.|G243 X40. Z-10. R46. Q2. F.1|G80|G0 X60.", "haas-lathe")
-    assert lines[2:-2] == ["G0 Z-10. F.1", "X46.", "G1 X42.", "G0 X46.", "X43.", "G1 X40.", "G0 X50."]
+    assert lines[2:-2] == [
+        "G0 Z-10. F.1",
+        "X46.",
+        "G1 X42.",
+        "G0 X46.",
+        "X43.",
+        "G1 X40.",
+        "G0 X50.",
+    ]
     lines = lathe("G0 X20. Z5.|G85 X20. Z-8. R2. F.1|U4.|G80", "haas-lathe")
     assert lines[1:-1] == [
         "G0 X20. F.1",
@@ -535,15 +666,23 @@ def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began()
 
 
 def test_a_haas_lathes_hole_without_r_begins_where_the_tool_stands():
-    assert lathe("G0 X0. Z2.|G81 Z-8. F.1|G80", "haas-lathe")[1:] == ["G1 Z-8. F.1", "G0 Z2.", "G80"]
+    assert lathe("G0 X0. Z2.|G81 Z-8. F.1|G80", "haas-lathe")[1:] == [
+        "G1 Z-8. F.1",
+        "G0 Z2.",
+        "G80",
+    ]
 
 
 def test_where_a_haas_lathe_ends_behind_a_hole_is_said_and_nothing_counts_from_there():
-    resolver = Resolver(Program("part", b""), Tracker(Interpreter(dialects.load("haas-lathe"), LATHE)))
+    resolver = Resolver(
+        Program("part", b""), Tracker(Interpreter(dialects.load("haas-lathe"), LATHE))
+    )
     for n, one in enumerate(["G0 X20. Z5.", "G81 Z-8. R2. F.1", "G80", "G0 X30."], 1):
         resolver.take(Line(one.encode(), n))
     (notice,) = resolver.scene.notices
-    assert "goes back to Z5." in notice.message and "at R, Z2." in notice.message and notice.line == 2
+    assert (
+        "goes back to Z5." in notice.message and "at R, Z2." in notice.message and notice.line == 2
+    )
     with pytest.raises(ProgramError, match="W1. counts from where the cycle left Z"):
         resolver.take(Line(b"W1.", 5))
     assert resolver.take(Line(b"Z9.", 6))[0].text == b"Z9."
@@ -582,36 +721,67 @@ NOSE = "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|N10 G0 G42 X40.|G1 Z-20.|N2
 
 def test_nose_radius_compensation_in_the_shape_holds_in_g70_and_a_notice_says_so():
     """The roughing is the one without it; G70 runs the blocks as they stand, and goes back without it."""
-    resolver = Resolver(Program("part", b""), Tracker(Interpreter(dialects.load("fanuc-lathe-a"), LATHE)))
+    resolver = Resolver(
+        Program("part", b""), Tracker(Interpreter(dialects.load("fanuc-lathe-a"), LATHE))
+    )
     program = NOSE.split("|")
     resolver.program = Program("part", NOSE.replace("|", "\n").encode())
-    lines = [x.text.decode() for n, one in enumerate(program, 1) for x in resolver.take(Line(one.encode(), n))]
-    assert lines[-5:] == ["N10 G0 G42 X40.", "G1 Z-20.", "N20 G40 X100. Z-50.", "G0 X100. Z2.", "G0 X200."]
+    lines = [
+        x.text.decode()
+        for n, one in enumerate(program, 1)
+        for x in resolver.take(Line(one.encode(), n))
+    ]
+    assert lines[-5:] == [
+        "N10 G0 G42 X40.",
+        "G1 Z-20.",
+        "N20 G40 X100. Z-50.",
+        "G0 X100. Z2.",
+        "G0 X200.",
+    ]
     assert lines[:-5] == lathe(NOSE.replace("G42 ", "").replace("G40 ", ""))[:-5]
     [notice] = resolver.scene.notices
-    assert notice.line == 3 and notice.message.startswith("G42 in the shape of G71 holds in G70 alone")
+    assert notice.line == 3 and notice.message.startswith(
+        "G42 in the shape of G71 holds in G70 alone"
+    )
 
 
 def test_the_nose_of_a_haas_is_led_along_the_shape_of_the_roughing_too():
     """Haas lathe manual, "TNC with a G71 Roughing Canned Cycle": the last cut has G42; the rapid with G40 is no shape."""
     program = "G0 X100. Z2.|G71 P10 Q20 U1. W.5 D4.|N10 G0 G42 X40. Z2.|G1 Z-20.|X100. Z-50.|N20 G0 G40 Z2.|G0 X200."
     lines = text_of(program, "haas-lathe", LATHE)
-    assert lines[-5:] == ["G0 G42 X41.", "G1 Z-19.5", "X101. Z-49.5", "G0 G40 X100. Z2.", "G0 X200."]
+    assert lines[-5:] == [
+        "G0 G42 X41.",
+        "G1 Z-19.5",
+        "X101. Z-49.5",
+        "G0 G40 X100. Z2.",
+        "G0 X200.",
+    ]
     bare = program.replace("G42 ", "").replace("|X100. Z-50.|N20 G0 G40 Z2.", "|N20 X100. Z-50.")
-    assert [x.replace("G0 G42 ", "").replace(" G40", "") for x in lines[:-1]] == text_of(bare, "haas-lathe", LATHE)[:-1]
+    assert [x.replace("G0 G42 ", "").replace(" G40", "") for x in lines[:-1]] == text_of(
+        bare, "haas-lathe", LATHE
+    )[:-1]
 
 
 def test_a_mill_drills_without_r_from_where_it_stands():
     """B-63534EN, "Canned cycle cancel": G80 leaves R = 0 and Z = 0 in incremental command."""
     assert text_of("G0 Z9.|G98 G81 X5. Z-1.", "haas")[1:] == ["G98 G0 X5.", "G1 Z-1.", "G0 Z9."]
-    assert text_of("G0 Z9.|G98 G81 X5. Z-1.|X6. R2.", "haas")[-4:] == ["G0 X6.", "Z2.", "G1 Z-1.", "G0 Z9."]
+    assert text_of("G0 Z9.|G98 G81 X5. Z-1.|X6. R2.", "haas")[-4:] == [
+        "G0 X6.",
+        "Z2.",
+        "G1 Z-1.",
+        "G0 Z9.",
+    ]
     assert text_of("G0 Z9.|G91 G98 G81 X5. Z-3.", "fanuc-mill")[-2:] == ["G1 Z-3.", "G0 Z3."]
 
 
 def test_haas_dwells_behind_the_last_peck():
     """Haas mill operator's manual, G73, G83: P is a dwell behind the last peck."""
     for code in ("G73", "G83"):
-        assert text_of(f"G0 Z9.|G99 {code} Z-1. R2. Q3. P.5", "haas")[-3:] == ["G1 Z-1.", "G4 P.5", "G0 Z2."]
+        assert text_of(f"G0 Z9.|G99 {code} Z-1. R2. Q3. P.5", "haas")[-3:] == [
+            "G1 Z-1.",
+            "G4 P.5",
+            "G0 Z2.",
+        ]
 
 
 HAAS_REFUSED = {
@@ -637,7 +807,9 @@ HAAS_REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("dialect", "program"), [(d, p) for d, programs in HAAS_REFUSED.items() for p in programs])
+@pytest.mark.parametrize(
+    ("dialect", "program"), [(d, p) for d, programs in HAAS_REFUSED.items() for p in programs]
+)
 def test_what_haas_means_otherwise_is_refused(dialect, program):
     with pytest.raises(ProgramError, match=HAAS_REFUSED[dialect][program]):
         text_of("G0 X100. Z12.|" + program, dialect, MILL if dialect == "haas" else LATHE)
@@ -684,7 +856,16 @@ def test_lathe_cycles_that_can_not_be_vouched_for_are_refused(program):
 
 # -- laws --------------------------------------------------------------------------------------------------------------
 
-CONTROLS = ["linuxcnc", "fanuc-mill", "haas", "fanuc-lathe", "fanuc-lathe-a", "fanuc-lathe-c", "siemens", "grbl"]
+CONTROLS = [
+    "linuxcnc",
+    "fanuc-mill",
+    "haas",
+    "fanuc-lathe",
+    "fanuc-lathe-a",
+    "fanuc-lathe-c",
+    "siemens",
+    "grbl",
+]
 
 
 @pytest.mark.parametrize("dialect", CONTROLS)
@@ -696,7 +877,10 @@ def test_a_program_without_cycles_and_frames_comes_out_unchanged(dialect):
 
 
 def test_several_blocks_in_a_line_become_several_lines():
-    assert blocks(b"G1 X1 (;) ; X2;", dialects.load("fanuc-mill").grammar) == [b"G1 X1 (;) ", b" X2"]
+    assert blocks(b"G1 X1 (;) ; X2;", dialects.load("fanuc-mill").grammar) == [
+        b"G1 X1 (;) ",
+        b" X2",
+    ]
     lines = expand("G0 Z9; G99 G81 X1. Z-1. R2.; X2.; G80", "fanuc-mill")
     assert [line.source for line in lines] == [1] * len(lines)
     assert [line.text for line in lines][1:] == [
@@ -714,7 +898,10 @@ def test_block_delete_marks_every_line_that_a_marked_block_becomes():
     lines = text_of("G0 Z9|/G99 G81 X1. Z-1. R2.|G80", "fanuc-mill")
     assert lines == ["G0 Z9", "/G99 G0 X1.", "/Z2.", "/G1 Z-1.", "/G0 Z2.", "G80"]
     skipped = replace(MILL, block_delete=True)
-    assert text_of("G0 Z9|/G99 G81 X1. Z-1. R2.|G80", "fanuc-mill", skipped)[1] == "/G99 G81 X1. Z-1. R2."
+    assert (
+        text_of("G0 Z9|/G99 G81 X1. Z-1. R2.|G80", "fanuc-mill", skipped)[1]
+        == "/G99 G81 X1. Z-1. R2."
+    )
 
 
 @pytest.mark.skipif(not CORPUS.exists(), reason="no corpus of real programs here")
@@ -724,7 +911,9 @@ def test_real_programs_are_written_out_hole_by_hole(name):
     interpreter = Interpreter(dialects.load("fanuc-mill"), replace(MILL, start={}, offsets={}))
     out = b"".join(Written(Program(name, text), interpreter, Limits()))
     assert not re.search(rb"G8[1-9]", out)
-    bottom = rb"G1\s*Z-(118|120)\." if name == "G81_G91" else rb"G1\s*Z-20\."  # G91: Z counts from R, 2 mm above zero
+    bottom = (
+        rb"G1\s*Z-(118|120)\." if name == "G81_G91" else rb"G1\s*Z-20\."
+    )  # G91: Z counts from R, 2 mm above zero
     assert len(re.findall(bottom, out)) == 12
 
 

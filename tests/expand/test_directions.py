@@ -25,15 +25,30 @@ START = dict.fromkeys(MACHINE.letters, 0.0)
 def plain(program: str, offsets=OFFSETS, start=START) -> list[str]:
     interpreter = Interpreter(dialects.load("fanuc-mill"), setup_of(MACHINE, offsets, start))
     text = ("G90 G54|" + program + "|M30|").replace("|", "\n").encode()
-    return b"".join(Written(Program("part.nc", text), interpreter, Limits())).decode().split("\n")[1:-2]
+    return (
+        b"".join(Written(Program("part.nc", text), interpreter, Limits()))
+        .decode()
+        .split("\n")[1:-2]
+    )
 
 
 def test_directions_by_hand():
     """A turns about X, C about Z, of the tool as the part sees it (ISO 841): A-30 leans the tool by sin 30 towards +Y. The frame is that
     of the table as it stands at the call (A-79348E): at C90 the same direction is the same tilt. Behind, 45 degrees aside, C goes the
     shorter way; at the pole A goes to 0 and C stays."""
-    lines = plain("G0 A0. C90.|G43.5 H1 P0|G1 X1. J.5 K.8660254 F100.|X2.|I.5 J.5 K.70710678|K1.|G49|I1.")
-    assert lines == ["G0 A0. C90.", "G43.4 H1 P0", "G1 X1. A-30. F100.", "X2.", "A-45. C45.", "A0.", "G49", "I1."]
+    lines = plain(
+        "G0 A0. C90.|G43.5 H1 P0|G1 X1. J.5 K.8660254 F100.|X2.|I.5 J.5 K.70710678|K1.|G49|I1."
+    )
+    assert lines == [
+        "G0 A0. C90.",
+        "G43.4 H1 P0",
+        "G1 X1. A-30. F100.",
+        "X2.",
+        "A-45. C45.",
+        "A0.",
+        "G49",
+        "I1.",
+    ]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -45,8 +60,12 @@ def test_the_tool_has_the_direction_that_is_written(seed):
     blocks = "|".join(f"X{n}. I{i:.7f} J{j:.7f} K{k:.7f}" for n, (i, j, k) in enumerate(vectors))
     here = {"A": 0.0, "C": c}
     turn = np.radians(c)
-    about = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
-    for line, vector in zip(plain(f"G0 A0. C{c}|G43.5 H1|G1 F100.|{blocks}")[3:], vectors, strict=True):
+    about = np.array(
+        [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
+    )
+    for line, vector in zip(
+        plain(f"G0 A0. C{c}|G43.5 H1|G1 F100.|{blocks}")[3:], vectors, strict=True
+    ):
         before = dict(here)
         here |= {x: float(v) for x, v in re.findall(r"([AC])(-?[0-9.]+)", line)}
         assert "I" not in line and abs(here["C"] - before["C"]) <= 180.001
@@ -79,6 +98,8 @@ def test_where_the_tool_turns_from_must_be_known():
 
 def test_a_notice_says_that_there_are_two_poses():
     interpreter = Interpreter(dialects.load("fanuc-mill"), setup_of(MACHINE, OFFSETS, START))
-    written = Written(Program("part.nc", b"G90 G54\nG43.5 H1\nG1 J1. K9. F9\nM30\n"), interpreter, Limits())
+    written = Written(
+        Program("part.nc", b"G90 G54\nG43.5 H1\nG1 J1. K9. F9\nM30\n"), interpreter, Limits()
+    )
     b"".join(written)
     assert [n.code for n in written.notices] == ["G43.5"]

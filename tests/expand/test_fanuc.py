@@ -23,11 +23,17 @@ LEAST = dict.fromkeys("XYZ", 0.001)
 ZERO = dict.fromkeys("XYZ", 0.0)
 MILL = Setup(("X", "Y", "Z"), least_increment=LEAST, offsets={"G54": ZERO}, start=ZERO)
 LATHE = Setup(
-    ("X", "Z"), frozenset("X"), {"X": 0.001, "Z": 0.001}, {"G54": {"X": 0.0, "Z": 0.0}}, {"X": 10.0, "Z": 0.0}
+    ("X", "Z"),
+    frozenset("X"),
+    {"X": 0.001, "Z": 0.001},
+    {"G54": {"X": 0.0, "Z": 0.0}},
+    {"X": 10.0, "Z": 0.0},
 )
 
 
-def run(text, dialect="fanuc-mill", setup=MILL, library=None, limits=Limits(), **grammar) -> list[Line]:
+def run(
+    text, dialect="fanuc-mill", setup=MILL, library=None, limits=Limits(), **grammar
+) -> list[Line]:
     dialect = load(dialect)
     if grammar:
         dialect = replace(dialect, grammar=PLAIN._replace(**grammar))
@@ -46,7 +52,9 @@ def plain(text, *more, **kw) -> list[str]:
 
 def value(expression: str, before: str = "", **kw) -> float:
     """An expression's value, as the X word that it leaves; nan: the word goes."""
-    found = re.search(r"X(-?[\d.]+)", " ".join(plain(f"O1\n{before}\nG1 X[{expression}] Z1.\n", **kw)[1:]))
+    found = re.search(
+        r"X(-?[\d.]+)", " ".join(plain(f"O1\n{before}\nG1 X[{expression}] Z1.\n", **kw)[1:])
+    )
     return float(found[1]) if found else math.nan
 
 
@@ -95,8 +103,16 @@ def test_round_in_words_and_numbers_of_variables():
     assert plain("#1=1.00333\nX[#1+#1]\nX[ROUND[#1]+ROUND[#1]]\n#2=ROUND[1.714]\nX#2\nX[RND[2.5]]\n#2=ROUND[-1.5]\nX#2\n") == [
         "X2.007", "X2.006", "X2.", "X2.5", "X-2.",
     ]  # fmt: skip
-    assert plain("G20\n#1=1.00333\nX[ROUND[#1]]\nX#1\nG21\nX#1\n") == ["G20", "X1.0033", "X1.0033", "G21", "X1.003"]
-    assert plain("#1=3\n#[#1]=3.5+#1\nX#3\n") == ["X6.5"]  # Haas 96-8000: "sets #3 to the value 6.5"
+    assert plain("G20\n#1=1.00333\nX[ROUND[#1]]\nX#1\nG21\nX#1\n") == [
+        "G20",
+        "X1.0033",
+        "X1.0033",
+        "G21",
+        "X1.003",
+    ]
+    assert plain("#1=3\n#[#1]=3.5+#1\nX#3\n") == [
+        "X6.5"
+    ]  # Haas 96-8000: "sets #3 to the value 6.5"
     assert plain("#5=7\n#7=9.5\nX##5\nX#[#5-0.4]\n") == ["X9.5", "X9.5"]  # rounded
 
 
@@ -104,7 +120,9 @@ def test_arithmetic_vacancy():
     # B-64304EN, table "Undefined variables": #2=#1 vacant, #2=#1*5 zero, #2=#1+#1 zero.
     assert plain("#2=#1\n#3=#1*5\n#4=#1+#1\nX#2Y#3Z#4\n") == ["Y0.Z0."]
     assert plain("#5=3\n#5=#0\nG0X#5Y1000\n") == ["G0Y1000"]
-    assert plain("G0 X-#1 Y[#1] ,R#1 Z-1\nX#1 Y#1\n") == ["G0    Z-1"]  # a block of vacant words goes
+    assert plain("G0 X-#1 Y[#1] ,R#1 Z-1\nX#1 Y#1\n") == [
+        "G0    Z-1"
+    ]  # a block of vacant words goes
 
 
 @pytest.mark.parametrize(
@@ -141,8 +159,13 @@ def test_all_else_stays_byte_for_byte():
 
 def test_the_sum_of_1_to_10():
     """B-64304EN, "Conditional branch" and "Repetition": sample programs O9500 and O0001; the sum is 55."""
-    assert plain("#1=0\n#2=1\nN1 IF[#2 GT 10]GOTO 2\n#1=#1+#2\n#2=#2+1\nGOTO 1\nN2 X#1\nM30\n") == ["N2 X55.", "M30"]
-    assert plain("#1=0\n#2=1\nWHILE[#2 LE 10]DO 1\n#1=#1+#2\n#2=#2+#2-#2+1\nEND 1\nX#1\n") == ["X55."]
+    assert plain("#1=0\n#2=1\nN1 IF[#2 GT 10]GOTO 2\n#1=#1+#2\n#2=#2+1\nGOTO 1\nN2 X#1\nM30\n") == [
+        "N2 X55.",
+        "M30",
+    ]
+    assert plain("#1=0\n#2=1\nWHILE[#2 LE 10]DO 1\n#1=#1+#2\n#2=#2+#2-#2+1\nEND 1\nX#1\n") == [
+        "X55."
+    ]
 
 
 def test_three_nested_loops_and_their_numbers_again():
@@ -169,7 +192,11 @@ def test_subprograms_in_both_forms():
     assert plain("O1\nM98P0031234\nM30\n" + sub).count("X1") == 3
     assert plain("O1\nM98 P31234\nM30\n" + sub) == ["O1", "X1", "X1", "X1", "M30"]
     assert plain("O1\nM98 P1234\nM30\n" + sub.replace("O", ":")) == ["O1", "X1", "M30"]
-    assert plain("O1\nM98 P31234\nM30\nO31234\nX5\nM99\n", dialect="haas") == ["O1", "X5", "M30"]  # five digits
+    assert plain("O1\nM98 P31234\nM30\nO31234\nX5\nM99\n", dialect="haas") == [
+        "O1",
+        "X5",
+        "M30",
+    ]  # five digits
     first = plain("O1\nN5 G1 M98 P1234 X10. (THERE)\nM30\n" + sub)  # the motion, then the call
     assert first == ["O1", "N5 G1   X10. (THERE)", "X1", "M30"]
 
@@ -224,22 +251,39 @@ def test_arguments():
 
     def local(call: str, **kw) -> dict[int, str]:
         lines = run(f"O1\n{call}\nM30\n{show}", **kw)
-        return {line.source - 4: line.text[1:].decode() for line in lines if line.text.startswith(b"F")}
+        return {
+            line.source - 4: line.text[1:].decode() for line in lines if line.text.startswith(b"F")
+        }
 
     # B-63684EN, "Mixture of argument specifications I and II": #1 1.0, #2 2.0, #4 -3.0, #7 5.0 (D comes after the second I).
     assert local("G65 A1.0 B2.0 I-3.0 I4.0 D5.0 P9") == {1: "1.", 2: "2.", 4: "-3.", 7: "5."}
     letters = "ABCDEFHIJKMQRSTUVWXYZ"
     numbers = dict(
-        zip(letters, (1, 2, 3, 7, 8, 9, 11, 4, 5, 6, 13, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26), strict=True)
+        zip(
+            letters,
+            (1, 2, 3, 7, 8, 9, 11, 4, 5, 6, 13, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26),
+            strict=True,
+        )
     )
-    assert local("G65P9" + "".join(f"{x}{n}." for x, n in numbers.items())) == {n: f"{n}." for n in numbers.values()}
+    assert local("G65P9" + "".join(f"{x}{n}." for x, n in numbers.items())) == {
+        n: f"{n}." for n in numbers.values()
+    }
     assert local("G65P9" + "I1.J2.K3." * 10) == {n: f"{(n - 1) % 3 + 1}." for n in range(4, 34)}
     assert local("G65P9 K1. I2. J3.") == {6: "1.", 7: "2.", 8: "3."}
-    assert local("#5=7\nG65P9A#5B#6C[#5+1]".replace("\n", ";")) == {1: "7.", 3: "8."}  # a vacant one stays so
+    assert local("#5=7\nG65P9A#5B#6C[#5+1]".replace("\n", ";")) == {
+        1: "7.",
+        3: "8.",
+    }  # a vacant one stays so
     assert local("G65P9X10D3", dialect="haas") == {24: "0.01", 7: "3."}  # least increments
     assert local("G65P9X10") == {24: "10."}
     # Haas 96-8000: "Local values are retained from repetition to repetition when the L address is greater than 1".
-    assert plain("O1\nG65P2L3A1.\nM30\nO2\nX#1\n#1=#1+1\nM99\n") == ["O1", "X1.", "X2.", "X3.", "M30"]
+    assert plain("O1\nG65P2L3A1.\nM30\nO2\nX#1\n#1=#1+1\nM99\n") == [
+        "O1",
+        "X1.",
+        "X2.",
+        "X3.",
+        "M30",
+    ]
 
 
 def test_modal_calls():
@@ -254,9 +298,7 @@ def test_modal_calls():
 
 def test_bolt_hole_circle():
     """B-64304EN, sample program of G65: holes on a circle of radius I from angle A by B, H of them."""
-    macro = (
-        "O9100\nWHILE[#11 GT 0]DO1\n#5=#24+#4*COS[#1]\n#6=#25+#4*SIN[#1]\nG1X#5Y#6\n#1=#1+#2\n#11=#11-1\nEND1\nM99\n"
-    )
+    macro = "O9100\nWHILE[#11 GT 0]DO1\n#5=#24+#4*COS[#1]\n#6=#25+#4*SIN[#1]\nG1X#5Y#6\n#1=#1+#2\n#11=#11-1\nEND1\nM99\n"
     found = places(plain("O2\nG65 P9100 X100.0 Y50.0 I100.0 A0 B45.0 H5\nM30\n" + macro))
     angles = [math.radians(45 * k) for k in range(5)]
     assert found == pytest.approx(
@@ -266,7 +308,10 @@ def test_bolt_hole_circle():
 
 def test_ellipse():
     program = "O1\n#1=0\nWHILE[#1LE360]DO1\nG1X[50*COS[#1]]Y[30*SIN[#1]]\n#1=#1+2.5\nEND1\nM30\n"
-    expected = [(50 * math.cos(math.radians(2.5 * k)), 30 * math.sin(math.radians(2.5 * k))) for k in range(145)]
+    expected = [
+        (50 * math.cos(math.radians(2.5 * k)), 30 * math.sin(math.radians(2.5 * k)))
+        for k in range(145)
+    ]
     found = places(plain(program))
     assert found == pytest.approx(np.array(expected), abs=5.1e-4)
 
@@ -296,7 +341,11 @@ def test_positions():
     inch = "G20 G1 X1. F5\nX[#5001*2]Y#5021\n"
     assert plain(inch, setup=setup)[1:] == ["X2.Y4.937"]  # 1 inch + 100 mm = 4.93701 inch
     lathe = "G1 X30. Z-5. F0.1\nX[#5001+2] Z#5002\nX#5021\nW[#5022-1]\n"
-    assert plain(lathe, dialect="fanuc-lathe", setup=LATHE)[1:] == ["X32. Z-5.", "X32.", "W-6."]  # diameters
+    assert plain(lathe, dialect="fanuc-lathe", setup=LATHE)[1:] == [
+        "X32. Z-5.",
+        "X32.",
+        "W-6.",
+    ]  # diameters
 
 
 def test_modal_information():
@@ -309,7 +358,9 @@ def test_modal_information():
 
 
 def test_alarm_and_message():
-    error = refused("O1\nIF[#1EQ#0]THEN#3000=1(NO DEPTH GIVEN)\n", "alarm #3000=1: NO DEPTH GIVEN", "p.nc:2")
+    error = refused(
+        "O1\nIF[#1EQ#0]THEN#3000=1(NO DEPTH GIVEN)\n", "alarm #3000=1: NO DEPTH GIVEN", "p.nc:2"
+    )
     assert error.place.start == 15
     assert plain("#3006=1(TURN THE PART)\nX1\n#3001=0\n") == ["(TURN THE PART)", "X1"]
     assert plain("POPEN\nN5 DPRNT[X#1[53]]\nBPRNT[O#1]\nPCLOS\nSETVN500[A]\nX1\n") == ["X1"]
@@ -363,14 +414,33 @@ def test_tape_marks_heads_and_the_end():
 
 
 def test_end_of_block_or_comment():
-    assert plain("#1=1;G1 X#1;(ONE) ;\nY#1 ; (Y)\nZ1; Z2;\n") == ["G1 X1.;(ONE) ;", "Y1. ; (Y)", "Z1; Z2;"]
+    assert plain("#1=1;G1 X#1;(ONE) ;\nY#1 ; (Y)\nZ1; Z2;\n") == [
+        "G1 X1.;(ONE) ;",
+        "Y1. ; (Y)",
+        "Z1; Z2;",
+    ]
     assert plain("#1=1 ; SET #2\nG1 X#1 ; TO #1\n", semicolon="comment") == ["G1 X1. ; TO #1"]
-    assert plain("G66P2;\nX1;Y1;M8;\nG67;X2;\nM30;\nO2;Z1;M99;\n") == ["X1;", "Z1;", "Y1;", "Z1;", "M8;", "X2;", "M30;"]
+    assert plain("G66P2;\nX1;Y1;M8;\nG67;X2;\nM30;\nO2;Z1;M99;\n") == [
+        "X1;",
+        "Z1;",
+        "Y1;",
+        "Z1;",
+        "M8;",
+        "X2;",
+        "M30;",
+    ]
 
 
 def test_block_delete():
     text = "#1=1\n/#1=2\n/ M98 P9\nX#1\n/X9\n/M99\nM30\n"
-    assert plain(text, setup=replace(MILL, block_delete=True)) == ["/#1=2", "/ M98 P9", "X1.", "/X9", "/M99", "M30"]
+    assert plain(text, setup=replace(MILL, block_delete=True)) == [
+        "/#1=2",
+        "/ M98 P9",
+        "X1.",
+        "/X9",
+        "/M99",
+        "M30",
+    ]
     assert plain("#1=1\n/#1=2\n/2 X#1\n") == ["/2 X2."]
 
 
@@ -382,7 +452,11 @@ BLOCKS = st.one_of(
 
 
 @settings(deadline=None)
-@given(st.lists(BLOCKS, max_size=30), st.sampled_from([[], ["M30"], ["M30", "", "%"], ["M02"]]), st.booleans())
+@given(
+    st.lists(BLOCKS, max_size=30),
+    st.sampled_from([[], ["M30"], ["M30", "", "%"], ["M02"]]),
+    st.booleans(),
+)
 def test_a_program_without_macros_is_unchanged(blocks, end, crlf):
     text = "\n".join(["%", "O1234 (ROUND #1)", *blocks, *end]) + "\n"
     data = (text.replace("\n", "\r\n") if crlf else text).encode()

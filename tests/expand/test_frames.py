@@ -15,7 +15,16 @@ from postproc.nc import dialects
 from postproc.nc.cycles.affine import Affine, rotation, scaling
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
-from tests.expand.test_cycles import LATHE, MILL, Exact, expand, motions, needs_oracle, same_motions, text_of
+from tests.expand.test_cycles import (
+    LATHE,
+    MILL,
+    Exact,
+    expand,
+    motions,
+    needs_oracle,
+    same_motions,
+    text_of,
+)
 from tests.linuxcnc import oracle
 
 CLOSE = 1e-9  # mm
@@ -68,11 +77,18 @@ def test_g68_turns_in_its_plane(plane, i, j):
 
 
 def test_g68_turns_arcs_with_their_centres():
-    made = moved(START + "G68 X0 Y0 R40.|G1 X10. Y0 F100|G3 X0 Y10. I-10. J0|G2 I5. J5.|X3. Y-2. R30.")
+    made = moved(
+        START + "G68 X0 Y0 R40.|G1 X10. Y0 F100|G3 X0 Y10. I-10. J0|G2 I5. J5.|X3. Y-2. R30."
+    )
     places = turned([(0, 0), (5, 15)], 40)
     assert made[1]["centre"] == pytest.approx(places[0], abs=CLOSE) and made[1]["sweep"] > 0
-    assert made[2]["centre"] == pytest.approx(places[1], abs=CLOSE) and made[2]["sweep"] == pytest.approx(-2 * math.pi)
-    assert ends(made)[3, :2] == pytest.approx(turned([(3, -2)], 40)[0], abs=CLOSE) and made[3]["sweep"] < 0
+    assert made[2]["centre"] == pytest.approx(places[1], abs=CLOSE) and made[2][
+        "sweep"
+    ] == pytest.approx(-2 * math.pi)
+    assert (
+        ends(made)[3, :2] == pytest.approx(turned([(3, -2)], 40)[0], abs=CLOSE)
+        and made[3]["sweep"] < 0
+    )
 
 
 def test_increments_behind_g68_go_on_from_where_the_tool_stands():
@@ -97,7 +113,9 @@ def test_holes_are_turned_with_their_place():
 
 
 def test_tapping_is_turned_and_stays():
-    lines = text_of(START + "G68 X0 Y0 R90.|G84 X10. Y0 Z-5. R1. F100|X0 Y20.|G80|G69", "fanuc-mill")
+    lines = text_of(
+        START + "G68 X0 Y0 R90.|G84 X10. Y0 Z-5. R1. F100|X0 Y20.|G80|G69", "fanuc-mill"
+    )
     assert lines[1:] == ["G84 X0. Y10. Z-5. R1. F100", "X-20. Y0.", "G80"]
 
 
@@ -163,7 +181,8 @@ def test_g51_scales_about_its_centre():
     """B-64304EN-2, "Scaling (G50, G51)": P for all axes, with a point a factor, without one counted in 0.001."""
     for factor in ("P2.5", "P2500"):
         made = moved(
-            START + f"G51 X10. Y4. Z0 {factor}|G1 X12. Y-1. Z2. F1|G3 X16. Y3. I4. J0|X18. R3.|G50|X1. Y1. Z1."
+            START
+            + f"G51 X10. Y4. Z0 {factor}|G1 X12. Y-1. Z2. F1|G3 X16. Y3. I4. J0|X18. R3.|G50|X1. Y1. Z1."
         )
         scale = lambda p: (np.array(p) - (10, 4, 0)) * 2.5 + (10, 4, 0)  # noqa: E731
         assert ends(made) == pytest.approx(
@@ -173,7 +192,10 @@ def test_g51_scales_about_its_centre():
 
 
 def test_g51_scales_each_axis_and_a_negative_factor_mirrors():
-    made = moved(START + "G51 X0 Y0 Z0 I-1. J1. K3.|G1 X12. Y-1. Z2. F1|G2 X16. Y3. I4. J0|G91 X1. Z1.|G90 G50|X0")
+    made = moved(
+        START
+        + "G51 X0 Y0 Z0 I-1. J1. K3.|G1 X12. Y-1. Z2. F1|G2 X16. Y3. I4. J0|G91 X1. Z1.|G90 G50|X0"
+    )
     assert ends(made)[:3] == pytest.approx(np.array([(-12, -1, 6), (-16, 3, 6), (-17, 3, 9)]))
     assert made[1]["sweep"] > 0 and made[1]["centre"] == pytest.approx((-16, -1))
 
@@ -181,7 +203,10 @@ def test_g51_scales_each_axis_and_a_negative_factor_mirrors():
 def test_scaling_first_and_then_the_rotation_about_the_scaled_centre():
     """B-63944EN-2, "Scaling and coordinate system rotation": scaled first; the centre is scaled, the angle is not."""
     points = [(5, 7), (-2, 3)]
-    made = moved(START + "G51 X1. Y1. Z0 P2.|G68 X4. Y0 R30.|G1 X5. Y7. F1|X-2. Y3.|G69|G1 X5. Y7.|G50|X5. Y7.")
+    made = moved(
+        START
+        + "G51 X1. Y1. Z0 P2.|G68 X4. Y0 R30.|G1 X5. Y7. F1|X-2. Y3.|G69|G1 X5. Y7.|G50|X5. Y7."
+    )
     scaled = [((x - 1) * 2 + 1, (y - 1) * 2 + 1) for x, y in points]
     assert ends(made)[:2, :2] == pytest.approx(turned(scaled, 30, (7, -1)), abs=CLOSE)
     assert ends(made)[2:, :2] == pytest.approx(np.array([scaled[0], (5, 7)]), abs=CLOSE)
@@ -191,7 +216,8 @@ def test_g51_1_mirrors_single_axes_and_swaps_arcs_and_sides():
     """B-64304EN-2, "Programmable mirror image": arcs and cutter compensation change their sense in one mirrored
     axis."""
     lines = text_of(
-        START + "G51.1 X10.|G1 X12. F1|G2 X16. Y3. R9.|X20. Y7. R9.|G50.1 X0|X9. Y9. R9.|G1 X1.", "fanuc-mill"
+        START + "G51.1 X10.|G1 X12. F1|G2 X16. Y3. R9.|X20. Y7. R9.|G50.1 X0|X9. Y9. R9.|G1 X1.",
+        "fanuc-mill",
     )
     assert lines[1:] == ["G1 X8. F1", "G3 X4. Y3. R9.", "X0. Y7. R9.", "G2 X9. Y9. R9.", "G1 X1."]
     both = moved(START + "G51.1 X0 Y0|G1 X12. Y1. F1|G2 X16. Y5. I4. J0")
@@ -206,7 +232,10 @@ def test_polar_words_about_the_work_zero():
     for steps in ("Y150.|Y270.", "G91 Y120. K2", "G91 Y120.|Y120."):
         made = moved(START + f"G17 G90 G16|G99 G81 X100. Y30. Z-20. R-5. F200|{steps}|G15 G80")
         cut = [m["end"][:3] for m in made if m["kind"] == "feed"]
-        want = [[100 * math.cos(math.radians(a)), 100 * math.sin(math.radians(a)), -20] for a in (30, 150, 270)]
+        want = [
+            [100 * math.cos(math.radians(a)), 100 * math.sin(math.radians(a)), -20]
+            for a in (30, 150, 270)
+        ]
         assert np.array(cut) == pytest.approx(np.array(want), abs=1e-8), steps
 
 
@@ -219,9 +248,12 @@ def test_polar_radius_in_g91_counts_from_where_the_tool_stands():
 @pytest.mark.parametrize(("plane", "i", "j"), [("G17", 0, 1), ("G18", 2, 0), ("G19", 1, 2)])
 def test_polar_words_in_each_plane_under_a_rotation(plane, i, j):
     a, b = "XYZ"[i], "XYZ"[j]
-    made = moved(START + f"{plane} G68 {a}0 {b}0 R20.|G16|G1 {a}7. {b}33. F1|{b}60.|G2 {a}8. {b}90. R20.")
+    made = moved(
+        START + f"{plane} G68 {a}0 {b}0 R20.|G16|G1 {a}7. {b}33. F1|{b}60.|G2 {a}8. {b}90. R20."
+    )
     want = [
-        (r * math.cos(math.radians(p + 20)), r * math.sin(math.radians(p + 20))) for r, p in ((7, 33), (7, 60), (8, 90))
+        (r * math.cos(math.radians(p + 20)), r * math.sin(math.radians(p + 20)))
+        for r, p in ((7, 33), (7, 60), (8, 90))
     ]
     assert ends(made)[:, [i, j]] == pytest.approx(np.array(want), abs=1e-8)
 
@@ -233,7 +265,12 @@ def test_haas_wants_a_point_in_a_factor():
 
 
 def test_a_lathes_double_turret_mirror_is_no_rotation():
-    assert text_of("G0 X1. Z2.|G68|G0 X3.|G69", "fanuc-lathe", LATHE) == ["G0 X1. Z2.", "G68", "G0 X3.", "G69"]
+    assert text_of("G0 X1. Z2.|G68|G0 X3.|G69", "fanuc-lathe", LATHE) == [
+        "G0 X1. Z2.",
+        "G68",
+        "G0 X3.",
+        "G69",
+    ]
 
 
 # -- LinuxCNC ----------------------------------------------------------------------------------------------------------
@@ -267,12 +304,31 @@ def _random_turned(draw: random.Random) -> str:
                 f"G10 L2 P{draw.choice([0, 1, 1, 2])} {place} R{draw.choice([0, 90, draw.uniform(-200, 200)]):.2f}"
             )
         elif kind < 0.2:
-            lines.append(draw.choice(["G54", "G55", "G90", "G91", "G20", "G21", "G4 P1", "G80", "G98", "G53 G0 X1 Y2"]))
+            lines.append(
+                draw.choice(
+                    [
+                        "G54",
+                        "G55",
+                        "G90",
+                        "G91",
+                        "G20",
+                        "G21",
+                        "G4 P1",
+                        "G80",
+                        "G98",
+                        "G53 G0 X1 Y2",
+                    ]
+                )
+            )
         elif kind < 0.35:
-            lines.append(f"G{draw.choice([2, 3])} I{number()} J{number()} {draw.choice(['', 'P2', 'Z1'])}")
+            lines.append(
+                f"G{draw.choice([2, 3])} I{number()} J{number()} {draw.choice(['', 'P2', 'Z1'])}"
+            )
         elif kind < 0.5:
             cycle = draw.choice(["81", "73 Q1.1", "83 Q1.3", "85"])
-            lines.append(f"G{cycle} X{number()} Z{draw.uniform(-5, -1):.2f} R{draw.uniform(0, 6):.2f}")
+            lines.append(
+                f"G{cycle} X{number()} Z{draw.uniform(-5, -1):.2f} R{draw.uniform(0, 6):.2f}"
+            )
         else:
             words = [x + number() for x in "XYZ" if draw.random() < 0.5]
             lines.append(draw.choice(["", "G0 ", "G1 "]) + " ".join(words))
@@ -284,7 +340,9 @@ def test_random_programs_in_turned_work_offsets_are_linuxcncs():
     draw = random.Random(3)
     programs = [_random_turned(draw) for _ in range(120)]
     compared = 0
-    for text, theirs in zip(programs, oracle.motions_of_many([(text, {}) for text in programs]), strict=True):
+    for text, theirs in zip(
+        programs, oracle.motions_of_many([(text, {}) for text in programs]), strict=True
+    ):
         if isinstance(theirs, list):
             same_motions(text, theirs)
             compared += 1
@@ -309,7 +367,9 @@ def test_what_can_not_be_followed_in_a_turned_work_offset_is_refused(program, wh
 
 def test_rot_turns_about_the_shifted_zero_and_trans_ends_it():
     """Programming manual, "Programmable rotation": AROT goes on from TRANS, TRANS replaces all."""
-    lines = text_of("G0 X0 Y0 Z50|TRANS X10 Y5|AROT Z30|G1 X20 Y10 F100|X=30|Y=IC(5)|TRANS|X0 Y0|X3", "siemens")
+    lines = text_of(
+        "G0 X0 Y0 Z50|TRANS X10 Y5|AROT Z30|G1 X20 Y10 F100|X=30|Y=IC(5)|TRANS|X0 Y0|X3", "siemens"
+    )
     places = turned([(20, 10), (30, 10), (30, 15)], 30)
     got = [[float(w[1:]) for w in line.split() if w[0] in "XY"] for line in lines[2:5]]
     assert np.array(got) == pytest.approx(places, abs=1e-5)
@@ -318,22 +378,38 @@ def test_rot_turns_about_the_shifted_zero_and_trans_ends_it():
 
 def test_additive_frames_go_on_in_the_coordinates_that_hold():
     """ATRANS within turned coordinates goes along them; ASCALE scales what comes behind it."""
-    made = moved("G0 X0 Y0 Z5|ROT RPL=90|ATRANS X10|ASCALE X2 Y2|G1 X3 Y1 F100|G2 X5 Y3 I2 J0", "siemens")
+    made = moved(
+        "G0 X0 Y0 Z5|ROT RPL=90|ATRANS X10|ASCALE X2 Y2|G1 X3 Y1 F100|G2 X5 Y3 I2 J0", "siemens"
+    )
     assert ends(made)[:, :2] == pytest.approx(np.array([(-2, 16), (-6, 20)]), abs=1e-9)
     assert made[1]["centre"] == pytest.approx((-2, 20))
 
 
 def test_mirror_turns_arcs_round_and_scale_counts_from_zero():
     lines = text_of(
-        "G0 X0 Y0 Z5|MIRROR X0|G2 X12 Y3 CR=30 F1|X1 Y1 CR=30|SCALE X2 Y2|G2 X14 Y5 CR=20|ROT|G2 X1 Y1 CR=60", "siemens"
+        "G0 X0 Y0 Z5|MIRROR X0|G2 X12 Y3 CR=30 F1|X1 Y1 CR=30|SCALE X2 Y2|G2 X14 Y5 CR=20|ROT|G2 X1 Y1 CR=60",
+        "siemens",
     )
-    assert [line.split()[0] for line in lines[1:]] == ["TRANS", "G3", "X-1.", "TRANS", "G2", "TRANS", "G2"]
+    assert [line.split()[0] for line in lines[1:]] == [
+        "TRANS",
+        "G3",
+        "X-1.",
+        "TRANS",
+        "G2",
+        "TRANS",
+        "G2",
+    ]
     assert "X28. Y10. CR=40." in lines[5]
 
 
 def test_polar_words_about_a_pole():
-    made = moved("G0 X0 Y0 Z5|G111 X10 Y10|G1 RP=10 AP=90 F100|AP=180|AP=IC(90)|RP=5|G110 X1|RP=2 AP=0", "siemens")
-    assert ends(made)[:, :2] == pytest.approx(np.array([(10, 20), (0, 10), (10, 0), (10, 5), (13, 5)]), abs=1e-9)
+    made = moved(
+        "G0 X0 Y0 Z5|G111 X10 Y10|G1 RP=10 AP=90 F100|AP=180|AP=IC(90)|RP=5|G110 X1|RP=2 AP=0",
+        "siemens",
+    )
+    assert ends(made)[:, :2] == pytest.approx(
+        np.array([(10, 20), (0, 10), (10, 0), (10, 5), (13, 5)]), abs=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -359,9 +435,9 @@ def test_a_map_and_its_inverse_are_nothing():
     draw = random.Random(1)
     for _ in range(200):
         p = tuple(draw.uniform(-100, 100) for _ in range(3))
-        m = rotation(*draw.choice([("X", "Y"), ("Y", "Z"), ("Z", "X")]), draw.uniform(-400, 400), p).after(
-            scaling({"X": draw.uniform(0.1, 9), "Y": -draw.uniform(0.1, 9)}, p)
-        )
+        m = rotation(
+            *draw.choice([("X", "Y"), ("Y", "Z"), ("Z", "X")]), draw.uniform(-400, 400), p
+        ).after(scaling({"X": draw.uniform(0.1, 9), "Y": -draw.uniform(0.1, 9)}, p))
         assert m.inverse(m(p)) == pytest.approx(p, abs=1e-9)
 
 
@@ -374,7 +450,10 @@ def test_what_circles_become():
 
 
 def test_the_tracker_hears_what_leaves():
-    lines = expand((START + "G68 X0 Y0 R90.|G0 X10. Y0|G81 X20. Y0 Z-1. R1. F1|G80").replace("|", "\n"), "fanuc-mill")
+    lines = expand(
+        (START + "G68 X0 Y0 R90.|G0 X10. Y0|G81 X20. Y0 Z-1. R1. F1|G80").replace("|", "\n"),
+        "fanuc-mill",
+    )
     tracker = Tracker(Interpreter(dialects.load("fanuc-mill"), MILL))
     for line in lines:
         tracker.take(line.text)

@@ -56,7 +56,9 @@ PECKS = BEGIN + "G98 G83 X10. Y10. Z-40. R2. Q30. F100\nX20.\nG80\nG0 Z50.\nM30\
         (0.0, {"hole_tolerance": 0.0}, False),
     ],
 )  # fmt: skip
-def test_a_cycle_is_written_out_where_its_hole_bends_by_more_than_its_tolerance(bend, options, stays):
+def test_a_cycle_is_written_out_where_its_hole_bends_by_more_than_its_tolerance(
+    bend, options, stays
+):
     """The axis lies `bend` um off its middle (tests/test_hole_tolerance.py): X10 less that, to the least increment."""
     lines = corrected(PECKS, mill(bend), **{"tolerance": 0.0005, **options})
     assert any("G83" in line for line in lines) == stays
@@ -72,22 +74,31 @@ def test_on_a_machine_without_errors_cycles_stay_to_the_byte():
 
 
 def test_a_cycle_whose_numbers_are_worked_out_stays_a_cycle():
-    text = (
-        "G21 G90 G17\nG0 X0 Y0 Z9\no1 sub\nG98 G81 X#1 Y2 Z-5 R1 F100\nG80\no1 endsub\no1 call [5]\no1 call [7]\nM2\n"
-    )
+    text = "G21 G90 G17\nG0 X0 Y0 Z9\no1 sub\nG98 G81 X#1 Y2 Z-5 R1 F100\nG80\no1 endsub\no1 call [5]\no1 call [7]\nM2\n"
     lines = corrected(text, mill(0.0), "linuxcnc")
-    assert [line for line in lines if "G81" in line] == [f"G98 G81 X{x}. Y2 Z-5 R1 F100" for x in (5, 7)]
+    assert [line for line in lines if "G81" in line] == [
+        f"G98 G81 X{x}. Y2 Z-5 R1 F100" for x in (5, 7)
+    ]
 
 
 def test_behind_a_hole_that_bends_the_rest_of_its_series_is_written_out():
     """z = -10 bends by 3.5 um, z = -40 by 7 um. R, Z and the initial level hold on in what is written out."""
-    text = BEGIN + "G98 G81 X10. Y10. Z-10. R2. F100\nX20. Z-40.\nX30. Z-10.\nG80\nG98 G81 X40. Z-10. R2.\nG80\nM30\n"
+    text = (
+        BEGIN
+        + "G98 G81 X10. Y10. Z-10. R2. F100\nX20. Z-40.\nX30. Z-10.\nG80\nG98 G81 X40. Z-10. R2.\nG80\nM30\n"
+    )
     lines = corrected(text, mill(7.0), tolerance=0.0005)
     kept = [n for n, line in enumerate(lines) if DRILLED.search(line)]
     assert len(kept) == 2 and lines[kept[0]].startswith("G98 G81 X9.9965 Y10. Z-10.")
     between = lines[kept[0] + 1 : kept[1]]
-    assert [line for line in between if "Z50." in line and "X20" in line or "Z50." in line and "X30" in line]
-    assert any("Z-40." in line for line in between) and sum("Z-10." in line for line in between) == 1
+    assert [
+        line
+        for line in between
+        if "Z50." in line and "X20" in line or "Z50." in line and "X30" in line
+    ]
+    assert (
+        any("Z-40." in line for line in between) and sum("Z-10." in line for line in between) == 1
+    )
 
 
 MUST = {
@@ -155,7 +166,10 @@ def test_what_is_left_a_cycle_is_never_refused_behind(tolerance, monkeypatch):
 
 # -- LinuxCNC's interpreter --------------------------------------------------------------------------------------------
 
-KEEPS = {"every": lambda motions: True, "some": lambda motions: motions.target[0, 0] // 1000 % 3 != 0}
+KEEPS = {
+    "every": lambda motions: True,
+    "some": lambda motions: motions.target[0, 0] // 1000 % 3 != 0,
+}
 
 
 @needs_oracle()
@@ -180,11 +194,17 @@ def test_linuxcnc_moves_the_same_whatever_is_left(which):
         one, other = ([m for m in motions if _moves(m)] for motions in (before, after))
         assert [m.kind for m in one] == [m.kind for m in other], (text, out)
         for a, b in zip(one, other, strict=True):
-            assert a.end == pytest.approx(b.end, abs=10 * CLOSE) and a.seconds == b.seconds, (text, out)
+            assert a.end == pytest.approx(b.end, abs=10 * CLOSE) and a.seconds == b.seconds, (
+                text,
+                out,
+            )
         compared += 1
         left += bool(DRILLED.search(out))
     assert compared >= 60 and left >= 20
 
 
 def _moves(motion: oracle.Motion) -> bool:
-    return motion.kind == "dwell" or max(abs(a - b) for a, b in zip(motion.start, motion.end, strict=True)) > CLOSE
+    return (
+        motion.kind == "dwell"
+        or max(abs(a - b) for a, b in zip(motion.start, motion.end, strict=True)) > CLOSE
+    )

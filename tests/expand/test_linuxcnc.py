@@ -19,7 +19,14 @@ from postproc.nc.expand.linuxcnc import lines
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
 from tests.linuxcnc import oracle
-from tests.linuxcnc.test_against_linuxcnc import AXES, CLOSE, full_turns, initial_state, ours, setup_for
+from tests.linuxcnc.test_against_linuxcnc import (
+    AXES,
+    CLOSE,
+    full_turns,
+    initial_state,
+    ours,
+    setup_for,
+)
 
 PROGRAMS = sorted((Path(__file__).parent / "linuxcnc").glob("*.ngc"))
 LIMITS = Limits(steps=100_000, depth=20)
@@ -117,12 +124,17 @@ def test_plain_programs_are_passed_on_unchanged():
         text, kwargs = oracle.load(path)
         if re.search(r"#|\[|o\s*\d|o\s*<|m\s*(9[89]|7[0-3])", text, re.IGNORECASE):
             continue  # something to run
-        all_lines = [line for line in text.replace("\r", "").rstrip("\n").split("\n") if line.strip() != "%"]
+        all_lines = [
+            line for line in text.replace("\r", "").rstrip("\n").split("\n") if line.strip() != "%"
+        ]
         found = [line for line in texts(text, kwargs=kwargs) if line.strip() != "%"]
         assert found == all_lines[: len(found)], path.stem
-        assert len(found) == len(all_lines) or "%" in text or "M2" in found[-1].upper() or "M30" in found[-1].upper(), (
-            path.stem
-        )
+        assert (
+            len(found) == len(all_lines)
+            or "%" in text
+            or "M2" in found[-1].upper()
+            or "M30" in found[-1].upper()
+        ), path.stem
 
 
 def test_skipped_lines_are_not_executed():
@@ -148,7 +160,9 @@ def test_tool_offset_in_force():
 
 
 def test_reference_points_that_are_stated():
-    assert texts("X#5161 Y#5182 Z#5163", kwargs={"parameters": {5161: 7.0, 5182: 8.0}}) == ["X7. Y8. Z0."]
+    assert texts("X#5161 Y#5182 Z#5163", kwargs={"parameters": {5161: 7.0, 5182: 8.0}}) == [
+        "X7. Y8. Z0."
+    ]
 
 
 def test_reach_of_a_written_number_is_the_least_increment_and_the_unit():
@@ -171,13 +185,17 @@ def by_oracle(programs):
 def check(text, kwargs, expected):
     """The motions of the program as written out are those of the original in LinuxCNC."""
     assert isinstance(expected, list), expected
-    plain = "\n".join(line.text.decode("latin-1") for line in run(text, kwargs, tracker=Fine)) + "\n"
+    plain = (
+        "\n".join(line.text.decode("latin-1") for line in run(text, kwargs, tracker=Fine)) + "\n"
+    )
     mine = ours(plain, kwargs)
     expected = [
         m
         for m in expected
         if m.kind != "dwell"
-        and (m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE)
+        and (
+            m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE
+        )
     ]
     assert [m["kind"] for m in mine] == [m.kind for m in expected], plain
     for a, b in zip(mine, expected, strict=True):
@@ -206,7 +224,9 @@ def test_motions_are_those_of_linuxcnc(path, theirs):
 
 def test_subs_in_files(tmp_path):
     """LinuxCNC finds files by their path from the root; the name behind it is that of the sub."""
-    folder = Path("/", *[part.lower() for part in tmp_path.parts[1:-1]], "x" + str(abs(hash(tmp_path))))
+    folder = Path(
+        "/", *[part.lower() for part in tmp_path.parts[1:-1]], "x" + str(abs(hash(tmp_path)))
+    )
     try:
         folder.mkdir(parents=True)
     except OSError as e:
@@ -238,7 +258,9 @@ def test_subs_in_files(tmp_path):
 
 
 def test_name_with_a_folder():
-    assert texts("o<cycles/a> call [3]\n", library={"a": b"o<a> sub\nX#1\no<a> endsub\n"}) == ["X3."]
+    assert texts("o<cycles/a> call [3]\n", library={"a": b"o<a> sub\nX#1\no<a> endsub\n"}) == [
+        "X3."
+    ]
 
 
 def check_with(library, text, kwargs, expected):
@@ -310,7 +332,11 @@ REFUSED_BY_BOTH = {
 
 def test_what_linuxcnc_refuses_is_refused():
     answers = by_oracle([(text + "\nM2\n", {}) for text in REFUSED_BY_BOTH])
-    accepted = [text for text, answer in zip(REFUSED_BY_BOTH, answers, strict=True) if isinstance(answer, list)]
+    accepted = [
+        text
+        for text, answer in zip(REFUSED_BY_BOTH, answers, strict=True)
+        if isinstance(answer, list)
+    ]
     assert not accepted
 
 
@@ -330,8 +356,30 @@ class Chance:
     """Draws a program."""
 
     LABELS = ("{}", "<l{}>", "[{}]", "<L {}>", "{}.")
-    MOVES = ("#32", "#33", "#1", "#2", "[#32*2]", "[#33-#1]", "#<a>", "#<_g>", "7", "[#5420+1]", "[#<_y>-2]", "-#2")
-    TESTS = ("#32 MOD 2 EQ 0", "#33 GT 3", "#1 LT 2", "#<a> GE 1 AND #32 LT 6", "#2", "1", "0", "#<_value_returned>")
+    MOVES = (
+        "#32",
+        "#33",
+        "#1",
+        "#2",
+        "[#32*2]",
+        "[#33-#1]",
+        "#<a>",
+        "#<_g>",
+        "7",
+        "[#5420+1]",
+        "[#<_y>-2]",
+        "-#2",
+    )
+    TESTS = (
+        "#32 MOD 2 EQ 0",
+        "#33 GT 3",
+        "#1 LT 2",
+        "#<a> GE 1 AND #32 LT 6",
+        "#2",
+        "1",
+        "0",
+        "#<_value_returned>",
+    )
     SETS = (
         "#32=[#32+1]", "#33=[#32*2-#33 MOD 7]", "#<a>=[#<a>+1]", "#<_g>=[#<_g>-#<a>] #<a>=#<_g>", "#1=[#1+1]", "#2=[#1-#2]",
         "#[30+2]=[#33 MOD 5]", "#<a>=[#<a> MOD 11] #33=[#33 MOD 13]", "#32=[#32 MOD 9]", "#<_g>=[#<_g> MOD 17]",
@@ -363,14 +411,27 @@ class Chance:
         for _ in range(self.draw.randint(1, 4)):
             kinds = [self.move, self.move, self.set]
             if depth < 4:
-                kinds += [self.branch, self.loop, self.loop, self.repeat, self.jump, self.back, self.call]
+                kinds += [
+                    self.branch,
+                    self.loop,
+                    self.loop,
+                    self.repeat,
+                    self.jump,
+                    self.back,
+                    self.call,
+                ]
             self.draw.choice(kinds)(depth, loops, sub)
 
     def move(self, depth, loops, sub):
-        words = [a + self.draw.choice(self.MOVES) for a in self.draw.sample("XYZ", self.draw.randint(1, 3))]
+        words = [
+            a + self.draw.choice(self.MOVES)
+            for a in self.draw.sample("XYZ", self.draw.randint(1, 3))
+        ]
         before = self.draw.choice(["", "", "N10 ", "G0 ", "G1 F100 ", "G91 ", "G90 ", "/"])
         self.lines.append(
-            before + " ".join(words) + self.draw.choice(["", "", " (c #9)", " ; x", " #33=[#33 MOD 7+1]"])
+            before
+            + " ".join(words)
+            + self.draw.choice(["", "", " (c #9)", " ; x", " #33=[#33 MOD 7+1]"])
         )
 
     def set(self, depth, loops, sub):
@@ -393,7 +454,11 @@ class Chance:
 
     def loop(self, depth, loops, sub):
         label = self.label()
-        counter, most, do = f"#{100 + self.count}", self.draw.randint(0, 4), self.draw.random() < 0.5
+        counter, most, do = (
+            f"#{100 + self.count}",
+            self.draw.randint(0, 4),
+            self.draw.random() < 0.5,
+        )
         test = f"o{label} while [{counter} LT {most}]"
         self.lines += [f"{counter}=0", f"o{label} do" if do else test, f"{counter}=[{counter}+1]"]
         self.block(depth + 1, [*loops, label], sub)
@@ -401,7 +466,9 @@ class Chance:
 
     def repeat(self, depth, loops, sub):
         label = self.label()
-        self.lines.append(f"o{label} repeat [{self.draw.choice(['2', '#32 MOD 3', '1.5', '0', '3'])}]")
+        self.lines.append(
+            f"o{label} repeat [{self.draw.choice(['2', '#32 MOD 3', '1.5', '0', '3'])}]"
+        )
         self.block(depth + 1, loops, sub)
         self.lines.append(f"o{label} endrepeat")
 
@@ -421,7 +488,10 @@ class Chance:
         earlier = self.subs[: self.subs.index(sub)] if sub in self.subs else self.subs
         if earlier:
             values = [
-                f"[{v}]" for v in self.draw.choices(["#1", "#32", "3", "#<a>", "#33-1"], k=self.draw.randint(0, 3))
+                f"[{v}]"
+                for v in self.draw.choices(
+                    ["#1", "#32", "3", "#<a>", "#33-1"], k=self.draw.randint(0, 3)
+                )
             ]
             self.lines.append(f"o{self.draw.choice(earlier)} call {' '.join(values)}")
             self.lines.append("#33=[#<_value>+#<_value_returned>]")
@@ -446,12 +516,17 @@ def ends(text):
 
 def drawn_expression(draw, depth=0):
     if depth > 1 or draw.random() < 0.2:
-        return draw.choice([f"{draw.uniform(-9, 9):.3f}", str(draw.randint(0, 12)), "#1", "#2", "#<a>"])
+        return draw.choice(
+            [f"{draw.uniform(-9, 9):.3f}", str(draw.randint(0, 12)), "#1", "#2", "#<a>"]
+        )
     inner = lambda: drawn_expression(draw, depth + 1)
     function = draw.choice(["SIN", "COS", "ABS", "FIX", "FUP", "ROUND", "", "", "", "-"])
     if draw.random() < 0.1:
         return f"ATAN[{inner()}]/[{inner()}]"
-    signs = draw.choices(["+", "-", "*", " EQ ", " NE ", " GT ", " LT ", " GE ", " LE ", " AND ", " OR ", " XOR "], k=2)
+    signs = draw.choices(
+        ["+", "-", "*", " EQ ", " NE ", " GT ", " LT ", " GE ", " LE ", " AND ", " OR ", " XOR "],
+        k=2,
+    )
     return f"{function}[{inner()}{signs[0]}{inner()}{signs[1]}{inner()} MOD {draw.randint(2, 9)}]"
 
 
@@ -539,7 +614,12 @@ def test_files_without_their_end():
 
 def test_fault_in_a_file_names_the_file():
     error = refused("o<a> call\n", library={"a": b"o<a> sub\n\nX#<n>\n"})
-    assert (error.place.file, error.place.line, error.place.start, error.place.stop) == ("a.ngc", 3, 2, 6)
+    assert (error.place.file, error.place.line, error.place.start, error.place.stop) == (
+        "a.ngc",
+        3,
+        2,
+        6,
+    )
 
 
 def test_a_line_that_can_not_be_followed_is_told_where_it_matters():
@@ -574,7 +654,12 @@ def test_whatever_the_text_it_ends_in_lines_or_a_fault(text, changes):
 
 @settings(max_examples=300, deadline=None)
 @given(
-    st.lists(st.sampled_from(PIECES) | st.binary(max_size=2) | st.sampled_from([b" ", b"1", b"X", b"G1"]), max_size=30)
+    st.lists(
+        st.sampled_from(PIECES)
+        | st.binary(max_size=2)
+        | st.sampled_from([b" ", b"1", b"X", b"G1"]),
+        max_size=30,
+    )
 )
 def test_pieces_in_any_order(pieces):
     try:

@@ -35,7 +35,9 @@ def shape(choose: random.Random, face: bool) -> list[str]:
 def program(seed: int) -> str:
     choose = random.Random(seed)
     face = choose.random() < 0.4
-    code = choose.choice(["72", "72.1"] if face else ["71", "71.1", "71.2"])  # G72.2 never ends on LinuxCNC
+    code = choose.choice(
+        ["72", "72.1"] if face else ["71", "71.1", "71.2"]
+    )  # G72.2 never ends on LinuxCNC
     distance = f" D{choose.uniform(0.05, 0.3):.3f}" * (choose.random() < 0.3)
     words = f"I{choose.uniform(0.7, 3):.3f} R{choose.uniform(0.1, 1):.3f}{distance}"
     begin = "G0 X24 Z2" if face else "G0 X12 Z2"
@@ -61,7 +63,10 @@ def test_pockets_are_roughed_as_linuxcnc_does(theirs):
             continue  # it must be no other motion; how often is counted below
         assert isinstance(made, list), (text, made)
         made = [
-            m for m in made if m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > 1e-9
+            m
+            for m in made
+            if m.kind == "arc"
+            or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > 1e-9
         ]
         assert [m["kind"] for m in mine] == [m.kind for m in made], text
         for a, b in zip(mine, made, strict=True):

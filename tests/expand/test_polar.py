@@ -33,7 +33,11 @@ def test_places_are_linuxcncs(name):
     if reason := oracle.available():
         pytest.skip(reason)
     text = text_of(PROGRAMS[name])
-    theirs = [m for m in oracle.motions(text) if max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > 1e-9]
+    theirs = [
+        m
+        for m in oracle.motions(text)
+        if max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > 1e-9
+    ]
     mine = ours(written_out(text, {}), {})
     assert not any(m["reason"][0] for m in mine)
     assert [m["end"][:3] for m in mine] == [pytest.approx(m.end[:3], abs=1e-8) for m in theirs]

@@ -24,7 +24,9 @@ def plain(program: str) -> list[str]:
         start=dict.fromkeys("XYZ", 0.0),
     )  # fmt: skip
     text = "*\n".join(["%PART G71 ", *program.split("|"), ""]).encode()
-    written = Written(Program("part.i", text), Interpreter(dialects.load("heidenhain-iso"), setup), Limits())
+    written = Written(
+        Program("part.i", text), Interpreter(dialects.load("heidenhain-iso"), setup), Limits()
+    )
     return b"".join(written).decode().split("\n")[1:-1]
 
 
@@ -40,7 +42,9 @@ def path(lines: list[str], start: tuple[float, float], letters: str = "XY") -> n
 def swept(points: np.ndarray, centre: tuple[float, float]) -> float:
     """Degrees about the centre, against the clock."""
     angles = np.arctan2(*(points - centre).T[::-1])
-    return math.degrees(sum(math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False)))
+    return math.degrees(
+        sum(math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False))
+    )
 
 
 @pytest.mark.parametrize(
@@ -61,7 +65,9 @@ def swept(points: np.ndarray, centre: tuple[float, float]) -> float:
 def test_an_arc_becomes_chords_of_its_circle(arc, start, centre, degrees):
     lines = plain(arc)
     first = next(i for i, line in enumerate(lines) if "F100" in line)
-    assert lines[first].startswith(("G01", "G91 G01", "G90 G01")) and all(line.endswith("*") for line in lines)
+    assert lines[first].startswith(("G01", "G91 G01", "G90 G01")) and all(
+        line.endswith("*") for line in lines
+    )
     chords = lines[first:]
     if "G91 G03" in arc:
         words = [dict(re.findall(r"([XY])([-+]?[\d.]+)", line)) for line in chords]
@@ -77,7 +83,9 @@ def test_an_arc_becomes_chords_of_its_circle(arc, start, centre, degrees):
 
 
 def test_arcs_hold_and_the_other_words_stay():
-    lines = plain("G00 G90 X+50 Y+20|I+50 J+50|N7 G03 X+80 Y+50 F100 M8|N8 X+50 Y+80|N9 G01 X+0 I+1 J+2|G40 M2")
+    lines = plain(
+        "G00 G90 X+50 Y+20|I+50 J+50|N7 G03 X+80 Y+50 F100 M8|N8 X+50 Y+80|N9 G01 X+0 I+1 J+2|G40 M2"
+    )
     assert lines[2].startswith("N7 G01 X") and lines[2].endswith(" F100 M8*")
     [eight] = [line for line in lines if line.startswith("N8")]
     assert re.match(r"N8 G01 X[\d.]+ Y[\d.]+\*$", eight)
@@ -92,7 +100,9 @@ def test_the_plane_of_g18_is_z_x():
 
 def test_polar_words_become_places():
     """R 30 about the pole 50, 50 at 0, 90 and 210 degrees, by cosine and sine."""
-    lines = plain("G00 G90 X+0 Y+0 Z-1|I+50 J+50|N4 G10 R+30 H+0 M3|G11 R+30 H+90 Z-2 F100|R+30 H+210|G01 X+0")
+    lines = plain(
+        "G00 G90 X+0 Y+0 Z-1|I+50 J+50|N4 G10 R+30 H+0 M3|G11 R+30 H+90 Z-2 F100|R+30 H+210|G01 X+0"
+    )
     assert lines[2] == "N4 G00 X80 Y50 M3*"
     assert lines[3] == "G01 X50 Y80 Z-2 F100*"
     assert lines[4:] == ["G01 X24.0192 Y35*", "G01 X+0*"]
@@ -102,7 +112,10 @@ def test_polar_words_become_places():
     ("program", "says"),
     [
         ("G00 G90 X+50 Y+20|G03 X+80 Y+50", "an arc, and no pole is set"),
-        ("G00 G90 X+50 Y+20|I+50 J+51|G03 X+80 Y+50", "start and end lie 31.0000 and 30.0167 from the pole"),
+        (
+            "G00 G90 X+50 Y+20|I+50 J+51|G03 X+80 Y+50",
+            "start and end lie 31.0000 and 30.0167 from the pole",
+        ),
         ("G00 G90 X+50 Y+20|I+50 J+50|G03 X+80 Y+50 Z-5", "Z in an arc"),
         (
             "G00 G90 X+50 Y+20|I+50 J+50|L1,3|G03 X+80 Y+50",
@@ -112,7 +125,10 @@ def test_polar_words_become_places():
         ("G00 G90 X+50 Y+20|I+1 J+1|G11 R+5", "polar words without R and H"),
         ("G00 G90 X+50 Y+20|I+1 J+1|G91 G11 R+5 H+3", "polar words in G91"),
         ("G00 G90 X+50 Y+20|G03 X+80 Y+50 R+3", "R3 makes no arc"),
-        ("G00 G90 X+50 Y+20|I+50 J+50|G03 X+80 Y+50|X+Q1", "an arc to a place that Q parameters say"),
+        (
+            "G00 G90 X+50 Y+20|I+50 J+50|G03 X+80 Y+50|X+Q1",
+            "an arc to a place that Q parameters say",
+        ),
     ],
 )
 def test_what_is_no_arc_is_refused(program, says):

@@ -50,7 +50,8 @@ def test_the_lines_leave_the_curve_by_the_tolerance_at_most(seed):
     length = rng.choice([1.0, 0.5, 1.5, 3.0, 10.0])
     degree = rng.randint(1, 4)
     values = {
-        x: [rng.uniform(-20, 20)] + [rng.uniform(-9, 9) / length**k for k in range(2, 2 + rng.randint(0, degree))]
+        x: [rng.uniform(-20, 20)]
+        + [rng.uniform(-9, 9) / length**k for k in range(2, 2 + rng.randint(0, degree))]
         for x in "XYZ"
     }
     words = " ".join(f"PO[{x}]=({','.join(f'{v:.6f}' for v in values[x])})" for x in "XYZ")

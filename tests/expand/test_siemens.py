@@ -36,7 +36,9 @@ class Follower:
 
     def take(self, line: bytes) -> None:
         text = line.decode("latin-1").split(";")[0].upper()
-        words = [(a, bool(ic), float(v)) for a, ic, v in self.WORD.findall(text) if a in self.setup.axes]
+        words = [
+            (a, bool(ic), float(v)) for a, ic, v in self.WORD.findall(text) if a in self.setup.axes
+        ]
         frame = re.search(r"\b(TRANS|ATRANS|ROT)\b", text)
         if frame:
             old = self.trans if frame[1] == "ATRANS" else {}
@@ -64,7 +66,9 @@ class Follower:
 def run(text, library=None, tracker=None, limits=Limits(steps=100_000, depth=20), name="MAIN.MPF"):
     """The lines, as the driver takes them."""
     tracker = tracker or Follower()
-    program = Program(name, text.encode("latin-1") if isinstance(text, str) else text, (library or {}).get)
+    program = Program(
+        name, text.encode("latin-1") if isinstance(text, str) else text, (library or {}).get
+    )
     found = []
     for line in lines(program, tracker, limits):
         found.append(line)
@@ -129,7 +133,9 @@ def test_comparison_example_of_the_manual():
     """61.02-61.01 is more than 0.01 by 5e-13 of it: equal to the control, and with TRUNC to everybody."""
     jump = "{}\nIF {} GOTOF ERROR\nX1\nM30\nERROR: X2\nM30"
     assert texts(jump.format("R1=61.01 R2=61.02 R3=0.01", "ABS(R2-R1) > R3"))[0] == "X1"
-    by_thousand = "R1=61.01 R2=61.02 R3=0.01\nR11=TRUNC(R1*1000) R12=TRUNC(R2*1000)\nR13=TRUNC(R3*1000)"
+    by_thousand = (
+        "R1=61.01 R2=61.02 R3=0.01\nR11=TRUNC(R1*1000) R12=TRUNC(R2*1000)\nR13=TRUNC(R3*1000)"
+    )
     assert texts(jump.format(by_thousand, "ABS(R12-R11) > R13"))[0] == "X1"
 
 
@@ -252,12 +258,17 @@ def test_variables_that_are_refused(text, message):
     ],
 )  # fmt: skip
 def test_plain_lines_stay_as_they_are(line):
-    assert [part.text for part in run(line + "\r\n" if line else "\n")] == ([line.encode("latin-1")])
+    assert [part.text for part in run(line + "\r\n" if line else "\n")] == (
+        [line.encode("latin-1")]
+    )
 
 
 @given(
     st.lists(
-        st.lists(st.sampled_from("G0 G1 X1 Y-2.5 Z.5 x=3 N7 F100. M3 CR=5 A3=-0.1 TRANS SOFT D1".split())), max_size=9
+        st.lists(
+            st.sampled_from("G0 G1 X1 Y-2.5 Z.5 x=3 N7 F100. M3 CR=5 A3=-0.1 TRANS SOFT D1".split())
+        ),
+        max_size=9,
     )
 )
 def test_plain_programs_stay_as_they_are(words):
@@ -380,9 +391,18 @@ def test_block_delete():
 
 
 def test_limits():
-    e = refused("R1=0\nWHILE TRUE\nR1=R1+1\nENDWHILE", "not at its end after 1000 lines", limits=Limits(1000, 5))
+    e = refused(
+        "R1=0\nWHILE TRUE\nR1=R1+1\nENDWHILE",
+        "not at its end after 1000 lines",
+        limits=Limits(1000, 5),
+    )
     assert "loop" in e.advice
-    refused("SELF", "more than 5 calls are nested", library={"SELF": b"X1\nSELF\nM17"}, limits=Limits(1000, 5))
+    refused(
+        "SELF",
+        "more than 5 calls are nested",
+        library={"SELF": b"X1\nSELF\nM17"},
+        limits=Limits(1000, 5),
+    )
     refused("LL: X1\nREPEATB LL P=9\nREPEAT LL P=9", "", limits=Limits(5, 5))
     refused("NIL P=9999", "not at its end after 50", library={"NIL": b"X1"}, limits=Limits(50, 5))
 
@@ -398,7 +418,9 @@ def test_subprograms():
         "OUTER": b"DEF REAL AA=3\nSUB1(AA)\nX=AA",
         "SUMS": b"PROC SUMS(REAL F_[3], VAR REAL S_)\nS_=F_[0]+F_[1]+F_[2]\nM17",
     }
-    found = run("DEF REAL AA=7\nR1=4\nSUB1(-2.5,,AA)\nX=AA\nN50 L100 P2 ;twice\nPLAIN", library=library)
+    found = run(
+        "DEF REAL AA=7\nR1=4\nSUB1(-2.5,,AA)\nX=AA\nN50 L100 P2 ;twice\nPLAIN", library=library
+    )
     assert [(line.text.decode(), line.source, line.file) for line in found] == [
         ("Z=-2.5", 4, "SUB1"), ("Z=-5.", 4, "SUB1"), ("X=3.", 4, ""), ("X=IC(4.)", 1, "L100"), ("X=IC(4.)", 1, "L100"),
         ("G0 X5", 1, "PLAIN"), ("Y6", 2, "PLAIN"),
@@ -406,7 +428,10 @@ def test_subprograms():
     assert texts("OUTER\nX9", library=library) == ["Z=3.", "Z=6.", "X=3.", "X9"]
     assert texts("DEF REAL FF[3]=SET(1,2,3), SS\nSUMS(FF,SS)\nX=SS", library=library) == ["X=6."]
     assert (
-        texts('CALL "PLAIN"\nCALL "/_N_SPF_DIR/_N_PLAIN_SPF"\nEXTCALL("PLAIN.SPF")\nPCALL /_N_X/PLAIN', library=library)
+        texts(
+            'CALL "PLAIN"\nCALL "/_N_SPF_DIR/_N_PLAIN_SPF"\nEXTCALL("PLAIN.SPF")\nPCALL /_N_X/PLAIN',
+            library=library,
+        )
         == ["G0 X5", "Y6"] * 4
     )
     assert texts("R5=2\nPLAIN P=R5-1", library=library) == ["G0 X5", "Y6"]
@@ -451,7 +476,10 @@ def test_a_line_that_the_tracker_can_not_follow_is_said_where_it_is_asked():
 
     tracker.work = work
     refused(
-        "X1 X2\nR1=$AA_IW[X]", "a line before this one can not be followed: two X words", "write one", tracker=tracker
+        "X1 X2\nR1=$AA_IW[X]",
+        "a line before this one can not be followed: two X words",
+        "write one",
+        tracker=tracker,
     )
 
 
@@ -475,7 +503,9 @@ REFUSED = {
 # The same programs with what a control would need to run them: definitions, and a subprogram that the table passes over.
 COMPLETED = {
     "custom_vars": lambda text: b"DEF INT aa=15, bb=9\n" + text,
-    "arrays": lambda text: re.sub(rb"\b([mo])\b(?=[=,*;\n\] +])", rb"\1\1", b"DEF INT nn, mm, oo\n" + text),
+    "arrays": lambda text: re.sub(
+        rb"\b([mo])\b(?=[=,*;\n\] +])", rb"\1\1", b"DEF INT nn, mm, oo\n" + text
+    ),
     "edge_cases": lambda text: b"DEF REAL E_MULTIPLIER, F_MULTI\n" + text,
 }
 LIBRARY = {"MATERIAL_UPDATE": b"M17"}
@@ -516,13 +546,19 @@ def test_real_programs_reach_the_positions_of_their_tables(name):
     assert len(found) == len(expected)
     for place, wanted in zip(found, expected, strict=True):
         assert [v is None for v in place] == [v is None for v in wanted]
-        assert [v for v in place if v is not None] == pytest.approx([v for v in wanted if v is not None], abs=1e-3)
+        assert [v for v in place if v is not None] == pytest.approx(
+            [v for v in wanted if v is not None], abs=1e-3
+        )
 
 
 @pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
 def test_an_unknown_subprogram_is_refused_and_not_passed_over():
     text = COMPLETED["edge_cases"]((CORPUS / "edge_cases.mpf").read_bytes())
-    refused(text, "MATERIAL_UPDATE is neither a command that gcomp knows nor a subprogram", "could move an axis")
+    refused(
+        text,
+        "MATERIAL_UPDATE is neither a command that gcomp knows nor a subprogram",
+        "could move an axis",
+    )
 
 
 # -- anything at all --------------------------------------------------------------------------------------------------------
@@ -530,7 +566,9 @@ def test_an_unknown_subprogram_is_refused_and_not_passed_over():
 SOUP = """IF ELSE ENDIF LOOP ENDLOOP WHILE ENDWHILE FOR ENDFOR REPEAT UNTIL REPEATB GOTOF GOTOB GOTO GOTOC GOTOS CASE OF DEFAULT DEF REAL INT BOOL
 CHAR STRING AXIS PROC EXTERN RET CALL PCALL MCALL M17 M30 R1 R2 R[ ] ( ) , = == <> < > <= >= << + - * / DIV MOD AND OR XOR NOT B_AND B_OR B_NOT
 SIN( ATAN2( ROUND( BOUND( SET( REP( TRUE $PI $AA_IW[X] $P_UIFR 1 2.5 -3 1EX5 1EX999 'H0F' "A" " ; X= Y=IC( CR= X1 N10 LA: LB: LA LB P=2 L10 SUB
-SUB( AA BB[2] AA= AX[ TO VAR TRANS MSG( SAVE / % : . # \xff \x00 \xb2 \t . 99999999999999999999 T= G71 FOR""".split(" ")
+SUB( AA BB[2] AA= AX[ TO VAR TRANS MSG( SAVE / % : . # \xff \x00 \xb2 \t . 99999999999999999999 T= G71 FOR""".split(
+    " "
+)
 SOUP = [word for part in SOUP for word in part.split("\n")]
 FUZZED = {"SUB": b"PROC SUB(REAL AA, VAR REAL BB)\nX=AA\nSUB(AA)\nM17", "L10": b"X1\nR1=R1+1"}
 
@@ -543,9 +581,13 @@ def only_refusals(text):
 
 
 @settings(max_examples=400)
-@given(st.lists(st.lists(st.sampled_from(SOUP), max_size=8), max_size=10), st.sampled_from(["", " "]))
+@given(
+    st.lists(st.lists(st.sampled_from(SOUP), max_size=8), max_size=10), st.sampled_from(["", " "])
+)
 def test_words_in_any_order_are_run_or_refused(soup, between):
-    only_refusals("DEF REAL AA=1, BB[3]\nR1=1 R2=2\n" + "\n".join(between.join(line) for line in soup))
+    only_refusals(
+        "DEF REAL AA=1, BB[3]\nR1=1 R2=2\n" + "\n".join(between.join(line) for line in soup)
+    )
 
 
 @settings(max_examples=300)

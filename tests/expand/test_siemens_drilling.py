@@ -16,9 +16,15 @@ HEAD = "G17 G90 G0 X0 Y0 Z50\nF200\n"
 def holes(text: str) -> list[str]:
     """What is written for a program, behind its head."""
     axes = tuple("XYZ")
-    interpreter = Interpreter(dialects.load("siemens"), Setup(axes, least_increment=dict.fromkeys(axes, 0.001)))
+    interpreter = Interpreter(
+        dialects.load("siemens"), Setup(axes, least_increment=dict.fromkeys(axes, 0.001))
+    )
     program = Program("MAIN.MPF", (HEAD + text).encode())
-    return b"".join(Written(program, interpreter, Limits(steps=1000, depth=8))).decode().splitlines()[2:]
+    return (
+        b"".join(Written(program, interpreter, Limits(steps=1000, depth=8)))
+        .decode()
+        .splitlines()[2:]
+    )
 
 
 def test_a_call_alone_drills_where_it_stands():
@@ -28,7 +34,11 @@ def test_a_call_alone_drills_where_it_stands():
     assert holes("G1 X1\nCYCLE82(10,0,2,,20,0.5)\nX5\n") == [
         "G1 X1", "G0 Z2.", "G1 Z-20.", "G4 F0.5", "G0 Z10.", "G1", "X5",
     ]  # fmt: skip
-    assert holes("R1=-7\nG91\nCYCLE81(10,0,2,R1)\n")[1:] == ["G0 Z=AC(2.)", "G1 Z=AC(-7.)", "G0 Z=AC(10.)"]
+    assert holes("R1=-7\nG91\nCYCLE81(10,0,2,R1)\n")[1:] == [
+        "G0 Z=AC(2.)",
+        "G1 Z=AC(-7.)",
+        "G0 Z=AC(10.)",
+    ]
 
 
 def test_a_modal_call_drills_behind_every_motion():
@@ -40,12 +50,20 @@ def test_a_modal_call_drills_behind_every_motion():
 def test_deep_holes_go_in_strokes():
     """FDPR 5, then less by DAM 2 while that leaves more than DAM, then DAM; by VARI 1 out of the hole, and back to 0.6 mm above
     the bottom that was reached; by VARI 0 back by 1 mm to break the chip."""
-    depths = [line for line in holes("CYCLE83(10,0,2,-12,,,5,2,0,0,1,1)\n") if line.startswith("G1")]
+    depths = [
+        line for line in holes("CYCLE83(10,0,2,-12,,,5,2,0,0,1,1)\n") if line.startswith("G1")
+    ]
     assert depths == ["G1 Z-5.", "G1 Z-8.", "G1 Z-10.", "G1 Z-12."]
     assert holes("CYCLE83(10,0,2,-12,,,7,0,0,0,1,1)\n") == [
         "G0 Z2.", "G1 Z-7.", "G0 Z2.", "G0 Z-6.4", "G1 Z-12.", "G0 Z10.",
     ]  # fmt: skip
-    assert holes("CYCLE83(10,0,2,-12,,-7,,0,0,0,1,0)\n") == ["G0 Z2.", "G1 Z-7.", "G1 Z-6.", "G1 Z-12.", "G0 Z10."]
+    assert holes("CYCLE83(10,0,2,-12,,-7,,0,0,0,1,0)\n") == [
+        "G0 Z2.",
+        "G1 Z-7.",
+        "G1 Z-6.",
+        "G1 Z-12.",
+        "G0 Z10.",
+    ]
 
 
 def test_reaming_has_feeds_of_its_own():

@@ -25,7 +25,9 @@ REFUSED = {
     "arrays": "nn", "axis_index_assignment": "ACC", "custom_vars": "AA", "edge_cases": "ELX", "simple": "two X words", "flatten_demo": "spline",
     "spline": "spline",
 }  # fmt: skip
-START = {"increment": {"Y": 900.0}}  # from the file of defaults that the tables' producer reads first
+START = {
+    "increment": {"Y": 900.0}
+}  # from the file of defaults that the tables' producer reads first
 
 
 def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
@@ -54,7 +56,9 @@ def followed(path: Path, axes: list[str]) -> list[tuple[float, ...]]:
         offsets={"G54": dict.fromkeys(letters, 0.0)},
     )
     interpreter = Interpreter(dialects.load("siemens"), setup)
-    text = b"".join(Written(Program(path.name, path.read_bytes()), interpreter, Limits(100_000, 10)))
+    text = b"".join(
+        Written(Program(path.name, path.read_bytes()), interpreter, Limits(100_000, 10))
+    )
     words = lex(text, interpreter.dialect.grammar)
     if words.fault:
         raise words.fault

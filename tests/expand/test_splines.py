@@ -55,7 +55,9 @@ def away(points: np.ndarray, path: np.ndarray) -> float:
     lengths = (ways**2).sum(axis=1)
     worst = 0.0
     for p in points:
-        share = np.clip(((p - starts) * ways).sum(axis=1) / np.where(lengths > 0, lengths, 1.0), 0.0, 1.0)
+        share = np.clip(
+            ((p - starts) * ways).sum(axis=1) / np.where(lengths > 0, lengths, 1.0), 0.0, 1.0
+        )
         worst = max(worst, float(np.linalg.norm(p - starts - share[:, None] * ways, axis=1).min()))
     return worst
 
@@ -70,7 +72,9 @@ def test_lines_lie_on_linuxcncs_own_curve(name, theirs):
     points = np.array([m.end[:3] for m in made])
     assert away(points, path) <= TOLERANCE  # its points lie on the curve
     sampled = np.vstack([np.zeros(3), points])
-    assert away(path, sampled) <= 0.2  # and ours near its chords, which are long: of 60 samples a curve
+    assert (
+        away(path, sampled) <= 0.2
+    )  # and ours near its chords, which are long: of 60 samples a curve
     assert path[-1] == pytest.approx(points[-1], abs=1e-8)
 
 
@@ -108,7 +112,9 @@ def test_lines_stay_within_the_tolerance_of_the_curve(order, more):
     inner[1:2] = inner[0:1] if order > 2 else inner[1:2]  # a double knot
     knots = np.concatenate([np.zeros(order), inner, np.full(order, 5.0)])
     for curve in (Curve(poles, weights, knots, order), uniform(poles, weights, order)):
-        spline = BSpline(curve.knots, np.column_stack([poles * weights[:, None], weights]), order - 1)
+        spline = BSpline(
+            curve.knots, np.column_stack([poles * weights[:, None], weights]), order - 1
+        )
         places = spline(np.linspace(0.0, curve.knots[-1] - 1e-12, 2000))
         places = places[:, :3] / places[:, 3:]
         lines = np.vstack([poles[0], curve.points(1e-3, 3)])
@@ -127,7 +133,9 @@ def plain(name: str, program: str, axes: str = "XYZ") -> list[str]:
         start=dict.fromkeys(axes, 0.0),
     )  # fmt: skip
     written = Written(
-        Program("part", program.replace("|", "\n").encode()), Interpreter(dialects.load(name), setup), Limits()
+        Program("part", program.replace("|", "\n").encode()),
+        Interpreter(dialects.load(name), setup),
+        Limits(),
     )
     return b"".join(written).decode().split("\n")
 
@@ -150,12 +158,16 @@ def cubic(t: np.ndarray, *poles: tuple[float, ...]) -> np.ndarray:
 
 
 def test_marlins_curve_with_filament():
-    lines = plain("marlin", "M82|G0 X1 Y1 Z1|G5 X10 Y9 Z3 I3 J1 Q-3 E1.5 F1000 ; curve|G1 X0", "XYZE")
+    lines = plain(
+        "marlin", "M82|G0 X1 Y1 Z1|G5 X10 Y9 Z3 I3 J1 Q-3 E1.5 F1000 ; curve|G1 X0", "XYZE"
+    )
     assert lines[2].endswith("F1000 ; curve") and all(x.startswith("G1 ") for x in lines[2:])
     path = ends(lines[2:-1], "XYZE", (1.0, 1.0, 1.0, 0.0))
     t = np.linspace(0.0, 1.0, 500)
     wanted = cubic(t, (1, 1, 1), (4, 2, 1 + 2 / 3), (10, 6, 1 + 4 / 3), (10, 9, 3))
-    assert away(wanted, path[:, :3]) <= TOLERANCE + 0.001  # the tolerance, and the numbers' last digit
+    assert (
+        away(wanted, path[:, :3]) <= TOLERANCE + 0.001
+    )  # the tolerance, and the numbers' last digit
     assert path[-1] == pytest.approx((10, 9, 3, 1.5), abs=1e-9)
     share = (path[:, 2] - 1) / 2  # Z goes evenly with the parameter, and so does E
     assert path[:, 3] == pytest.approx(1.5 * share, abs=0.0005)
@@ -185,26 +197,42 @@ def test_fanucs_knots_and_weights_against_the_formula():
     knots = [0.0, 0, 0, 0, 1, 2.5, 4, 4, 4, 4]
     poles = np.array([(0, 0, 0), (5, 0, 1), (9, 7, 2), (2, 9, 0), (0, 4, -1), (-6, -2, 3)], float)
     weights = np.array([1, 2, 0.5, 1, 3, 1.0])
-    points = [f"K{k:.1f} X{p[0]} Y{p[1]} Z{p[2]} R{w}" for k, p, w in zip(knots, poles, weights, strict=False)]
-    program = "|".join(["G90 G0 X0. Y0. Z0.", "G6.2 " + points[0], *points[1:], *(f"K{k:.1f}" for k in knots[6:])])
+    points = [
+        f"K{k:.1f} X{p[0]} Y{p[1]} Z{p[2]} R{w}"
+        for k, p, w in zip(knots, poles, weights, strict=False)
+    ]
+    program = "|".join(
+        ["G90 G0 X0. Y0. Z0.", "G6.2 " + points[0], *points[1:], *(f"K{k:.1f}" for k in knots[6:])]
+    )
     lines = plain("fanuc-mill", program)
     path = ends(lines[1:], "XYZ", (0.0, 0.0, 0.0))
     spline = BSpline(knots, np.column_stack([poles * weights[:, None], weights]), 3)
     wanted = spline(np.linspace(0.0, 4.0 - 1e-12, 1000))
     assert away(wanted[:, :3] / wanted[:, 3:], path) <= TOLERANCE + 0.001
-    shorter = program.replace("G6.2 K0.0 X0.0 Y0.0 Z0.0 R1.0", "G6.2 R1.0")  # the start and its knot left out
+    shorter = program.replace(
+        "G6.2 K0.0 X0.0 Y0.0 Z0.0 R1.0", "G6.2 R1.0"
+    )  # the start and its knot left out
     assert plain("fanuc-mill", shorter) == lines
 
 
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (("X0. Y0. R1.", "X1. Y0. R1."), "the first control point has X1, and the tool stands at X0"),
+        (
+            ("X0. Y0. R1.", "X1. Y0. R1."),
+            "the first control point has X1, and the tool stands at X0",
+        ),
         (("K0. X5. Y0.", "X5. Y0."), "a block of a NURBS without a knot K"),
-        (("K0. X5. Y0. R.70710678", "K0. X5. Y0."), "some control points have a weight R and others have none"),
+        (
+            ("K0. X5. Y0. R.70710678", "K0. X5. Y0."),
+            "some control points have a weight R and others have none",
+        ),
         (("|K1.|K1.|K1.", "|K1.|K1."), "the NURBS ends with 3 control points and 5 knots"),
         (("|K1.|K1.|K1.", "|K1.|K1|K1."), "some knots K have a decimal point and others have none"),
-        (("|K1.|K1.|K1.", "|K1.|K1.|K2."), "the knots of the NURBS do not go up from 3 equal ones to 3 equal ones"),
+        (
+            ("|K1.|K1.|K1.", "|K1.|K1.|K2."),
+            "the knots of the NURBS do not go up from 3 equal ones to 3 equal ones",
+        ),
         (("P3", "P5"), "P5 is no rank of a NURBS"),
         (("G6.2", "G91 G6.2"), "G6.2 in G91"),
         (("X5. Y5. R1.", "X5. Z5. R1."), "a control point that names other axes"),

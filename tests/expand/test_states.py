@@ -38,7 +38,10 @@ def test_modes_come_back_as_on_linuxcnc(name):
 @pytest.mark.parametrize(
     ("program", "says"),
     [
-        ("M70|M3 S500|M72", "M72 brings back what (S500|M3) has changed, and nothing said before what held"),
+        (
+            "M70|M3 S500|M72",
+            "M72 brings back what (S500|M3) has changed, and nothing said before what held",
+        ),
         ("S9 M3|M70|S6 $0|M72", "M72 brings back what S6 has changed"),
         ("M70|G64 P.1|M72", "M72 brings back what G64 has changed"),
         ("M70|G92 Z5|M72", "M72 brings G92 or the tool length back"),

@@ -52,7 +52,8 @@ class Sample(NamedTuple):
         program = self.before.replace("|", "\n") + block + "\n" + self.behind.replace("|", "\n")
         aside = self.aside.replace("|", "\n")
         resolver = Resolver(
-            Program("part", (aside + program).encode()), Tracker(Interpreter(dialects.load(name), setup(name)))
+            Program("part", (aside + program).encode()),
+            Tracker(Interpreter(dialects.load(name), setup(name))),
         )
         lines = enumerate(program.split("\n"), 1 + aside.count("\n"))
         return [plain for n, one in lines for plain in resolver.take(Line(one.encode(), n))]
@@ -79,7 +80,9 @@ ZX, UW = "X80./78. Z-30./-31.", "U-20./-22. W-30./-31."
 CONTOUR = "|N8 G0 X36.|N10 X40.|G1 Z-20.|N20 X100. Z-50.|N30 G1 X102. Z-51.|G0 X200."
 FACE = "|N8 G0 Z-10.|N10 Z-9.|G1 X80.|N20 X60. Z1.|N30 G1 X58. Z1.5|G0 X200."
 START = "G0 X100. Z2.|"
-SUB = "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7|O100 ENDSUB|O101 SUB|G0 X3|G1 Z-4|X7 Z-8|O101 ENDSUB|"
+SUB = (
+    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X5 Z-7.5|X7|O100 ENDSUB|O101 SUB|G0 X3|G1 Z-4|X7 Z-8|O101 ENDSUB|"
+)
 TURN = "F100|S100 M3|G18 G0 X10 Z1|"
 HOLE = "X5./6. Y4./3. Z-5./-6. R1./2."
 BEGIN = "F100|S100 M3|G0 X0 Y0 Z9|"
@@ -87,7 +90,9 @@ MORE = "|G83 X9.|G82 X8.|G80"
 P, Q = "P10/8", "Q20/30"
 
 
-FACING = "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|X4 Z-3|O100 ENDSUB|O101 SUB|G0 Z-9|G1 X8|X4 Z-3|O101 ENDSUB|"
+FACING = (
+    "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|X4 Z-3|O100 ENDSUB|O101 SUB|G0 Z-9|G1 X8|X4 Z-3|O101 ENDSUB|"
+)
 POCKET = "O100 SUB|G0 X4|G1 X6 Z-4|X3 Z-8|X6 Z-12|O100 ENDSUB|O101 SUB|G0 X3|G1 X5 Z-4|X3 Z-8|X7 Z-12|O101 ENDSUB|"
 THREAD = "X4/5 Z-10/-11 P1/1.5 I-.5/-.6 J.3/.4 K1/1.1 R1.5/2 Q20/25 H1/2 L3/2 E2/1"
 START_POINT = "Q100/101 X10/11 Z1/2"
@@ -117,9 +122,12 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     if "lathe" not in name:
         peck = " I2./1.5 J.5/.4 K1./.9" if name == "haas" else ""
         both = [
-            Sample(values(f"{HOLE} {how} P500/600 Q1.5/1."), BEGIN, MORE * (name != "haas")) for how in ("L2/3", "K2/3")
+            Sample(values(f"{HOLE} {how} P500/600 Q1.5/1."), BEGIN, MORE * (name != "haas"))
+            for how in ("L2/3", "K2/3")
         ]
-        return both[: 1 + (name != "haas")] + [Sample(values(f"{HOLE} L2/3 P500/600{peck}"), BEGIN)] * bool(peck)
+        return both[: 1 + (name != "haas")] + [
+            Sample(values(f"{HOLE} L2/3 P500/600{peck}"), BEGIN)
+        ] * bool(peck)
     if name == "haas-lathe" and (len(code) == 4 or code[1] == "8"):
         return haas_holes(code)
     kind = turning(name, code)
@@ -128,14 +136,22 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         other = {"Z": "X20./21. Z-5./-6. R-1./-2.", "X": "Z-20./-21. X40./38. R-1./-2."}[deep]
         behind = f"|{'G83 X9.' if deep == 'Z' else 'G87 Z-9.'}|G80"
         first = [
-            Sample(values(f"{other} P500/600 Q1500/1000 {how} C30./40."), START, behind) for how in ("K2/3", "L2/3")
+            Sample(values(f"{other} P500/600 Q1500/1000 {how} C30./40."), START, behind)
+            for how in ("K2/3", "L2/3")
         ]
-        by = {"Z": "U-20./-21. W-5./-6. R-1./-2. H3./4.", "X": "W-20./-21. U-40./-38. R-1./-2. H3./4."}[deep]
+        by = {
+            "Z": "U-20./-21. W-5./-6. R-1./-2. H3./4.",
+            "X": "W-20./-21. U-40./-38. R-1./-2. H3./4.",
+        }[deep]
         return [*first, Sample(values(f"{by} P500/600 Q1500/1000"), START, behind)]
     if kind in ("turn", "face off"):
         taper = "I-1./-2." if kind == "turn" else "K-1./-2."
         fanuc = [] if name == "haas-lathe" else [Sample(values(f"{ZX} R-1./-2."), START)]
-        return [Sample(values(f"{ZX} {taper}"), START), Sample(values(f"{UW} {taper}"), START), *fanuc]
+        return [
+            Sample(values(f"{ZX} {taper}"), START),
+            Sample(values(f"{UW} {taper}"), START),
+            *fanuc,
+        ]
     if kind in ("peck", "groove"):
         if way.startswith("first"):
             return [Sample(values("R1./2."), START, f"|{code} X80. Z-30. P4000 Q5000")]
@@ -145,7 +161,9 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     shape = FACE if kind == "face" else CONTOUR
     if kind == "finish":
         return [Sample(values(f"{P} {Q}"), START, shape)]
-    first = {"rough": "U4./3. R1./.5", "face": "W4./3. R1./.5", "repeat": "U6./5. W3./2. R3/4"}[kind]
+    first = {"rough": "U4./3. R1./.5", "face": "W4./3. R1./.5", "repeat": "U6./5. W3./2. R3/4"}[
+        kind
+    ]
     if way.startswith("first"):
         return [Sample(values(first), START, f"|{code} P10 Q20 U1. W.5" + shape)]
     alone = {"repeat": "I6./5. K3./2. D3/4"}.get(kind, "D4000/3000")
@@ -175,7 +193,15 @@ def haas_holes(code: str) -> list[Sample]:
 
 def turning(name: str, code: str) -> str:
     """What a code of a lathe is."""
-    names = {"G83": "hole", "G85": "hole", "G87": "hole", "G89": "hole", "G90": "turn", "G77": "turn", "G20": "turn"}
+    names = {
+        "G83": "hole",
+        "G85": "hole",
+        "G87": "hole",
+        "G89": "hole",
+        "G90": "turn",
+        "G77": "turn",
+        "G20": "turn",
+    }
     names |= {"G94": "face off", "G79": "face off", "G24": "face off"}
     shapes = ["finish", "rough", "face", "repeat", "peck", "groove"]
     names |= {f"G{70 + k + 2 * name.endswith('-c')}": x for k, x in enumerate(shapes)}
@@ -229,8 +255,12 @@ IDS = [" ".join(r[:3]) for r in ROWS]
 
 def what_it_does(lines: list[Line], name: str) -> list:
     """Ends of all motions, dwells and pitches, in their order."""
-    dwells = [word for line in lines for word in re.findall(rb"G4 *[PKF][0-9.]+|K[0-9.]+", line.text)]
-    return [(m["kind"], [round(v, 6) for v in m["end"]]) for m in motions(lines, name, setup(name))] + dwells
+    dwells = [
+        word for line in lines for word in re.findall(rb"G4 *[PKF][0-9.]+|K[0-9.]+", line.text)
+    ]
+    return [
+        (m["kind"], [round(v, 6) for v in m["end"]]) for m in motions(lines, name, setup(name))
+    ] + dwells
 
 
 def strange(lines: list[Line], name: str) -> list[Line]:
@@ -239,7 +269,12 @@ def strange(lines: list[Line], name: str) -> list[Line]:
     for line in lines:
         block = Block.of(line.text, dialects.load(name).grammar)
         more = next(
-            ({20: "IJKR", 30: "IJKR", 330: "K"}.get(c, "") for c in block.codes if c in (0, 10, 20, 30, 330)), more
+            (
+                {20: "IJKR", 30: "IJKR", 330: "K"}.get(c, "")
+                for c in block.codes
+                if c in (0, 10, 20, 30, 330)
+            ),
+            more,
         )
         also = "P" + dialects.load(name).dwell if 40 in block.codes else more
         found += [line] * any(w.letter not in GENERAL + "XYZABCUVWH" + also for w in block.words)
@@ -273,13 +308,20 @@ def test_another_value_of_a_word_does_another_thing(row):
     for letter in row.followed + row.kept:
         if letter in "ABC" and letter not in "".join(samples(*row[:3])[0].words):
             changed = [
-                [s.only(row.followed + row.kept).run(row.name, row.code, add=letter + v) for v in ("30.", "40.")]
+                [
+                    s.only(row.followed + row.kept).run(row.name, row.code, add=letter + v)
+                    for v in ("30.", "40.")
+                ]
                 for s in samples(*row[:3])[:1]
             ]
         else:
-            changed = [[s.run(row.name, row.code, c) for c in ("", letter)] for s in holding(row, letter)]
+            changed = [
+                [s.run(row.name, row.code, c) for c in ("", letter)] for s in holding(row, letter)
+            ]
         assert changed, f"no program for {letter}"
-        assert any(what_it_does(a, row.name) != what_it_does(b, row.name) for a, b in changed), letter
+        assert any(what_it_does(a, row.name) != what_it_does(b, row.name) for a, b in changed), (
+            letter
+        )
 
 
 def programs(row: Row) -> dict[str, tuple[str, str]]:
@@ -324,10 +366,16 @@ def test_every_other_letter_is_refused_by_its_name(row):
     for letter in sorted(set(string.ascii_uppercase) - set(GENERAL + row.followed + row.kept)):
         with pytest.raises(ProgramError) as caught:
             sample.run(row.name, row.code, add=f"{letter}1.5")
-        own = letter if not row.way.startswith("first") else "[A-Z]"  # some letters make it the second block
+        own = (
+            letter if not row.way.startswith("first") else "[A-Z]"
+        )  # some letters make it the second block
         said = rf"{own}[0-9.]* in an? \w+ cycle \({re.escape(row.code)}\): |G\d+ without the number of a block in [PQ]"
         assert re.match(said, caught.value.message), caught.value.message
-        assert caught.value.advice and caught.value.place.line and caught.value.place.stop > caught.value.place.start
+        assert (
+            caught.value.advice
+            and caught.value.place.line
+            and caught.value.place.stop > caught.value.place.start
+        )
         if letter in row.zero:
             sample.run(row.name, row.code, add=f"{letter}0")
         if letter in row.one:
@@ -349,7 +397,9 @@ STAYING = [(name, word) for name, words in cycles_doc.passed_on().items() for wo
 def test_a_cycle_that_nobody_follows_stays_with_all_its_words(name, word):
     words = "(10,0,2,-5,,1)" if word[0] != "G" else " X50. Z-5. R2. P500 Q2. I1. K1. D1. L2 F.2"
     text = f"G0 X60. Z9.\n{word}{words}\n"
-    resolver = Resolver(Program("part", text.encode()), Tracker(Interpreter(dialects.load(name), setup(name))))
+    resolver = Resolver(
+        Program("part", text.encode()), Tracker(Interpreter(dialects.load(name), setup(name)))
+    )
     lines = [
         plain.text.decode()
         for n, one in enumerate(text.split("\n"), 1)
@@ -359,7 +409,11 @@ def test_a_cycle_that_nobody_follows_stays_with_all_its_words(name, word):
 
 
 STAYS = [
-    (name, n) for row in cycles_doc.rows() if row.form.stays for name, numbers in row.codes.items() for n in numbers
+    (name, n)
+    for row in cycles_doc.rows()
+    if row.form.stays
+    for name, numbers in row.codes.items()
+    for n in numbers
 ]
 
 
@@ -368,19 +422,31 @@ def test_a_cycle_that_stays_keeps_every_word(name, number):
     code = f"G{number / 10:g}"
     along = "X" if code == "G88" else "Z"
     words = (
-        "X50. Z-5. F1.5 P011060 Q100 I1. K1. D1. J2." if number in (760, 780, 920, 210) else "X9. Z-5. R1. F2. J2. D1."
+        "X50. Z-5. F1.5 P011060 Q100 I1. K1. D1. J2."
+        if number in (760, 780, 920, 210)
+        else "X9. Z-5. R1. F2. J2. D1."
     )
     words = {"fagor": "X9. Z2. I-5. F2.", "okuma": words + " M54"}.get(name, words)
-    [line] = [x for x in Sample({}, "S100 M3|G0 X60. Z9.|").run(name, f"{code} {words}") if code in x.text.decode()]
+    [line] = [
+        x
+        for x in Sample({}, "S100 M3|G0 X60. Z9.|").run(name, f"{code} {words}")
+        if code in x.text.decode()
+    ]
     assert line.text.decode() == f"{code} {words}" and along in words
 
 
 NEVER = [
-    (name, n) for row in cycles_doc.rows() if row.form.never for name, numbers in row.codes.items() for n in numbers
+    (name, n)
+    for row in cycles_doc.rows()
+    if row.form.never
+    for name, numbers in row.codes.items()
+    for n in numbers
 ]
 
 
 @pytest.mark.parametrize(("name", "number"), NEVER)
 def test_a_cycle_that_is_never_written_out_is_refused_by_its_name(name, number):
     with pytest.raises(ProgramError, match=f"^[^|]*G{number / 10:g} "):
-        Sample({}, "F100|S100 M3|G0 X10 Z9|").run(name, f"G{number / 10:g} X1. Y1. Z-5. R2. Q100 P1")
+        Sample({}, "F100|S100 M3|G0 X10 Z9|").run(
+            name, f"G{number / 10:g} X1. Y1. Z-5. R2. Q100 P1"
+        )

@@ -31,7 +31,20 @@ EXTREMES = (
     "1.0000000001", "0.00005", "12.34567890123456", "99999999", "-123456.789", "",
 )  # fmt: skip
 CODE = re.compile(r"(?<![A-Z])G0*(\d+(?:\.\d)?)(?![\d.])|\b([A-Z]{3,}\d*)\b")
-COMMENTS = ("", "TURN BACK", "X1 Y2", "g1 x", "100 % N5", "A (B", "*12", "/", "GCOMP", "#1=2", "O100", "\xe4")
+COMMENTS = (
+    "",
+    "TURN BACK",
+    "X1 Y2",
+    "g1 x",
+    "100 % N5",
+    "A (B",
+    "*12",
+    "/",
+    "GCOMP",
+    "#1=2",
+    "O100",
+    "\xe4",
+)
 TEXT = (
     "(",
     ")",
@@ -67,7 +80,9 @@ def program(rng: random.Random, dialect: str, blocks: int = 12, wild: float = 0.
 def programs(dialect: str, blocks: int = 14, wild: float = 0.05) -> st.SearchStrategy[bytes]:
     """A hypothesis strategy of programs; shrinks towards few blocks."""
     return st.builds(
-        lambda rng, n: program(rng, dialect, n, wild), st.randoms(use_true_random=False), st.integers(1, blocks)
+        lambda rng, n: program(rng, dialect, n, wild),
+        st.randoms(use_true_random=False),
+        st.integers(1, blocks),
     )
 
 
@@ -119,7 +134,11 @@ class Writer:
             text = text.rstrip("0")
         if self.often(0.1):
             text = (
-                text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else "0" + text if text[0] != "-" else text
+                text.replace("0.", ".", 1)
+                if text.startswith(("0.", "-0."))
+                else "0" + text
+                if text[0] != "-"
+                else text
             )
         return text
 
@@ -161,7 +180,9 @@ class Writer:
         line = (" " if self.spaced else "").join(w for w in words if w)
         for code in (number or word for number, word in CODE.findall(line.upper())):
             unknown = code not in self.known
-            if (unknown or code in self.refused) and not self.often(self.wild / 2 if unknown else self.wild * 2):
+            if (unknown or code in self.refused) and not self.often(
+                self.wild / 2 if unknown else self.wild * 2
+            ):
                 return
         self.lines.append(line)
 
@@ -223,7 +244,11 @@ class Writer:
         code = self.one("G0", "G1", "G1", "G1", "")
         if self.printer and not code:
             code = "G1"
-        feed = ["F" + self.one("100", "250.", "0.5", "3.25")] if code == "G1" and self.often(0.8) else []
+        feed = (
+            ["F" + self.one("100", "250.", "0.5", "3.25")]
+            if code == "G1" and self.often(0.8)
+            else []
+        )
         self.add(
             self.g(code) if code else "",
             *self.coordinates(),
@@ -235,7 +260,13 @@ class Writer:
         """Increments and tiny moves."""
         if self.system_a:
             self.add(
-                "G1", *[f"{u}{self.num(self.rng.uniform(-0.01, 0.01), 4)}" for u in "UW" if self.often(0.7)], "F50"
+                "G1",
+                *[
+                    f"{u}{self.num(self.rng.uniform(-0.01, 0.01), 4)}"
+                    for u in "UW"
+                    if self.often(0.7)
+                ],
+                "F50",
             )
             return
         size = self.one(0.0004, 0.003, 0.05, 2.0, 0.0)
@@ -265,7 +296,9 @@ class Writer:
         low, high = zip(*(self.ranges[a] for a in letters), strict=True)
         room = min(h - lo for lo, h in zip(low, high, strict=True)) / 2
         radius = 10 ** self.rng.uniform(-2.0 if self.often(0.2) else 0.0, math.log10(0.8 * room))
-        middle = [self.rng.uniform(lo + radius, h - radius) for lo, h in zip(low, high, strict=True)]
+        middle = [
+            self.rng.uniform(lo + radius, h - radius) for lo, h in zip(low, high, strict=True)
+        ]
         begin = self.one(0, 90, 180, 270) if self.often(0.4) else self.rng.uniform(0, 360)
         sweep = (
             360.0
@@ -299,11 +332,22 @@ class Writer:
                 r = radius / self.scale * (1 if abs(sweep) < 180 else -1)
                 words.append(f"CR={r:.{digits + 1}f}" if self.siemens else f"R{r:.{digits + 1}f}")
             elif self.din:
-                self.add(*[CENTRE[a] + self.num(c * u, digits) for a, c, u in zip(letters, middle, unit, strict=True)])
+                self.add(
+                    *[
+                        CENTRE[a] + self.num(c * u, digits)
+                        for a, c, u in zip(letters, middle, unit, strict=True)
+                    ]
+                )
             else:
-                words += [CENTRE[a] + self.num(v, digits) for a, v in zip(letters, arm, strict=True)]
+                words += [
+                    CENTRE[a] + self.num(v, digits) for a, v in zip(letters, arm, strict=True)
+                ]
             if self.often(0.15 if self.turns else self.wild):
-                count = self.one(1, 2, 3, 0, 99) if not self.often(self.wild) else self.one(100000, 999999999, 10**17)
+                count = (
+                    self.one(1, 2, 3, 0, 99)
+                    if not self.often(self.wild)
+                    else self.one(100000, 999999999, 10**17)
+                )
                 words.append(f"TURN={count}" if self.siemens else f"P{count}")
             feed = self.one("", "F60", "F5")
             self.add(self.g(code), *words, feed)
@@ -331,7 +375,9 @@ class Writer:
             self.plane = self.rng.choice(list(PLANES))
             codes.append(self.plane)
         if self.often(0.3):
-            codes.append(self.one("G94", "G93", "G95") if not self.system_a else self.one("G98", "G99"))
+            codes.append(
+                self.one("G94", "G93", "G95") if not self.system_a else self.one("G98", "G99")
+            )
         if self.often(0.15):
             codes.append("DIAMON" if self.siemens else self.one("G7", "G8"))
         if self.often(0.1):
@@ -454,10 +500,16 @@ class Writer:
     def holes(self) -> None:
         """A canned cycle with its holes; on a Sinumerik its own."""
         low, high = self.ranges["Z"]
-        level, bottom = sorted((self.rng.uniform(low, high), self.rng.uniform(low, high)), reverse=True)
+        level, bottom = sorted(
+            (self.rng.uniform(low, high), self.rng.uniform(low, high)), reverse=True
+        )
         if self.siemens:
-            name = self.one("CYCLE81", "CYCLE82", "CYCLE83", "MCALL CYCLE81", "HOLES1", "CYCLE85", "CYCLE840")
-            self.add(f"{name}({self.num(high, 1)}, {self.num(level, 2)}, 1., {self.num(bottom, 2)})")
+            name = self.one(
+                "CYCLE81", "CYCLE82", "CYCLE83", "MCALL CYCLE81", "HOLES1", "CYCLE85", "CYCLE840"
+            )
+            self.add(
+                f"{name}({self.num(high, 1)}, {self.num(level, 2)}, 1., {self.num(bottom, 2)})"
+            )
             self.add(*self.coordinates("XY"))
             if "MCALL" in name:
                 self.add("MCALL")
@@ -465,7 +517,21 @@ class Writer:
         self.add(self.one("G0", "G0", "G1"), "Z" + self.num(high / self.scale, 2))
         if self.often(0.3) and not self.system_a:
             self.add("G91")
-        code = self.one("G81", "G81", "G82", "G83", "G73", "G85", "G86", "G89", "G84", "G74", "G87", "G88", "G76")
+        code = self.one(
+            "G81",
+            "G81",
+            "G82",
+            "G83",
+            "G73",
+            "G85",
+            "G86",
+            "G89",
+            "G84",
+            "G74",
+            "G87",
+            "G88",
+            "G76",
+        )
         more = (
             [self.word("Q", self.rng.uniform(-0.5, 5) / self.scale)]
             if code in ("G83", "G73", "G87", "G76") or self.often(0.1)
@@ -474,8 +540,17 @@ class Writer:
         if self.often(0.3):
             more.append(self.one("P0.5", "P1", "P500"))
         if self.often(0.2):
-            more.append(self.one("L2", "L0", "K3", "K0", "L1", "L3", "L999999" if self.often(self.wild) else "L2"))
-        words = [f"Z{self.num(bottom / self.scale, 2)}", f"R{self.num(level / self.scale, 2)}", *more, "F100"]
+            more.append(
+                self.one(
+                    "L2", "L0", "K3", "K0", "L1", "L3", "L999999" if self.often(self.wild) else "L2"
+                )
+            )
+        words = [
+            f"Z{self.num(bottom / self.scale, 2)}",
+            f"R{self.num(level / self.scale, 2)}",
+            *more,
+            "F100",
+        ]
         self.rng.shuffle(words)
         self.add(
             *([] if self.system_a else [self.one("G98", "G99", "")]),
@@ -488,7 +563,20 @@ class Writer:
                      self.word("R", self.rng.uniform(low, high)) if self.often(0.1) else "",
                      self.word("Z", self.rng.uniform(low, bottom)) if self.often(0.2) else "", self.one("", "", "", "L2", "G98", "G99", "L0"))  # fmt: skip
             if self.often(0.05):
-                self.add(self.one("G20", "G92 X5", "G91", "G55", "G18", "(HERE)", "M9", "G52 X1", "T1 M6", "G43 H1"))
+                self.add(
+                    self.one(
+                        "G20",
+                        "G92 X5",
+                        "G91",
+                        "G55",
+                        "G18",
+                        "(HERE)",
+                        "M9",
+                        "G52 X1",
+                        "T1 M6",
+                        "G43 H1",
+                    )
+                )
         self.add(self.one("G80", "G80", "G80", "G0", "G1", ""))
         if self.often(0.8) and not self.system_a:
             self.add("G90")
@@ -504,7 +592,11 @@ class Writer:
         elif kind == 2:
             self.add(
                 "G76",
-                self.one("P1 Z-10 I-1 J0.2 R1.5 K1 Q29 H3 E0.5 L2", "P010060 Q100 R0.1", "X20. Z-30. P1000 Q300 F2."),
+                self.one(
+                    "P1 Z-10 I-1 J0.2 R1.5 K1 Q29 H3 E0.5 L2",
+                    "P010060 Q100 R0.1",
+                    "X20. Z-30. P1000 Q300 F2.",
+                ),
             )
         else:
             self.add(
@@ -534,9 +626,16 @@ class Writer:
     def extrude(self) -> None:
         kind = self.rng.randint(0, 9)
         if kind <= 5:
-            self.add("G1", *self.coordinates(), "E" + self.num(self.rng.uniform(-1, 30), 5), self.one("", "F1200"))
+            self.add(
+                "G1",
+                *self.coordinates(),
+                "E" + self.num(self.rng.uniform(-1, 30), 5),
+                self.one("", "F1200"),
+            )
         elif kind == 6:
-            self.add(self.one("M82", "M83", "G92 E0", "G92 E0", "T1", "T0", "M204 P500", "M92 X80 Y80"))
+            self.add(
+                self.one("M82", "M83", "G92 E0", "G92 E0", "T1", "T0", "M204 P500", "M92 X80 Y80")
+            )
         elif kind == 7:
             self.add("G1", "E" + self.num(self.rng.uniform(-3, 3), 3), "F2400")
         elif kind == 8:
@@ -572,12 +671,18 @@ class Writer:
         """POLY of a Sinumerik: ends with their coefficients, at times a denominator, and back to lines."""
         words = []
         for a in self.axes():
-            more = ",".join(self.num(self.rng.uniform(-8, 8), 2) for _ in range(self.rng.randint(0, 4)))
+            more = ",".join(
+                self.num(self.rng.uniform(-8, 8), 2) for _ in range(self.rng.randint(0, 4))
+            )
             words.append(f"PO[{a}]=({self.num(self.goal(a))}{',' if more else ''}{more})")
         if self.often(0.2):
-            words.append(f"PO[]=({self.num(self.rng.uniform(0.5, 3), 2)},{self.num(self.rng.uniform(-0.3, 0.3), 2)})")
+            words.append(
+                f"PO[]=({self.num(self.rng.uniform(0.5, 3), 2)},{self.num(self.rng.uniform(-0.3, 0.3), 2)})"
+            )
         if self.often(0.5):
-            words.append("PL=" + self.one("1", "2.5", "0.1", "10", "0" if self.often(self.wild) else "4"))
+            words.append(
+                "PL=" + self.one("1", "2.5", "0.1", "10", "0" if self.often(self.wild) else "4")
+            )
         self.add(self.one("POLY", "POLY", "G1 POLY"), *words, self.one("", "F200"))
         if self.often(0.4):
             self.add(*words)
@@ -587,7 +692,9 @@ class Writer:
     def own(self) -> None:
         """What only a Fagor or an Okuma writes: offsets and lengths by their names, holes with their own words, remarks."""
         low, high = self.ranges["Z"]
-        level, bottom = sorted((round(self.rng.uniform(low, high), 2) for _ in range(2)), reverse=True)
+        level, bottom = sorted(
+            (round(self.rng.uniform(low, high), 2) for _ in range(2)), reverse=True
+        )
         at = self.coordinates("XY")
         if self.dialect == "fagor":
             lines = (
@@ -645,13 +752,19 @@ class Writer:
             elif which == 2:
                 self.lines += ["#1=0", f"N{n}0", *body, "#1=#1+1", f"IF [#1 LT 2] GOTO {n}0"]
             elif which == 3:
-                self.lines += [f"M98 P{n}0" + self.one("", " L2", "L999999" if self.often(self.wild) else "")]
+                self.lines += [
+                    f"M98 P{n}0" + self.one("", " L2", "L999999" if self.often(self.wild) else "")
+                ]
                 self.tail += sub
             elif which == 4:
                 self.lines += [f"G65 P{n}0 X{step} A1"]
                 self.tail += sub
             elif which == 5:
-                self.lines += ["IF [#1 EQ #0] THEN #2=5", "#3=ATAN[1]/[2]+SQRT[ABS[-4]]", "G1 X#3 F100"]
+                self.lines += [
+                    "IF [#1 EQ #0] THEN #2=5",
+                    "#3=ATAN[1]/[2]+SQRT[ABS[-4]]",
+                    "G1 X#3 F100",
+                ]
             elif which == 6:
                 self.lines += ["#1=" + "[" * 20 + "1" + "]" * 20, *body]
             else:
@@ -730,7 +843,11 @@ class Writer:
         i = self.rng.randrange(len(self.lines))
         line = self.lines[i]
         at = self.rng.randint(0, len(line))
-        self.lines[i] = line[:at] + self.rng.choice((*TEXT, *EXTREMES, "G1", "X5")) + line[at + self.one(0, 0, 1) :]
+        self.lines[i] = (
+            line[:at]
+            + self.rng.choice((*TEXT, *EXTREMES, "G1", "X5"))
+            + line[at + self.one(0, 0, 1) :]
+        )
 
     # -- layout --------------------------------------------------------------------------------------------------------
 

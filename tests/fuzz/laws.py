@@ -111,7 +111,10 @@ source  = "made up for the tests"
 max_correction = 0.5
 max_slope = 0.005
 {square}"""
-SQUARE = {"mill": "[squareness]\nC0Y = 25.0\nA0Z = -15.0\nB0Z = 20.0\n", "lathe": "[squareness]\nB0X = -90.0\n"}
+SQUARE = {
+    "mill": "[squareness]\nC0Y = 25.0\nA0Z = -15.0\nB0Z = 20.0\n",
+    "lathe": "[squareness]\nB0X = -90.0\n",
+}
 AXIS = """
 [axes.{axis}]
 travel = [-3000.0, 3000.0]
@@ -130,18 +133,29 @@ def _write(folder: Path, shape: str, kind: str) -> Path:
     text = [HEAD.format(name=f"{shape}-{kind}", chain=chain, diameter=diameter, square=square)]
     for axis, (low, high) in ranges.items():
         nodes = np.linspace(low, high, 9)
-        text.append(AXIS.format(axis=axis, others=", ".join(f"{o} = 0.0" for o in ranges if o != axis)))
+        text.append(
+            AXIS.format(axis=axis, others=", ".join(f"{o} = 0.0" for o in ranges if o != axis))
+        )
         rng = np.random.default_rng(ord(axis))
         columns = {f"{axis}_mm": nodes}
         for kinds, unit in (("XYZ", "um"), ("ABC", "urad")):
             for direction in kinds:
-                name, values = f"E{direction}{axis}_{unit}", np.cumsum(rng.normal(0.0, 5.0, len(nodes)))
+                name, values = (
+                    f"E{direction}{axis}_{unit}",
+                    np.cumsum(rng.normal(0.0, 5.0, len(nodes))),
+                )
                 values = values * (kind != "zero")
                 if kind == "two-way" and direction == axis:
-                    columns |= {name + "_rev": values + 2.0, name + "_fwd": values - 2.0 - 0.5 * rng.random(len(nodes))}
+                    columns |= {
+                        name + "_rev": values + 2.0,
+                        name + "_fwd": values - 2.0 - 0.5 * rng.random(len(nodes)),
+                    }
                 else:
                     columns[name] = values
-        rows = [",".join(columns), *(",".join(f"{v:.3f}" for v in row) for row in zip(*columns.values(), strict=True))]
+        rows = [
+            ",".join(columns),
+            *(",".join(f"{v:.3f}" for v in row) for row in zip(*columns.values(), strict=True)),
+        ]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
     (folder / "machine.toml").write_text("".join(text))
     return folder
@@ -166,11 +180,19 @@ def filter_of(case: Case) -> Filter:
     built = machine(shape, case.map).carrying(spoken.carried)
     letters = set(built.letters)
     offsets = (
-        {n: {x: v for x, v in place.items() if x in letters} for n, place in OFFSETS.items()} if case.stated else {}
+        {n: {x: v for x, v in place.items() if x in letters} for n, place in OFFSETS.items()}
+        if case.stated
+        else {}
     )
     start = dict.fromkeys(WIDE[shape], 0.0) if case.stated else {}
     setup = setup_of(built, offsets, start, case.delete)
-    return Filter(built, spoken, setup, Options(None, "clamp" if case.clamp else "error", case.mode), name="program")
+    return Filter(
+        built,
+        spoken,
+        setup,
+        Options(None, "clamp" if case.clamp else "error", case.mode),
+        name="program",
+    )
 
 
 # -- what comes out --------------------------------------------------------------------------------------------------------
@@ -249,7 +271,9 @@ def broken(case: Case, seconds: int = SECONDS) -> str:
     """The law that the case breaks, "" if none."""
     try:
         with in_time(seconds), warnings.catch_warnings():
-            warnings.simplefilter("error", RuntimeWarning)  # of numpy: a number that is none goes on unseen
+            warnings.simplefilter(
+                "error", RuntimeWarning
+            )  # of numpy: a number that is none goes on unseen
             return _broken(case)
     except TookTooLong:
         return f"hang: more than {seconds} s at {_where(sys.exc_info()[2])}"
@@ -371,7 +395,9 @@ def kind(message: str) -> str:
         return message[:40] + message.rpartition(" at ")[2]
     if head == "own error":
         first, _, reason = rest.partition(": ")
-        rest = reason if first == "the output can not be followed" else first  # each reason is a kind of its own
+        rest = (
+            reason if first == "the output can not be followed" else first
+        )  # each reason is a kind of its own
     return head + ": " + "".join(c for c in rest[:60] if not c.isdigit())
 
 

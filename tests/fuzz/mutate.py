@@ -70,7 +70,9 @@ class Fuzzer:
         rng = self.rng
         if rng.random() < 0.15 or not self.pool:
             name = rng.choice(grammar.every())
-            text = grammar.program(rng, name, rng.choice((3, 6, 12, 20)), rng.choice((0.0, 0.02, 0.1)))
+            text = grammar.program(
+                rng, name, rng.choice((3, 6, 12, 20)), rng.choice((0.0, 0.02, 0.1))
+            )
         else:
             base = rng.choice(self.pool)
             name = base.dialect if rng.random() < 0.85 else rng.choice(grammar.every())
@@ -129,7 +131,9 @@ def seeds() -> Iterator[tuple[bytes, str]]:
     for folder, names in FOLDERS.items():
         if not folder.is_dir():
             continue
-        for i, path in enumerate(sorted(p for p in folder.rglob("*") if p.is_file() and p.suffix.lower() in ENDINGS)):
+        for i, path in enumerate(
+            sorted(p for p in folder.rglob("*") if p.is_file() and p.suffix.lower() in ENDINGS)
+        ):
             yield path.read_bytes()[:LONGEST], names[i % len(names)]
     for k, name in enumerate(grammar.every()):
         yield grammar.program(random.Random(k), name, 15, 0.0), name
@@ -140,7 +144,9 @@ ENDINGS = (".nc", ".ngc", ".mpf", ".spf", ".gcode", ".tap", ".cnc", ".h", ".arc"
 
 def changed(rng: random.Random, text: bytes, other: bytes) -> bytes:
     """The text after one change, or a few."""
-    if len(text) > 200 and rng.random() < 0.5:  # a window of lines: short programs come further in a second
+    if (
+        len(text) > 200 and rng.random() < 0.5
+    ):  # a window of lines: short programs come further in a second
         lines = text.split(b"\n")
         first = rng.randrange(len(lines))
         text = b"\n".join(lines[first : first + rng.randint(2, 15)])
@@ -221,11 +227,26 @@ def _number(rng, text, other):
 
 def _insert(rng, text, other):
     pieces = _tokens(text)
-    pieces.insert(rng.randint(0, len(pieces)), rng.choice(WORDS).encode("latin-1") + rng.choice((b"", b" ", b"\n")))
+    pieces.insert(
+        rng.randint(0, len(pieces)),
+        rng.choice(WORDS).encode("latin-1") + rng.choice((b"", b" ", b"\n")),
+    )
     return b"".join(pieces)
 
 
-OPERATORS = (_flip, _any_byte, _splice, _delete, _double, _swap, _lines, _number, _number, _insert, _insert)
+OPERATORS = (
+    _flip,
+    _any_byte,
+    _splice,
+    _delete,
+    _double,
+    _swap,
+    _lines,
+    _number,
+    _number,
+    _insert,
+    _insert,
+)
 
 
 def main() -> None:
@@ -233,10 +254,15 @@ def main() -> None:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else time.time_ns() % 10**9
     fuzzer = run(seed, seconds=seconds)
-    print(f"seed {seed}: {fuzzer.cases} cases, {len(fuzzer.lines)} lines of source, {len(fuzzer.pool)} programs kept")
+    print(
+        f"seed {seed}: {fuzzer.cases} cases, {len(fuzzer.lines)} lines of source, {len(fuzzer.pool)} programs kept"
+    )
     for found in fuzzer.found.values():
         case = laws.smallest(found.case, 30 if found.told.startswith("hang") else 600)
-        print(f"{found.times} x {laws.broken(case) or found.told}\n    {case.options()}\n    {case.text!r}", flush=True)
+        print(
+            f"{found.times} x {laws.broken(case) or found.told}\n    {case.options()}\n    {case.text!r}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -23,7 +23,9 @@ NEW = bool(os.environ.get("GCOMP_FUZZ"))
 SECONDS = float(os.environ.get("GCOMP_FUZZ_SECONDS", 0))
 EXAMPLES = 60 if NEW else 10
 CASES = 1000 if NEW else 120
-PHASES = [phase for phase in Phase if phase not in (Phase.explain, *(() if NEW else (Phase.shrink,)))]
+PHASES = [
+    phase for phase in Phase if phase not in (Phase.explain, *(() if NEW else (Phase.shrink,)))
+]
 
 
 # -- what was found once ---------------------------------------------------------------------------------------------------
@@ -49,7 +51,9 @@ def test_what_was_found_keeps_the_laws(case, still_open):
 def waiting() -> frozenset[str]:
     """Kinds of broken laws that wait to be mended: the other tests pass them by."""
     told = [laws.kind(laws.broken(p.values[0], 2)) for p in found() if p.values[1]]
-    told = [kind for kind in told if kind and not kind.startswith("verifier")]  # these have nothing of their own in it
+    told = [
+        kind for kind in told if kind and not kind.startswith("verifier")
+    ]  # these have nothing of their own in it
     return frozenset(kind.split(":")[0] if kind.startswith("hang") else kind for kind in told)
 
 
@@ -58,12 +62,16 @@ def wrong(told: str) -> bool:
     return bool(told) and kind not in waiting() and kind.split(":")[0] not in waiting()
 
 
-@pytest.mark.parametrize("name, code", [("fanuc-mill", b"G54.1 P1"), ("haas", b"G154 P1"), ("fanuc-lathe", b"G54 P1")])
+@pytest.mark.parametrize(
+    "name, code", [("fanuc-mill", b"G54.1 P1"), ("haas", b"G154 P1"), ("fanuc-lathe", b"G54 P1")]
+)
 def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
     """No law sees this: the Verifier reads the output as the filter reads the input."""
     filter_ = laws.filter_of(laws.Case(b"", name))
     text = b"G0 X10. Z0.\n" + code + b"\nG0 X10. Z0.\nG54\nG0 X10. Z0.\n"
-    motions, _, _ = filter_.interpreter.run(lex(text, filter_.dialect.grammar), filter_.interpreter.initial())
+    motions, _, _ = filter_.interpreter.run(
+        lex(text, filter_.dialect.grammar), filter_.interpreter.initial()
+    )
     before, other, after = motions.target.T.tolist()
     assert before != other and before == after
 
@@ -80,7 +88,9 @@ def cases(draw, name: str) -> laws.Case:
 
 @pytest.mark.parametrize("name", grammar.every())
 @given(data=st.data())
-@settings(deadline=None, max_examples=EXAMPLES, phases=PHASES, suppress_health_check=list(HealthCheck))
+@settings(
+    deadline=None, max_examples=EXAMPLES, phases=PHASES, suppress_health_check=list(HealthCheck)
+)
 def test_programs_keep_the_laws(name, data):
     case = data.draw(cases(name))
     told = laws.broken(case)
@@ -149,7 +159,9 @@ def test_long_and_deep_ones_end_in_time_and_memory(what):
     if not child:
         os._exit(_measure(laws.Case(text, name, expand=expand)))
     _, status = os.waitpid(child, 0)
-    assert os.waitstatus_to_exitcode(status) == 0, RESULTS.get(os.waitstatus_to_exitcode(status), "it died")
+    assert os.waitstatus_to_exitcode(status) == 0, RESULTS.get(
+        os.waitstatus_to_exitcode(status), "it died"
+    )
 
 
 RESULTS = {0: "well", 1: "something else than a ProgramError", 2: "too much memory", 3: "too long"}
@@ -167,4 +179,6 @@ def _measure(case: laws.Case) -> int:
         return 3
     except BaseException:
         return 1
-    return 2 if resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before > MOST_MEMORY * 1024 else 0
+    return (
+        2 if resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before > MOST_MEMORY * 1024 else 0
+    )

@@ -129,7 +129,9 @@ def test_growth_by_hand(tmp_path, capsys):
     lines = (tmp_path / "b.nc").read_text().splitlines()
     ends = [float(line[1:]) for line in lines if line.startswith("X")]
     first = next(end for end in ends if end > 400)
-    assert first == pytest.approx(500 + 0.0060, abs=1.3e-4 + 5e-5)  # an eighth of the tolerance, half an increment
+    assert first == pytest.approx(
+        500 + 0.0060, abs=1.3e-4 + 5e-5
+    )  # an eighth of the tolerance, half an increment
     assert ends[-1] == pytest.approx(560 - 0.00598, abs=1.3e-4 + 5e-5)
     said = capsys.readouterr().err
     assert "by its own clock the program takes 560 s" in said
@@ -155,11 +157,18 @@ def test_a_log_that_never_changes_is_a_stated_temperature(tmp_path, capsys):
             "G54=X200,Y100,Z100",
         )
         assert gcomp(program, *words, *more) == 0
-        both.append([line for line in (tmp_path / name).read_text().splitlines() if "GCOMP" not in line])
+        both.append(
+            [line for line in (tmp_path / name).read_text().splitlines() if "GCOMP" not in line]
+        )
     one, other = both
     assert len(one) == len(other)
     numbers = [
-        [float(w[1:]) for line in text for w in line.split() if w[0] in "XYZ" and w[1:2] in "-.0123456789"]
+        [
+            float(w[1:])
+            for line in text
+            for w in line.split()
+            if w[0] in "XYZ" and w[1:2] in "-.0123456789"
+        ]
         for text in both
     ]
     assert np.abs(np.subtract(*numbers)).max() <= 2.6e-4
@@ -179,7 +188,9 @@ LOG = ["t_s,T_front_C,T_rear_C,T_work_C"] + [
 TWO = ", sensors = { T_front_C = 0.0, T_rear_C = 600.0 }"
 
 
-def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tolerance(tmp_path, capsys):
+def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tolerance(
+    tmp_path, capsys
+):
     folder = machine(tmp_path, TWO, SPINDLE)
     record = written(tmp_path, *LOG)
     text = ("G21 G90 G54 M3 S8000\nG0 X0 Y0 Z300\n" + PROGRAM + "M2\n").encode()
@@ -190,7 +201,17 @@ def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tole
         got = b"".join(f.feed(text[i : i + size]) for i in range(0, len(text), size)) + f.finish()
         assert got == wanted
     (tmp_path / "a.nc").write_bytes(text)
-    words = ("--machine", folder, "--temperatures", record, "--tolerance", "1um", "--verify", "-o", tmp_path / "b.nc")
+    words = (
+        "--machine",
+        folder,
+        "--temperatures",
+        record,
+        "--tolerance",
+        "1um",
+        "--verify",
+        "-o",
+        tmp_path / "b.nc",
+    )
     assert gcomp(tmp_path / "a.nc", *words) == 0
     said = capsys.readouterr().err
     after = float(said.split("nominal path ")[1].split(" um")[0])
@@ -210,7 +231,9 @@ def test_two_thermometers_are_the_integral_of_a_line(tmp_path):
     q[0] = x
     s = np.maximum(x, 0.0)  # before the first thermometer it is as warm as there
     by_hand = 10e-6 * (4 * (s - 100) - (s**2 - 100**2) / 400 + 4 * np.minimum(x, 0))
-    assert warm.deviation(q, 0 * q)[0] == pytest.approx(by_hand, abs=2e-8 + 10e-6 * (3 / 600) * (620 / 32) ** 2 / 8)
+    assert warm.deviation(q, 0 * q)[0] == pytest.approx(
+        by_hand, abs=2e-8 + 10e-6 * (3 / 600) * (620 / 32) ** 2 / 8
+    )
 
 
 def test_a_spindle_warms_as_the_effect_says():
@@ -226,7 +249,14 @@ def test_a_spindle_warms_as_the_effect_says():
     found, _ = _spun(p, t, rpm, (0.0, 0.0, float(t[0])))
     # The effect lets the turns of a row hold until the next one, the clock those of a motion since the one before.
     turns = np.append(rpm[1:], rpm[-1])
-    state = State({"Z": t * 0}, {"Z": t * 0}, {"Z": (0.0, 1.0)}, time=t, run=t * 0, channels={"spindle_rpm": turns})
+    state = State(
+        {"Z": t * 0},
+        {"Z": t * 0},
+        {"Z": (0.0, 1.0)},
+        time=t,
+        run=t * 0,
+        channels={"spindle_rpm": turns},
+    )
     wanted = effects.deviation(module, state, "Z", **p)[2] / 1e-3
     shift = 3.0 * ((rpm / 12000) ** 2 - (turns / 12000) ** 2)
     assert found == pytest.approx(wanted + shift, abs=1e-9)
@@ -235,11 +265,15 @@ def test_a_spindle_warms_as_the_effect_says():
 def test_the_simulators_own_physics_sees_the_growth_gone(tmp_path, capsys):
     """A spindle that warms the head for 25 min: the simulator, with its planner's times and the effect's own equation, reads 21 um
     along Z before, and after it what grows within one rest of 20 s (0.9 um at first)."""
-    folder = machine(tmp_path, "", SPINDLE.replace("5.0", "-3.0").replace("housing_um = 2.0", "housing_um = 1.0"))
+    folder = machine(
+        tmp_path, "", SPINDLE.replace("5.0", "-3.0").replace("housing_um = 2.0", "housing_um = 1.0")
+    )
     cold = written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20")
     text = ["G21 G90 G54 G94", "M3 S9000", "G0 X100 Y100 Z300"]
     for k in range(40):
-        text += [f"G1 X{100 + (k % 2) * 300} F600", f"G1 Z{300 - k} F600", "G4 P20"] + (["S4000"] if k == 25 else [])
+        text += [f"G1 X{100 + (k % 2) * 300} F600", f"G1 Z{300 - k} F600", "G4 P20"] + (
+            ["S4000"] if k == 25 else []
+        )
     nominal, corrected = tmp_path / "a.nc", tmp_path / "b.nc"
     nominal.write_text("\n".join([*text, "M2"]) + "\n")
     assert gcomp(nominal, "--machine", folder, "--temperatures", cold, "-o", corrected) == 0
@@ -281,7 +315,16 @@ def test_what_is_refused(tmp_path, capsys, rows, words, says):
     program.write_text("G21 G90 G54\nG1 X0 Y0 Z0 F60\nX500\nM2\n")
     folder = machine(tmp_path)
     assert (
-        gcomp(program, "--machine", folder, "--temperatures", written(tmp_path, *rows), "-o", tmp_path / "b", *words)
+        gcomp(
+            program,
+            "--machine",
+            folder,
+            "--temperatures",
+            written(tmp_path, *rows),
+            "-o",
+            tmp_path / "b",
+            *words,
+        )
         == 2
     )
     assert says in capsys.readouterr().err
@@ -338,11 +381,16 @@ def test_pace_and_begin(tmp_path):
 
 def test_notices_say_what_was_taken(tmp_path):
     folder = machine(tmp_path, "", SPINDLE)
-    asked = options(folder, "--temperatures", written(tmp_path, "t_s,T_scale_X_C", "0,20", "9000,21"))
+    asked = options(
+        folder, "--temperatures", written(tmp_path, "t_s,T_scale_X_C", "0,20", "9000,21")
+    )
     notices: list[Notice] = []
     m = read_machine(folder)
     grown, _ = warming.of(asked, replace(m), dialects.load("linuxcnc"), notices)
     told = " ".join(n.message for n in notices)
     assert "scale of X by T_scale_X_C" in told and "spindle_growth of Z by the turns" in told
-    assert "no column for the work: along X it stays at 20 C" in told and "up to 9000 s lie between two rows" in told
+    assert (
+        "no column for the work: along X it stays at 20 C" in told
+        and "up to 9000 s lie between two rows" in told
+    )
     assert grown.growth and not grown.is_zero

@@ -35,12 +35,16 @@ OFFSETS = ("--offset", "G54=X0,Y0,Z-100", "--offset", "H1=Z0")
 
 def install(folder: Path, name: str, *words: str) -> Path:
     """The hook's one file, in a folder of its own."""
-    assert main(["hook", "install", name, "--machine", "studer-s36", "-o", str(folder), *words]) == 0
+    assert (
+        main(["hook", "install", name, "--machine", "studer-s36", "-o", str(folder), *words]) == 0
+    )
     return next(p for p in folder.iterdir() if p.is_file())
 
 
 def called(script: Path, file: Path, *words: str) -> subprocess.CompletedProcess:
-    return subprocess.run([str(script), *words, str(file)], cwd="/", env=FOREIGN, capture_output=True)
+    return subprocess.run(
+        [str(script), *words, str(file)], cwd="/", env=FOREIGN, capture_output=True
+    )
 
 
 @pytest.fixture
@@ -59,7 +63,9 @@ def test_a_script_corrects_the_file_named_last_from_anywhere(tmp_path, expected,
     job.write_bytes(PROGRAM)
     done = called(script, job, "--some-option-of-the-slicer" if name == "folder" else "x")
     assert (done.returncode, job.read_bytes()) == (0, expected), done.stderr
-    assert {p.name for p in tmp_path.iterdir() if p.name.startswith("a job")} == {job.name}  # nothing is left beside it
+    assert {p.name for p in tmp_path.iterdir() if p.name.startswith("a job")} == {
+        job.name
+    }  # nothing is left beside it
     assert done.stdout == b"" and done.stderr == b""
 
 
@@ -100,7 +106,9 @@ def test_linuxcnc_gets_a_filter_and_the_lines_of_its_ini(tmp_path, expected, cap
     assert done.returncode == 2 and b"lies outside" in done.stderr and done.stdout == b""
 
 
-def test_curas_script_corrects_the_layers_and_prints_nothing_that_was_refused(tmp_path, expected, monkeypatch):
+def test_curas_script_corrects_the_layers_and_prints_nothing_that_was_refused(
+    tmp_path, expected, monkeypatch
+):
     script = install(tmp_path / "hooks", "cura")
     text = script.read_text().replace("from ..Script import Script", "Script = object")
     module = types.ModuleType("Gcomp")
@@ -115,7 +123,9 @@ def test_curas_script_corrects_the_layers_and_prints_nothing_that_was_refused(tm
 
 
 @pytest.mark.parametrize("name", hooks.names())
-def test_every_hook_says_where_it_goes_and_names_everything_by_its_whole_path(tmp_path, capfd, name):
+def test_every_hook_says_where_it_goes_and_names_everything_by_its_whole_path(
+    tmp_path, capfd, name
+):
     path = install(tmp_path / "hooks", name)
     said = capfd.readouterr().out
     assert str(path) in said and path.is_absolute()
@@ -126,7 +136,12 @@ def test_every_hook_says_where_it_goes_and_names_everything_by_its_whole_path(tm
     else:
         assert path.stat().st_mode & stat.S_IXUSR
     assert main(["hook", "install", name, "--machine", "studer-s36", "-o", str(path.parent)]) == 2
-    assert main(["hook", "install", name, "--machine", "studer-s36", "-o", str(path.parent), "--force"]) == 0
+    assert (
+        main(
+            ["hook", "install", name, "--machine", "studer-s36", "-o", str(path.parent), "--force"]
+        )
+        == 0
+    )
 
 
 @pytest.mark.parametrize("words, says", [
@@ -161,12 +176,25 @@ def test_prusaslicer_itself_exports_the_corrected_program(tmp_path):
     toml = machine / "machine.toml"
     text = re.sub(r'control\s*=\s*"[^"]*"', 'control = "marlin"', toml.read_text())
     toml.write_text(
-        text.replace("[limits]", "[home]\nX = 0.0\nY = 0.0\nZ = 0.0\n\n[limits]") if "[home]" not in text else text
+        text.replace("[limits]", "[home]\nX = 0.0\nY = 0.0\nZ = 0.0\n\n[limits]")
+        if "[home]" not in text
+        else text
     )
     folder = tmp_path / "hooks"
     assert (
         main(
-            ["hook", "install", "prusaslicer", "--machine", str(machine), "-o", str(folder), "--", "--outside", "clamp"]
+            [
+                "hook",
+                "install",
+                "prusaslicer",
+                "--machine",
+                str(machine),
+                "-o",
+                str(folder),
+                "--",
+                "--outside",
+                "clamp",
+            ]
         )
         == 0
     )
@@ -175,13 +203,22 @@ def test_prusaslicer_itself_exports_the_corrected_program(tmp_path):
     common = [slicer, "--export-gcode", "--gcode-flavor", "marlin2", "--layer-height", "0.2", "--first-layer-height", "0.2",
               "--start-gcode", "G28", "--skirts", "0", "washer.stl", "--output"]  # fmt: skip
     env = {**os.environ, "HOME": str(tmp_path)}
-    plain = subprocess.run([*common, "plain.gcode"], cwd=tmp_path, env=env, capture_output=True, text=True)
+    plain = subprocess.run(
+        [*common, "plain.gcode"], cwd=tmp_path, env=env, capture_output=True, text=True
+    )
     assert plain.returncode == 0, plain.stdout + plain.stderr
     done = subprocess.run(
-        [*common, "done.gcode", "--post-process", str(script)], cwd=tmp_path, env=env, capture_output=True, text=True
+        [*common, "done.gcode", "--post-process", str(script)],
+        cwd=tmp_path,
+        env=env,
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "GCOMP" in (tmp_path / "done.gcode").read_text() and "GCOMP" not in (tmp_path / "plain.gcode").read_text()
+    assert (
+        "GCOMP" in (tmp_path / "done.gcode").read_text()
+        and "GCOMP" not in (tmp_path / "plain.gcode").read_text()
+    )
     assert not list(tmp_path.glob("*.bak"))
 
 
@@ -207,10 +244,17 @@ print("POSTED")
     (tmp_path / "plate.py").write_text(script)
     env = {**os.environ, "HOME": str(tmp_path)}
     done = subprocess.run(
-        ["freecadcmd", str(tmp_path / "plate.py")], cwd=tmp_path, env=env, capture_output=True, text=True
+        ["freecadcmd", str(tmp_path / "plate.py")],
+        cwd=tmp_path,
+        env=env,
+        capture_output=True,
+        text=True,
     )
     assert "POSTED" in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
-    nominal, out = (tmp_path / "linuxcnc.nc").read_text(), (tmp_path / "gcomp_linuxcnc.nc").read_text()
+    nominal, out = (
+        (tmp_path / "linuxcnc.nc").read_text(),
+        (tmp_path / "gcomp_linuxcnc.nc").read_text(),
+    )
     assert "GCOMP" in out and "GCOMP" not in nominal
     assert (
         main(

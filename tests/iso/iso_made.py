@@ -10,7 +10,12 @@ import numpy as np
 from postproc.recordings import Recording
 
 SEED = Path(__file__).parent / "seed"
-TABLES = {"dzz": "6_1_studer_s36_z", "dxz": "6_1_studer_s36_z", "dxx": "6_2_studer_s36_x", "dzx": "6_2_studer_s36_x"}
+TABLES = {
+    "dzz": "6_1_studer_s36_z",
+    "dxz": "6_1_studer_s36_z",
+    "dxx": "6_2_studer_s36_x",
+    "dzx": "6_2_studer_s36_x",
+}
 UM = 1e-3
 
 
@@ -19,7 +24,9 @@ def seed(column):
     with open(SEED / f"table_{TABLES[column]}_axis.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     position = np.array([float(row[next(iter(row))]) for row in rows])
-    return position, np.array([[float(r[f"{column}_{way}_mm"]) for r in rows] for way in ("forward", "reverse")])
+    return position, np.array(
+        [[float(r[f"{column}_{way}_mm"]) for r in rows] for way in ("forward", "reverse")]
+    )
 
 
 def runs_of(position, means, noise=None):
@@ -28,15 +35,27 @@ def runs_of(position, means, noise=None):
     reading = np.repeat(means[:, None, :], n, axis=1) + (0 if noise is None else noise)
     m = len(position)
     approach = np.repeat([1.0, -1.0], n * m)
-    return np.tile(position, 2 * n), approach, reading.ravel(), np.tile(np.repeat(np.arange(1.0, n + 1), m), 2)
+    return (
+        np.tile(position, 2 * n),
+        approach,
+        reading.ravel(),
+        np.tile(np.repeat(np.arange(1.0, n + 1), m), 2),
+    )
 
 
-def targets(moves, reading_um, approach, sensitive, quantity="displacement", run=None, axes="XYZ", **head):
+def targets(
+    moves, reading_um, approach, sensitive, quantity="displacement", run=None, axes="XYZ", **head
+):
     """A recording of targets. moves: positions (N,) by axis, the others stand at 0."""
     count = len(reading_um)
-    columns = {"run": np.ones(count) if run is None else np.asarray(run, float), "t_s": np.arange(count, dtype=float)}
+    columns = {
+        "run": np.ones(count) if run is None else np.asarray(run, float),
+        "t_s": np.arange(count, dtype=float),
+    }
     for x in [*axes, *(m for m in moves if m not in axes)]:
-        columns[f"{x}_{'mm' if x in 'XYZ' else 'deg'}"] = np.asarray(moves.get(x, np.zeros(count)), float)
+        columns[f"{x}_{'mm' if x in 'XYZ' else 'deg'}"] = np.asarray(
+            moves.get(x, np.zeros(count)), float
+        )
         column = approach.get(x) if isinstance(approach, dict) else approach
         columns[f"approach_{x}"] = np.ones(count) if column is None else np.asarray(column, float)
     columns["reading_urad" if quantity == "angle" else "reading_um"] = np.asarray(reading_um, float)
@@ -47,12 +66,16 @@ def targets(moves, reading_um, approach, sensitive, quantity="displacement", run
 def along(letter, position, means_um, sensitive=None, quantity="displacement", **more):
     """A recording of one axis, one run each way; means_um (2, m) approached in + and in -."""
     p, approach, reading, run = runs_of(np.asarray(position, float), np.asarray(means_um, float))
-    return targets({letter: p}, reading, approach, sensitive or {letter: 1.0}, quantity, run, **more)
+    return targets(
+        {letter: p}, reading, approach, sensitive or {letter: 1.0}, quantity, run, **more
+    )
 
 
 def ballbar(circles, radius=100.0, axes="XY", per_turn=720, centre=(0.0, 0.0), **head):
     """A recording of circles: (way, start and turn in degrees, radial(angle, way) in um) each."""
-    parts = {name: [] for name in ("run", "t_s", *(f"{x}_cmd_mm" for x in axes), "radial_um", "sense")}
+    parts = {
+        name: [] for name in ("run", "t_s", *(f"{x}_cmd_mm" for x in axes), "radial_um", "sense")
+    }
     clock = 0.0
     for number, (way, start, turn, radial) in enumerate(circles, 1):
         count = round(per_turn * turn / 360)

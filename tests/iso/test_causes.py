@@ -19,7 +19,9 @@ def circles(off, noise: float = 0.0, seed: int = 0, ways=(1, -1, 1, -1)) -> list
     rng, found = np.random.default_rng(seed), []
     for run, w in enumerate(ways, 1):
         t = w * (np.arange(COUNT) + 0.5) * 2 * np.pi / COUNT
-        radial = off(t, w, -w * np.sign(np.sin(t)), w * np.sign(np.cos(t))) + noise * rng.normal(size=COUNT)
+        radial = off(t, w, -w * np.sign(np.sin(t)), w * np.sign(np.cos(t))) + noise * rng.normal(
+            size=COUNT
+        )
         found.append(trace(run, t, radial, RADIUS))
     return found
 
@@ -46,10 +48,12 @@ def test_what_is_put_in_comes_back_and_the_largest_is_first():
     assert sizes["X and Y follow unlike (servo mismatch)"] == pytest.approx(3.0, abs=1e-6)
     assert sizes["lost motion of X"] == pytest.approx(5.0, abs=1e-6)
     assert sizes["squareness of X and Y"] == pytest.approx(20.0, abs=1e-6)
-    assert found.ranked[0].name.startswith("X and Y follow unlike") and found.ranked[0].range == pytest.approx(
-        0.15, rel=1e-3
-    )
-    assert found.ranked[1].range == pytest.approx(0.005, rel=1e-3)  # from half of it below to half above
+    assert found.ranked[0].name.startswith("X and Y follow unlike") and found.ranked[
+        0
+    ].range == pytest.approx(0.15, rel=1e-3)
+    assert found.ranked[1].range == pytest.approx(
+        0.005, rel=1e-3
+    )  # from half of it below to half above
     assert sum(c.share for c in found.ranked) == pytest.approx(1.0)
     assert found.left < 1e-9 < found.whole
 
@@ -58,7 +62,10 @@ def test_most_of_what_noise_makes_lies_within_its_u():
     inside = []
     for seed in range(40):
         found = causes("XY", circles(lambda t, w, a, b: -b * np.sin(t) * 0.003 / 2, 0.0005, seed))
-        inside += [abs(c.size - (3.0 if c.name == "lost motion of Y" else 0.0)) <= c.U for c in found.ranked]
+        inside += [
+            abs(c.size - (3.0 if c.name == "lost motion of Y" else 0.0)) <= c.U
+            for c in found.ranked
+        ]
     assert 0.90 <= np.mean(inside) <= 0.995
 
 
@@ -87,6 +94,8 @@ def test_the_simulators_lost_motion_is_the_first_cause(tmp_path, capfd):
     assert "what makes it out of round" in capfd.readouterr().out
     first = json.loads(out.read_text())["results"][0]["causes"]["ranked"][0]
     assert (
-        first["name"] == "lost motion of Z" and first["size"] == pytest.approx(7.0, abs=0.4) and first["unit"] == "um"
+        first["name"] == "lost motion of Z"
+        and first["size"] == pytest.approx(7.0, abs=0.4)
+        and first["unit"] == "um"
     )
     assert first["range_um"] == pytest.approx(7.0, abs=0.4) and first["share"] > 0.5

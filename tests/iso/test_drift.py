@@ -11,8 +11,16 @@ from postproc.units import UM, URAD
 
 
 def recording(reading, t, rpm=0.0, letter="Z", name="a.csv", **more) -> Recording:
-    head = {"quantity": "displacement", "sensitive": {letter: 1.0}, "u_um": 0.1} | more.pop("head", {})
-    columns = {"t_s": t, "X_mm": 0 * t, "Z_mm": 0 * t + 5, "reading_um": reading, "spindle_rpm": 0 * t + rpm} | more
+    head = {"quantity": "displacement", "sensitive": {letter: 1.0}, "u_um": 0.1} | more.pop(
+        "head", {}
+    )
+    columns = {
+        "t_s": t,
+        "X_mm": 0 * t,
+        "Z_mm": 0 * t + 5,
+        "reading_um": reading,
+        "spindle_rpm": 0 * t + rpm,
+    } | more
     return Recording("targets", head, columns, name, np.arange(len(t)) + 2)
 
 
@@ -27,7 +35,11 @@ T = np.arange(0.0, 24 * 3600 + 1, 60.0)
 
 def test_a_day_of_the_room_by_hand():
     """4 um of cosine over 24 h: range 8 um; in its worst hour, around the steepest place, 8 sin(pi / 24) = 1.044 um."""
-    (result,) = of(recording(4 * np.cos(2 * np.pi * T / 86400), T, T_air_C=20 + 0.5 * np.cos(2 * np.pi * T / 86400)))
+    (result,) = of(
+        recording(
+            4 * np.cos(2 * np.pi * T / 86400), T, T_air_C=20 + 0.5 * np.cos(2 * np.pi * T / 86400)
+        )
+    )
     assert result.test == "ETVE" and result.standard == "ISO 230-3" and result.subject == "ETVE_Z"
     assert result["ETVE_Z"].value == pytest.approx(8 * UM, rel=1e-6)
     assert result["ETVE_Z,1h"].value == pytest.approx(8 * np.sin(np.pi / 24) * UM, rel=1e-4)

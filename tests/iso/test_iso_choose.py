@@ -50,7 +50,10 @@ def diagonal(signs, axes="XYZ", sense=1.0, scale=0.0, lost=0.0):
     for x, sign in zip(axes, signs, strict=True):
         moves[x] = ends[x] * (t if sign == "P" else 1 - t)
         ways[x] = approach * (1 if sign == "P" else -1)
-    unit = {x: sense * (1 if s == "P" else -1) * ends[x] / length for x, s in zip(axes, signs, strict=True)}
+    unit = {
+        x: sense * (1 if s == "P" else -1) * ends[x] / length
+        for x, s in zip(axes, signs, strict=True)
+    }
     return targets(moves, sense * reading, ways, unit, run=run)
 
 
@@ -59,14 +62,19 @@ def test_diagonals_by_their_signs_and_the_largest_of_each():
     assert found[:4] == [("diagonal", "PPP of XYZ"), ("diagonal", "NPP of XYZ"), ("diagonal", "PNP of XYZ"), ("diagonal", "NNP of XYZ")]  # fmt: skip
     # length sqrt(300^2 + 200^2 + 100^2) = 374.17 mm; E of NPP = 30e-6 * 374.17 + 2 um = 13.22; of PNP 7.48 + 5 = 12.48.
     assert found[4] == ("diagonals", "XYZ diagonals")
-    assert results[4]["Ed"].value / UM == pytest.approx(13.225, abs=1e-3) and results[4]["Ed"].at == "NPP"
+    assert (
+        results[4]["Ed"].value / UM == pytest.approx(13.225, abs=1e-3)
+        and results[4]["Ed"].at == "NPP"
+    )
     assert results[4]["Bd"].value / UM == pytest.approx(5) and results[4]["Bd"].at == "PNP"
     assert any("can not separate scale from squareness" in n for n in results[4].notices)
     assert not any("measured," in n for n in results[4].notices)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.parametrize(("signs", "name"), [("PP", "PP"), ("NP", "NP"), ("PN", "NP"), ("NN", "PP")])
+@pytest.mark.parametrize(
+    ("signs", "name"), [("PP", "PP"), ("NP", "NP"), ("PN", "NP"), ("NN", "PP")]
+)
 def test_a_diagonal_is_the_same_from_both_ends_and_with_either_sign(signs, name, sense):
     found, results, _ = kinds(diagonal(signs, "XZ", sense, scale=100, lost=3))
     assert found[0] == ("diagonal", f"{name} of XZ")
@@ -88,7 +96,9 @@ def test_an_axis_at_several_places_is_as_many_results():
     one, two = (along("Z", LINE, np.full((2, 9), v)) for v in (1.0, 2.0))
     columns = {n: np.concatenate([c, two.columns[n]]) for n, c in one.columns.items()}
     columns["X_mm"][len(one) :] = 120.0
-    both = Recording("targets", one.head, columns, "made.csv", np.arange(2, len(columns["X_mm"]) + 2))
+    both = Recording(
+        "targets", one.head, columns, "made.csv", np.arange(2, len(columns["X_mm"]) + 2)
+    )
     found, results, _ = kinds(both)
     assert found == [("positioning", "EZZ")] * 2
     assert [r.subject for r in results] == ["EZZ, X 0, Y 0", "EZZ, X 120, Y 0"]
@@ -116,10 +126,19 @@ def scattered(recording):
     ("change", "message"),
     [
         (lambda r: r.columns.update(X_mm=np.zeros(len(r))), "no axis moves"),
-        (lambda r: r.columns.update(approach_X=np.zeros(len(r))), "direction of approach is not recorded: approach_X"),
+        (
+            lambda r: r.columns.update(approach_X=np.zeros(len(r))),
+            "direction of approach is not recorded: approach_X",
+        ),
         (lambda r: r.columns.pop("approach_X"), "direction of approach is not recorded"),
-        (lambda r: r.head.update(sensitive={"X": 0.6, "Y": 0.8}), "neither along the motion nor across it"),
-        (lambda r: r.head.update(quantity="straightness"), "neither along the motion nor across it"),
+        (
+            lambda r: r.head.update(sensitive={"X": 0.6, "Y": 0.8}),
+            "neither along the motion nor across it",
+        ),
+        (
+            lambda r: r.head.update(quantity="straightness"),
+            "neither along the motion nor across it",
+        ),
         (scattered, "neither alone nor along one straight line"),
     ],
 )
@@ -170,7 +189,12 @@ def test_every_practice_recording_has_its_test():
         seen |= {r.test for r in results}
         for result in results:
             values = [p.value for p in result.parameters]
-            assert any(v is not None for v in values) and all(v is None or np.isfinite(v) for v in values)
+            assert any(v is not None for v in values) and all(
+                v is None or np.isfinite(v) for v in values
+            )
             if result.test == "circle":
-                assert result["H"].value < 100 * UM and result["Gxy" if "XY" in result.subject else "Gxz"].value > 0
+                assert (
+                    result["H"].value < 100 * UM
+                    and result["Gxy" if "XY" in result.subject else "Gxz"].value > 0
+                )
     assert seen == {"positioning", "straightness", "diagonal", "diagonals", "circle"}

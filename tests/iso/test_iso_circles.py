@@ -37,7 +37,9 @@ def test_squareness_and_scale_mismatch():
 def test_mean_scale_is_d_alone():
     # both scales 30 um/m long: r grows by 3 um everywhere.
     found, _ = values(both_ways(lambda t, way: 3.0))
-    is_near(found, {"Gxy": 0, "G(b)": 0, "H": 0, "D": 3, "Fxy max": 3, "Fxy min": 3, "Fxy max c": 3})
+    is_near(
+        found, {"Gxy": 0, "G(b)": 0, "H": 0, "D": 3, "Fxy max": 3, "Fxy min": 3, "Fxy max c": 3}
+    )
 
 
 def test_backlash_steps_at_the_quadrants():
@@ -45,11 +47,17 @@ def test_backlash_steps_at_the_quadrants():
     b = 6.0
 
     def radial(t, way):
-        return way * b / 2 * np.sign(np.sin(t + way * 1e-6)) * np.cos(t)  # just after 0 and 180 degrees it has turned
+        return (
+            way * b / 2 * np.sign(np.sin(t + way * 1e-6)) * np.cos(t)
+        )  # just after 0 and 180 degrees it has turned
 
     found, result = values(both_ways(radial, per_turn=3600))
     # each sense: +b/2 and -b/2 on either side of the step; between the senses b at the steps.
-    is_near(found, {"Gxy": 6, "Gyx": 6, "G(b)": 6, "H": 6, "D": 0, "Fxy max": 3, "Fxy min": -3}, within=0.02)
+    is_near(
+        found,
+        {"Gxy": 6, "Gyx": 6, "G(b)": 6, "H": 6, "D": 0, "Fxy max": 3, "Fxy min": -3},
+        within=0.02,
+    )
     at = float(result["H"].at.split()[1])
     assert min(abs(at % 180), 180 - at % 180) < 1
 
@@ -72,7 +80,10 @@ def test_a_centre_beside_the_machine_s_is_in_f_alone():
 def test_the_senses_apart_are_hysteresis_and_in_the_two_way_deviation():
     # one sense 2 um larger everywhere: each is a circle; about one centre their zone is 2; D is the mean of 0 and 2.
     found, _ = values(both_ways(lambda t, way: 1.0 + way))
-    is_near(found, {"Gxy": 0, "Gyx": 0, "G(b)": 2, "G(b) mz": 2, "H": 2, "D": 1, "Fxy max": 2, "Fyx max": 0})
+    is_near(
+        found,
+        {"Gxy": 0, "Gyx": 0, "G(b)": 2, "G(b) mz": 2, "H": 2, "D": 1, "Fxy max": 2, "Fyx max": 0},
+    )
 
 
 def test_senses_are_named_by_the_way_they_turn():
@@ -99,7 +110,9 @@ def test_overshoot_is_taken_off_by_angle():
 
 
 def test_an_arc_is_no_circle():
-    found, result = values(ballbar([(1, 0, 220, lambda t, w: 1.0), (-1, 220, 220, lambda t, w: -1.0)]))
+    found, result = values(
+        ballbar([(1, 0, 220, lambda t, w: 1.0), (-1, 220, 220, lambda t, w: -1.0)])
+    )
     is_near(found, {"Gxy": None, "Gxy mz": None, "G(b)": None, "D": None, "Fxy max c": None, "H": 2, "Fxy max": 1, "Fyx min": -1})  # fmt: skip
     assert any("220 degrees is no full circle" in n for n in result.notices)
 
@@ -146,8 +159,12 @@ def test_minimum_zone_circle_against_every_ring(seed):
     generator = np.random.default_rng(seed)
     count = int(generator.integers(5, 9))
     angle = np.arange(count) * 2 * np.pi / count + generator.uniform(-0.3, 0.3, count)
-    radius = 5.0 + 0.02 * generator.normal(size=count)  # large deviations, so that a linear fit alone would be off
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1) + generator.uniform(-0.05, 0.05, 2)
+    radius = 5.0 + 0.02 * generator.normal(
+        size=count
+    )  # large deviations, so that a linear fit alone would be off
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1) + generator.uniform(
+        -0.05, 0.05, 2
+    )
     found = minimum_zone(points, 5.0)
     assert found.zone == pytest.approx(brute_annulus(points), abs=1e-9)
     assert found.zone <= least_squares(points, 5.0).zone + 1e-12
@@ -164,14 +181,21 @@ def test_least_squares_circle_is_stationary():
 
     best = squares(found.centre, found.radius)
     for step in (1e-4, -1e-4):
-        assert squares(found.centre + [step, 0], found.radius) > best < squares(found.centre + [0, step], found.radius)
+        assert (
+            squares(found.centre + [step, 0], found.radius)
+            > best
+            < squares(found.centre + [0, step], found.radius)
+        )
         assert squares(found.centre, found.radius + step) > best
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda r: r.head.update(radius_mm=50.0), "100.000 mm from the centre, the radius is 50 mm"),
+        (
+            lambda r: r.head.update(radius_mm=50.0),
+            "100.000 mm from the centre, the radius is 50 mm",
+        ),
         (lambda r: r.head.update(centre={"X": 0.0}), "the centre names X"),
         (lambda r: r.columns.update(sense=np.ones(len(r))), "turns the other way"),
     ],
@@ -202,5 +226,11 @@ def test_terms_of_a_circle_by_hand():
     budget = Stated(device=0.2 * UM, alpha=11.5e-6, u_temperature=0.5, drift=1.2 * UM)
     (result,), _ = choose.results([both_ways(lambda t, way: np.cos(2 * t))], Options(budget=budget))
     # G: 2 sqrt((1.414 * 0.2)^2 + (1.2 / 3.464)^2) = 0.894; D, F: 2 sqrt(0.2^2 + 0.3464^2 + (11.5e-6 * 100 mm * 0.5 K = 0.575 um)^2) = 1.401.
-    for name, u in (("Gxy", 0.894), ("G(b)", 0.894), ("H", 0.894), ("D", 1.401), ("Fxy max", 1.401)):
+    for name, u in (
+        ("Gxy", 0.894),
+        ("G(b)", 0.894),
+        ("H", 0.894),
+        ("D", 1.401),
+        ("Fxy max", 1.401),
+    ):
         assert result[name].U / UM == pytest.approx(u, abs=1e-3), name

@@ -38,11 +38,18 @@ def test_table_of_an_axis(written, z_axis, capsys):
     lines = out.splitlines()
     assert lines[0] == "ISO 230-2  positioning  EZZ, X 0"
     assert lines[2].strip() == "Z moves, displacement is read along it"
-    row = {line.split()[0]: line.split() for line in lines if line.startswith("  ") and len(line.split()) > 3}
+    row = {
+        line.split()[0]: line.split()
+        for line in lines
+        if line.startswith("  ") and len(line.split()) > 3
+    }
     # E 11.6 by the design notes; U = 2 * 1 / (2 sqrt 3) = 0.58; nothing comes from the single runs.
     assert row["E"][1:4] == ["11.60", "0.58", "-"]
     assert row["M"][1] == "9.55" and row["A"][1:4] == ["-", "-", "-"]
-    assert "note: error with the period 10 mm (the lead of 10 mm): invisible: all targets lie at the same phase" in out
+    assert (
+        "note: error with the period 10 mm (the lead of 10 mm): invisible: all targets lie at the same phase"
+        in out
+    )
     assert "note: one run: s, R and A are not defined" in out
     assert "device, misalignment, temperature, expansion" in out
 
@@ -53,8 +60,15 @@ def test_json_has_null_where_nothing_is_defined(written, z_axis, tmp_path, capfd
     data = json.loads(path.read_text())
     assert data["format"] == "gcomp-iso/1" and data["left_out"] == []
     (result,) = data["results"]
-    assert (result["test"], result["standard"], result["unit"]) == ("positioning", "ISO 230-2", "um")
-    assert result["parameters"]["E"]["value"] == pytest.approx(11.6) and result["parameters"]["E"]["U"] is None
+    assert (result["test"], result["standard"], result["unit"]) == (
+        "positioning",
+        "ISO 230-2",
+        "um",
+    )
+    assert (
+        result["parameters"]["E"]["value"] == pytest.approx(11.6)
+        and result["parameters"]["E"]["U"] is None
+    )
     assert result["parameters"]["R"]["value"] is None and result["columns"]["s + um"] == [None] * 18
     assert result["columns"]["target"] == list(range(0, 511, 30))
     capfd.readouterr()
@@ -68,7 +82,19 @@ def test_squareness_and_circles_are_printed(written, capsys):
     one = along("X", x, np.tile(0.01 * x, (2, 1)), {"Y": 1.0}, "straightness")
     two = along("Y", x, np.tile(-0.05 * x, (2, 1)), {"X": 1.0}, "straightness")
     ball = both_ways(lambda t, w: 2.5 * np.sin(2 * t))
-    assert main(["iso", written(one, "1.csv"), written(two, "2.csv"), written(ball, "3.csv"), "--u-square", "2"]) == 0
+    assert (
+        main(
+            [
+                "iso",
+                written(one, "1.csv"),
+                written(two, "2.csv"),
+                written(ball, "3.csv"),
+                "--u-square",
+                "2",
+            ]
+        )
+        == 0
+    )
     out = capsys.readouterr().out
     assert "ISO 230-1  squareness  C0Y" in out and "90 degrees +40.0 urad" in out
     assert "ISO 230-4  circle  XY, radius 100 mm" in out and "one sense" not in out
@@ -89,7 +115,15 @@ def test_a_figure_holds_what_the_table_says(written, z_axis, tmp_path, capsys, m
     matplotlib = pytest.importorskip("matplotlib")
     monkeypatch.setitem(matplotlib.rcParams, "svg.fonttype", "none")
     path = tmp_path / "out.svg"
-    main(["iso", written(z_axis), written(both_ways(lambda t, w: 2.5 * np.sin(2 * t)), "b.csv"), "--figure", str(path)])
+    main(
+        [
+            "iso",
+            written(z_axis),
+            written(both_ways(lambda t, w: 2.5 * np.sin(2 * t)), "b.csv"),
+            "--figure",
+            str(path),
+        ]
+    )
     drawn = path.read_text()
     for text in (
         "EZZ, X 0",
@@ -108,7 +142,12 @@ def test_figures_of_one_direction_and_of_other_kinds(written, tmp_path, capsys):
     pytest.importorskip("matplotlib")
     x = np.arange(0.0, 401, 50)
     kinds = {
-        "up": targets({"X": np.tile(x, 3)}, np.random.default_rng(1).normal(size=27), 1.0 * np.ones(27), {"X": 1.0}),
+        "up": targets(
+            {"X": np.tile(x, 3)},
+            np.random.default_rng(1).normal(size=27),
+            1.0 * np.ones(27),
+            {"X": 1.0},
+        ),
         "straight": along("X", x, np.sin(np.stack([x, x])), {"Y": 1.0}, "straightness"),
         "angle": along("X", x, np.stack([x, x]), {"Z": 1.0}, "angle"),
         "rotary": along("C", x[:7], np.stack([x[:7], x[:7]]), {"C": 1.0}, "angle"),
@@ -137,7 +176,9 @@ def test_bad_options_are_one_sentence(written, z_axis, capsys, words, message):
     assert message in capsys.readouterr().err
 
 
-def test_one_name_for_two_outputs_is_refused_before_anything_is_written(written, z_axis, tmp_path, capsys):
+def test_one_name_for_two_outputs_is_refused_before_anything_is_written(
+    written, z_axis, tmp_path, capsys
+):
     pytest.importorskip("matplotlib")
     name = str(tmp_path / "out.svg")
     assert main(["iso", written(z_axis), "--figure", name, "--json", name]) == 2
@@ -159,14 +200,23 @@ def test_a_set_without_a_figure_is_refused(written, capsys):
 
 
 @pytest.mark.parametrize(
-    ("noise_um", "digits"), [(3.0, 1), (1.0, 1), (0.99, 2), (0.3, 2), (0.05, 3), (30.0, 0), (0.0, 4)]
+    ("noise_um", "digits"),
+    [(3.0, 1), (1.0, 1), (0.99, 2), (0.3, 2), (0.05, 3), (30.0, 0), (0.0, 4)],
 )
 def test_one_more_digit_than_the_noise(noise_um, digits):
     result = Result("positioning", "ISO 230-2", "EXX", "", "um", (), (Parameter("E", 1.23456e-3, ""),), noise=noise_um * 1e-3)  # fmt: skip
     assert report.decimals(result) == digits
-    (row,) = [line.split() for line in report.text([result]).splitlines() if line.startswith("  E ")]
+    (row,) = [
+        line.split() for line in report.text([result]).splitlines() if line.startswith("  E ")
+    ]
     assert row[1] == f"{1.23456:.{digits}f}"
 
 
 def test_numbers_have_no_negative_zero():
-    assert [report.number(v, 1) for v in (-0.04, 0.0, None, float("nan"), -0.06)] == ["0.0", "0.0", "-", "-", "-0.1"]
+    assert [report.number(v, 1) for v in (-0.04, 0.0, None, float("nan"), -0.06)] == [
+        "0.0",
+        "0.0",
+        "-",
+        "-",
+        "-0.1",
+    ]

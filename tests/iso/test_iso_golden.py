@@ -19,7 +19,9 @@ GOLDEN = {  # um, means only
 @pytest.mark.parametrize(("column", "name"), [(c, n) for c, row in GOLDEN.items() for n in row])
 def test_means_of_the_seed(column, name):
     position, means = seed(column)
-    assert evaluate(*runs_of(position, means)).values[name] == pytest.approx(GOLDEN[column][name] * UM, abs=0.05 * UM)
+    assert evaluate(*runs_of(position, means)).values[name] == pytest.approx(
+        GOLDEN[column][name] * UM, abs=0.05 * UM
+    )
 
 
 @pytest.mark.parametrize("column", GOLDEN)

@@ -23,7 +23,9 @@ def test_lines_by_hand():
     y = np.array([0, 3, 1, 3, 4.0])
     # end-point: slope 4/400 = 0.01; deviations 0 2 -1 0 0: error 3.
     line = reference("end-point", X, y)
-    assert line.slope == pytest.approx(0.01) and straightness_error("end-point", X, y) == pytest.approx(3)
+    assert line.slope == pytest.approx(0.01) and straightness_error(
+        "end-point", X, y
+    ) == pytest.approx(3)
     # least squares: mean 2.2, sum (x-200) y = (0*-200 + 3*-100 + 3*100 + 4*200) = 800, / 100000 = 0.008;
     # line 0.6 1.4 2.2 3.0 3.8; deviations -0.6 1.6 -1.2 0 0.2: error 2.8.
     line = reference("least-squares", X, y)
@@ -32,7 +34,9 @@ def test_lines_by_hand():
     # minimum zone: parallel to the chord 0 (0,0) - 200 (200,1), slope 0.005: y - 0.005 x = 0 2.5 0 1.5 2: width 2.5;
     # parallel to 100 (100,3) - 400 (400,4), slope 1/300: 0 2.667 0.333 2 2.667: 2.667. The first is the narrower.
     line = reference("minimum-zone", X, y)
-    assert line.slope == pytest.approx(0.005) and straightness_error("minimum-zone", X, y) == pytest.approx(2.5)
+    assert line.slope == pytest.approx(0.005) and straightness_error(
+        "minimum-zone", X, y
+    ) == pytest.approx(2.5)
     assert float(line.value(0.0)) == pytest.approx(1.25)
 
 
@@ -51,7 +55,9 @@ def test_minimum_zone_line_against_every_pair(seed):
     generator = np.random.default_rng(seed)
     m = int(generator.integers(2, 12))
     x = np.sort(generator.choice(500, m, replace=False)).astype(float)
-    y = np.round(generator.normal(size=m), int(generator.integers(0, 4)))  # few digits: points that coincide and tie
+    y = np.round(
+        generator.normal(size=m), int(generator.integers(0, 4))
+    )  # few digits: points that coincide and tie
     assert straightness_error("minimum-zone", x, y) == pytest.approx(brute_line(x, y), abs=1e-11)
 
 
@@ -65,7 +71,9 @@ def test_no_line_has_a_narrower_zone_and_tilt_plays_no_part(seed):
     for kind in LINES:
         assert straightness_error(kind, x, y + 3 + 0.02 * x) == pytest.approx(zone[kind], abs=1e-11)
         assert straightness_error(kind, x, -2 * y) == pytest.approx(2 * zone[kind])
-        assert reference(kind, x, y + 3 + 0.02 * x).slope == pytest.approx(reference(kind, x, y).slope + 0.02)
+        assert reference(kind, x, y + 3 + 0.02 * x).slope == pytest.approx(
+            reference(kind, x, y).slope + 0.02
+        )
 
 
 def test_least_squares_need_not_be_narrower_than_the_end_points():
@@ -113,7 +121,9 @@ def test_straightness_of_each_direction_about_its_own_line():
     found = straightness.evaluate("end-point", test)
     assert {n: v / UM for n, v in found.errors.items()} == pytest.approx({"straightness": 0, "straightness +": 2, "straightness -": 2})  # fmt: skip
     assert found.lines["straightness -"].slope == pytest.approx(10 * URAD)
-    one_way = straightness.evaluate("end-point", evaluate(*(c[:3] for c in runs_of(X[:3], np.stack([up, down])))))
+    one_way = straightness.evaluate(
+        "end-point", evaluate(*(c[:3] for c in runs_of(X[:3], np.stack([up, down]))))
+    )
     assert one_way.errors["straightness"] is None and one_way.best == "straightness +"
 
 
@@ -121,7 +131,9 @@ def two_runs(first, second, lean_first, lean_second, sign=1.0):
     """Straightness of both axes of a pair, in um, on one square; leans in urad: deviation per motion."""
     x = np.arange(0, 401, 50.0)
     one = along(first, x, np.tile(lean_first * x * 1e-3, (2, 1)), {second: 1.0}, "straightness")
-    two = along(second, x, np.tile(sign * lean_second * x * 1e-3, (2, 1)), {first: sign}, "straightness")
+    two = along(
+        second, x, np.tile(sign * lean_second * x * 1e-3, (2, 1)), {first: sign}, "straightness"
+    )
     return one, two
 
 
@@ -135,7 +147,9 @@ def two_runs(first, second, lean_first, lean_second, sign=1.0):
 def test_signs_of_squareness(kind, pair, name, expected):
     """C0Y = +S (Y leans to -X), A0Z = +S (Z leans to -Y), B0Z = -S; S > 0: the angle is larger than 90 degrees."""
     for first, second, lean_first, lean_second in ((*pair, 0, -30), (*pair, -30, 0), (*pair, 10, -40), (*pair[::-1], -40, 10)):  # fmt: skip
-        found, _ = choose.results(two_runs(first, second, lean_first, lean_second), Options(line=kind))
+        found, _ = choose.results(
+            two_runs(first, second, lean_first, lean_second), Options(line=kind)
+        )
         square = found[-1]
         assert (square.test, square.subject) == ("squareness", name)
         assert square[name].value == pytest.approx(expected * URAD, abs=1e-12)
@@ -155,5 +169,7 @@ def test_squareness_is_the_turn_of_the_second_axis():
 def test_a_reading_towards_minus_counts_the_other_way():
     plain, _ = choose.results(two_runs("X", "Y", 5, -25), Options())
     turned, _ = choose.results(two_runs("X", "Y", 5, -25, sign=-1.0), Options())
-    assert turned[-1]["C0Y"].value == pytest.approx(plain[-1]["C0Y"].value) == pytest.approx(20 * URAD)
+    assert (
+        turned[-1]["C0Y"].value == pytest.approx(plain[-1]["C0Y"].value) == pytest.approx(20 * URAD)
+    )
     assert any("their sign is turned" in n for n in turned[1].notices)

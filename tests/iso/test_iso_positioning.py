@@ -35,7 +35,9 @@ BY_HAND = {
 
 @pytest.mark.parametrize("name", BY_HAND)
 def test_every_parameter_by_hand(name):
-    assert evaluate(POSITION, APPROACH, READING * UM).values[name] == pytest.approx(BY_HAND[name] * UM, abs=1e-12)
+    assert evaluate(POSITION, APPROACH, READING * UM).values[name] == pytest.approx(
+        BY_HAND[name] * UM, abs=1e-12
+    )
 
 
 def test_means_and_s_of_every_target_by_hand():
@@ -56,7 +58,17 @@ def test_repeatability_of_one_direction_can_be_the_larger():
 def test_one_direction_defines_no_two_way_parameter():
     up = APPROACH > 0
     values = evaluate(POSITION[up], APPROACH[up], READING[up]).values
-    assert {n for n, v in values.items() if v is None} == {"E", "E-", "M", "B", "Bm", "R", "R-", "A", "A-"}
+    assert {n for n, v in values.items() if v is None} == {
+        "E",
+        "E-",
+        "M",
+        "B",
+        "Bm",
+        "R",
+        "R-",
+        "A",
+        "A-",
+    }
     assert (values["E+"], values["R+"], values["A+"]) == (4, 8, 10)
 
 
@@ -78,9 +90,13 @@ def test_an_axis_longer_than_two_metres_has_no_scatter():
 
 
 def test_a_lone_reading_at_one_target_leaves_scatter_undefined():
-    values = evaluate(POSITION[1:], APPROACH[1:], READING[1:]).values  # two runs + at 0: still defined
+    values = evaluate(
+        POSITION[1:], APPROACH[1:], READING[1:]
+    ).values  # two runs + at 0: still defined
     assert values["A+"] is not None
-    values = evaluate(np.delete(POSITION, [0, 2]), np.delete(APPROACH, [0, 2]), np.delete(READING, [0, 2])).values
+    values = evaluate(
+        np.delete(POSITION, [0, 2]), np.delete(APPROACH, [0, 2]), np.delete(READING, [0, 2])
+    ).values
     assert values["A+"] is values["A"] is values["R"] is None and values["A-"] == 5
 
 
@@ -134,13 +150,24 @@ def test_turning_the_direction_of_travel_negates_the_reversal(seed):
 def test_parameters_contain_each_other(seed):
     position, approach, reading, _ = drawn(seed)
     v = evaluate(position, approach, reading).values
-    assert v["M"] <= v["E"] + 1e-12 and max(v["E+"], v["E-"]) <= v["E"] + 1e-12 and v["E"] <= v["A"] + 1e-12
-    assert v["B"] <= v["R"] + 1e-12 and abs(v["Bm"]) <= v["B"] + 1e-12 and max(v["A+"], v["A-"]) <= v["A"] + 1e-12
+    assert (
+        v["M"] <= v["E"] + 1e-12
+        and max(v["E+"], v["E-"]) <= v["E"] + 1e-12
+        and v["E"] <= v["A"] + 1e-12
+    )
+    assert (
+        v["B"] <= v["R"] + 1e-12
+        and abs(v["Bm"]) <= v["B"] + 1e-12
+        and max(v["A+"], v["A-"]) <= v["A"] + 1e-12
+    )
 
 
 def test_more_noise_does_not_lower_accuracy_in_expectation():
     generator = np.random.default_rng(2)
-    position, means = np.arange(0, 300, 30.0), np.stack([np.linspace(0, 5, 10), np.linspace(-1, 3, 10)])
+    position, means = (
+        np.arange(0, 300, 30.0),
+        np.stack([np.linspace(0, 5, 10), np.linspace(-1, 3, 10)]),
+    )
     noises = generator.normal(size=(300, 2, 5, 10))
     expected = [np.mean([evaluate(*runs_of(position, means, s * one)).values["A"] for one in noises]) for s in (0, 0.3, 1, 3)]  # fmt: skip
     assert np.all(np.diff(expected) > 0.3)
@@ -151,7 +178,9 @@ def test_lead_that_the_targets_hide():
     assert spacing(equal) == 30
     assert spacing(equal + np.array([0, 3, 1, 0, 7, 2, 4, 1, 9, 0, 0])) is None
     # 30 mm are 3 turns of a 10 mm lead, and 6, 9, 12 of its parts; of a 20 mm lead 1.5, 3, 4.5, 6 turns.
-    assert [(k, words.split(":")[0]) for k, words in aliases(equal, 10)] == [(k, "invisible") for k in (1, 2, 3, 4)]
+    assert [(k, words.split(":")[0]) for k, words in aliases(equal, 10)] == [
+        (k, "invisible") for k in (1, 2, 3, 4)
+    ]
     assert [(k, words.split()[0].strip(":")) for k, words in aliases(equal, 20)] == [(1, "a"), (2, "invisible"), (3, "a"), (4, "invisible")]  # fmt: skip
     # 30 mm in a 25 mm lead are 1.2 turns: it looks like a wave of 30 / 0.2 = 150 mm.
     assert aliases(equal, 25)[0] == (1, "looks like a wave of 150 mm")
@@ -168,11 +197,17 @@ def test_departures_from_the_standard_are_said():
     assert "equidistant, 30 mm apart" in said(few)
     assert "period 10 mm (the lead of 10 mm): invisible" in said(few, leads={"X": 10})
     assert "period" not in said(few, leads={"Z": 7}).replace("errors with a period", "")
-    assert "3 targets on 100 mm: the standard asks for 5" in said(along("X", [0, 40, 100], np.zeros((2, 3))))
-    position, approach, reading, run = runs_of(np.array([0.0, 31, 62, 90, 120]), np.zeros((2, 5)), np.ones((2, 3, 5)))
+    assert "3 targets on 100 mm: the standard asks for 5" in said(
+        along("X", [0, 40, 100], np.zeros((2, 3)))
+    )
+    position, approach, reading, run = runs_of(
+        np.array([0.0, 31, 62, 90, 120]), np.zeros((2, 5)), np.ones((2, 3, 5))
+    )
     assert "n = 3 runs each way, the standard asks for 5" in said(targets({"X": position}, reading, approach, {"X": 1.0}, run=run))  # fmt: skip
     up = approach > 0
-    assert "approached in + only" in said(targets({"X": position[up]}, reading[up], approach[up], {"X": 1.0}))
+    assert "approached in + only" in said(
+        targets({"X": position[up]}, reading[up], approach[up], {"X": 1.0})
+    )
     assert "longer than 2 m" in said(along("X", np.linspace(0, 2500, 11), np.zeros((2, 11))))
     gone = np.delete(np.arange(30), -1)
     whole = targets({"X": position}, reading, approach, {"X": 1.0}).pick(gone)
@@ -182,7 +217,9 @@ def test_departures_from_the_standard_are_said():
 
 
 def test_a_rotary_axis_is_evaluated_in_its_own_units():
-    position, approach, reading, run = runs_of(np.arange(0, 360, 45.0), np.arange(16.0).reshape(2, 8))
+    position, approach, reading, run = runs_of(
+        np.arange(0, 360, 45.0), np.arange(16.0).reshape(2, 8)
+    )
     recording = targets({"C": position}, reading, approach, {"C": 1.0}, "angle", run)
     (result,), _ = choose.results([recording], Options())
     assert (result.test, result.subject.split(",")[0], result.unit) == ("rotary", "ECC", "urad")

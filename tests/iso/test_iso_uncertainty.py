@@ -19,7 +19,9 @@ def test_distributions_against_printed_tables():
     """JCGM 100:2008 table G.2; F(0.05; 3, 10) = 3.708, chi-squared(0.05; 5) = 11.070 of any statistics table."""
     for dof, t in ((1, 13.97), (2, 4.53), (4, 2.87), (10, 2.28), (50, 2.05)):
         assert student(dof) == pytest.approx(t, abs=0.006)
-    assert student(4, 0.95) == pytest.approx(2.776, abs=5e-4) and student(1e9) == pytest.approx(2.0, abs=1e-3)
+    assert student(4, 0.95) == pytest.approx(2.776, abs=5e-4) and student(1e9) == pytest.approx(
+        2.0, abs=1e-3
+    )
     assert f_tail(3.708, 3, 10) == pytest.approx(0.05, abs=5e-5)
     assert chi_squared_tail(11.070, 5) == pytest.approx(0.05, abs=2e-5)
 
@@ -35,7 +37,9 @@ BY_HAND = {  # um, k = 1, over 500 mm
 
 
 def one_run(**options):
-    recording = along("X", np.linspace(0, 500, 11), np.stack([np.arange(11.0), np.arange(11.0) - 1]))
+    recording = along(
+        "X", np.linspace(0, 500, 11), np.stack([np.arange(11.0), np.arange(11.0) - 1])
+    )
     (result,), _ = choose.results([recording], Options(**options))
     return result
 
@@ -75,7 +79,10 @@ def test_lengths_play_no_part_in_straightness_and_angles():
     assert found[2]["C0Y"].U == pytest.approx(10.35e-6, abs=1e-8)
     angle = along("X", [0, 100, 200], np.zeros((2, 3)), {"Z": 1.0}, "angle", u_um=0.4)
     (result,), _ = choose.results([angle], Options(budget=BUDGET))
-    assert (result.subject.split(",")[0], result["E"].U) == ("ECX", pytest.approx(2 * math.sqrt(2) * 0.4e-6))
+    assert (result.subject.split(",")[0], result["E"].U) == (
+        "ECX",
+        pytest.approx(2 * math.sqrt(2) * 0.4e-6),
+    )
 
 
 def test_scatter_with_clear_extremes_is_student_s_t_of_two_means():
@@ -85,7 +92,9 @@ def test_scatter_with_clear_extremes_is_student_s_t_of_two_means():
     test = evaluate(*runs_of(np.array([0.0, 100]), np.array([[0, 90.0], [5, 100.0]]), noise))
     runs = of_positioning(test)
     assert runs["E"] == pytest.approx(1.341, rel=0.05)  # 1000 draws
-    assert runs["E+"] == pytest.approx(1.341, rel=0.05) and runs["B"] == pytest.approx(1.341, rel=0.05)
+    assert runs["E+"] == pytest.approx(1.341, rel=0.05) and runs["B"] == pytest.approx(
+        1.341, rel=0.05
+    )
     # Bm: mean of two differences, u = sqrt(2/5) / sqrt 2 = 0.4472, t(95.45 %, 16) = 2.17: 0.970.
     assert runs["Bm"] == pytest.approx(0.970, abs=2e-3)
     # R+: u(s) = 1 / sqrt 8 = 0.3536; U = 2 * 4 * 0.3536 = 2.828. A: 2 sqrt(2 (1/5 + 4/8)) = 2.366.
@@ -104,7 +113,11 @@ def test_a_cell_that_scatters_more_keeps_a_scatter_of_its_own():
     assert even.pooled and np.ptp(even.u) == 0 and even.dof[0, 0] == 32
     odd = noise_of(np.array([[1, 1, 1, 9.0], [1, 1, 1, 1]]), n)
     # common variance (7 + 81) / 8 = 11; of the odd cell (4 * 81 + 4 * 11) / 8 = 46, of the others (4 + 44) / 8 = 6.
-    assert not odd.pooled and odd.u[0] == pytest.approx(np.sqrt(np.array([6, 6, 6, 46]) / 5)) and odd.dof[0, 0] == 8
+    assert (
+        not odd.pooled
+        and odd.u[0] == pytest.approx(np.sqrt(np.array([6, 6, 6, 46]) / 5))
+        and odd.dof[0, 0] == 8
+    )
     assert noise_of(np.full((2, 4), np.nan), np.ones((2, 4))) is None
 
 
@@ -143,18 +156,29 @@ def test_coverage_of_straightness_and_slope(kind, tests, least):
     truth = straightness.evaluate(kind, evaluate(*runs_of(position, means)))
     generator, hits = np.random.default_rng(1), np.zeros(2)
     for _ in range(tests):
-        test = evaluate(*runs_of(position, means, 0.5 * UM * generator.normal(size=(2, 5, len(position)))))
-        found, runs = straightness.evaluate(kind, test), straightness.from_runs(kind, test, "straightness")
+        test = evaluate(
+            *runs_of(position, means, 0.5 * UM * generator.normal(size=(2, 5, len(position))))
+        )
+        found, runs = (
+            straightness.evaluate(kind, test),
+            straightness.from_runs(kind, test, "straightness"),
+        )
         hits[0] += abs(found.errors["straightness"] - truth.errors["straightness"]) <= runs[0]
-        hits[1] += abs(found.lines["straightness"].slope - truth.lines["straightness"].slope) <= runs[1]
-    assert np.all((hits / tests >= least) & (hits / tests <= (0.975 if tests > 100 else 1.0))), hits / tests
+        hits[1] += (
+            abs(found.lines["straightness"].slope - truth.lines["straightness"].slope) <= runs[1]
+        )
+    assert np.all((hits / tests >= least) & (hits / tests <= (0.975 if tests > 100 else 1.0))), (
+        hits / tests
+    )
 
 
 def test_terms_are_said_with_what_they_act_on():
     position, approach, reading, run = runs_of(np.arange(0, 501, 100.0), np.zeros((2, 6)), np.random.default_rng(1).normal(size=(2, 5, 6)))  # fmt: skip
     (result,), _ = choose.results([targets({"X": position}, reading, approach, {"X": 1.0}, run=run)], Options(budget=BUDGET))  # fmt: skip
     acts = {t.name: t.of for t in result.terms}
-    assert "B" not in acts["device"] and "B" not in acts["temperature"] and {"B", "R"} <= acts["drift"]
+    assert (
+        "B" not in acts["device"] and "B" not in acts["temperature"] and {"B", "R"} <= acts["drift"]
+    )
     for p in result.parameters:
         parts = [(2 * t.u) ** 2 for t in result.terms if p.name in t.of] + [p.runs**2]
         assert p.U == pytest.approx(math.sqrt(sum(parts)))

@@ -61,10 +61,14 @@ def ours(name: str):
     position = np.repeat(at, n)
     reading = np.concatenate([(v - at[:, None]).ravel() for v in (up, down)])
     approach = np.repeat([1.0, -1.0], position.size)
-    return evaluate(np.tile(position, 2), approach, reading, np.tile(np.arange(n) + 1.0, 2 * len(at)))
+    return evaluate(
+        np.tile(position, 2), approach, reading, np.tile(np.arange(n) + 1.0, 2 * len(at))
+    )
 
 
-@pytest.mark.parametrize(("name", "figure"), [(n, f) for n, (printed, _) in PRINTED.items() for f in printed])
+@pytest.mark.parametrize(
+    ("name", "figure"), [(n, f) for n, (printed, _) in PRINTED.items() for f in printed]
+)
 def test_a_figure_is_the_printed_one(name, figure):
     printed, digit = PRINTED[name]
     assert ours(name).values[figure] == pytest.approx(printed[figure], abs=digit)
@@ -82,6 +86,8 @@ def test_what_the_reports_name_otherwise(name):
 def test_deviations_beside_the_printed_ones():
     """All figures of both reports: none differs by more than what is printed tells."""
     worst = max(
-        abs(ours(n).values[f] - v) / digit for n, (printed, digit) in PRINTED.items() for f, v in printed.items()
+        abs(ours(n).values[f] - v) / digit
+        for n, (printed, digit) in PRINTED.items()
+        for f, v in printed.items()
     )
     assert worst <= 1.0

@@ -22,7 +22,11 @@ LENGTH = (0, 1, 2, 6, 7, 8)  # which of them are lengths
 LINE_LENGTH = 252
 SECONDS = 3  # of processor time, for one program
 MEMORY = 2 << 30
-PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}  # name; first, second, normal axis
+PLANES = {
+    1: ("XY", 0, 1, 2),
+    2: ("YZ", 1, 2, 0),
+    3: ("ZX", 2, 0, 1),
+}  # name; first, second, normal axis
 # A fresh interpreter takes its position as zero of the *program*, and a feed of 1 as given. Put the machine at
 # machine zero, as after homing, and take back what that needs: G0 as motion mode, and the feed.
 START = ("G21 G53 G0 X0 Y0 Z0 A0 B0 C0", "G80 F0")
@@ -105,7 +109,11 @@ class Canon:
         centre[first], centre[second] = centre_1 * MM_PER_INCH, centre_2 * MM_PER_INCH
         centre = self.to_machine((*centre, *end[3:]))
         if self.rotation and self.plane != 1 and self.missing is None:
-            self.missing = self.line, "an arc outside XY while the coordinate system is rotated", list(self.motions)
+            self.missing = (
+                self.line,
+                "an arc outside XY while the coordinate system is rotated",
+                list(self.motions),
+            )
         self.moved("arc", end, plane=plane, centre=(centre[first], centre[second]), turns=turns)
 
     def dwell(self, seconds):
@@ -120,7 +128,9 @@ class Canon:
         machine = self.machine
         there = self.to_machine((*millimetres(end), *(0.0,) * (AXES - len(end))))
         for end in (*there[:3], *machine[3:]), machine:
-            self.motions.append({"line": self.line, "kind": "feed", "start": self.machine[:6], "end": end[:6]})
+            self.motions.append(
+                {"line": self.line, "kind": "feed", "start": self.machine[:6], "end": end[:6]}
+            )
             self.machine = end
 
     def user_defined_function(self, *arguments):
@@ -137,7 +147,10 @@ class Canon:
         """G92, then the rotation, then G5x, then the tool: the order of LinuxCNC's own controller."""
         x, y, *others = (p + offset for p, offset in zip(point, self.g92))
         if self.rotation:
-            cosine, sine = math.cos(math.radians(self.rotation)), math.sin(math.radians(self.rotation))
+            cosine, sine = (
+                math.cos(math.radians(self.rotation)),
+                math.sin(math.radians(self.rotation)),
+            )
             x, y = x * cosine - y * sine, x * sine + y * cosine
         return tuple(p + g5x + tool for p, g5x, tool in zip((x, y, *others), self.g5x, self.tool))
 
@@ -146,7 +159,15 @@ class Canon:
         if kind != "dwell":  # an offset change moves nothing: only a motion sets a new position
             self.program, self.machine = end, self.to_machine(end)
         if self.started:
-            self.motions.append({"line": self.line, "kind": kind, "start": start[:6], "end": self.machine[:6], **more})
+            self.motions.append(
+                {
+                    "line": self.line,
+                    "kind": kind,
+                    "start": start[:6],
+                    "end": self.machine[:6],
+                    **more,
+                }
+            )
         self.started = True
 
 
@@ -173,12 +194,17 @@ def attach_tool_table(home, tools, rs274):
     nothing = os.path.join(home, "nothing.ngc")
     with open(nothing, "w") as out:
         out.write("M2\n")
-    subprocess.run([rs274, "-g", "-t", table, nothing], cwd=home, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [rs274, "-g", "-t", table, nothing], cwd=home, check=True, stdout=subprocess.DEVNULL
+    )
     ctypes.CDLL("libtooldata.so.0")["_Z14tool_mmap_userv"]()
 
 
 def uses_tools(text):
-    return re.search(r"(?i)[th]\s*\d|m\s*0*61?\b|g\s*(4[123]|10)|[tmgh]\s*[#[]|#\s*54[01]", text) is not None
+    return (
+        re.search(r"(?i)[th]\s*\d|m\s*0*61?\b|g\s*(4[123]|10)|[tmgh]\s*[#[]|#\s*54[01]", text)
+        is not None
+    )
 
 
 def first_line_too_long(text):
@@ -192,7 +218,9 @@ def run(job, home, rs274):
     with open(program, "w", newline="") as out:
         out.write(job["text"])
     with open(parameters, "w") as out:
-        out.writelines(f"{number} {value!r}\n" for number, value in sorted(job["parameters"].items()))
+        out.writelines(
+            f"{number} {value!r}\n" for number, value in sorted(job["parameters"].items())
+        )
     if first_line_too_long(job["text"]):
         return {"error": "Command too long", "line": 1, "motions": []}
     os.environ["HOME"] = home
@@ -204,7 +232,9 @@ def run(job, home, rs274):
     if canon.missing is not None:
         line, reason, before = canon.missing
         return {"error": f"not covered by the oracle: {reason}", "line": line, "motions": before}
-    if result > gcode.MIN_ERROR:  # canon.line: the line number gcode.parse returns is one too high at times
+    if (
+        result > gcode.MIN_ERROR
+    ):  # canon.line: the line number gcode.parse returns is one too high at times
         return {"error": gcode.strerror(result), "line": canon.line, "motions": canon.motions}
     return {"motions": canon.motions}
 
@@ -227,7 +257,11 @@ def run_in_child(job, home, rs274):
             os._exit(status)  # no clean-up: the interpreter's own destructors are not safe
     _, status = os.waitpid(child, 0)
     if status:
-        return {"error": f"LinuxCNC's interpreter died (wait status {status})", "line": 0, "motions": []}
+        return {
+            "error": f"LinuxCNC's interpreter died (wait status {status})",
+            "line": 0,
+            "motions": [],
+        }
     with open(answer) as source:
         return json.load(source)
 

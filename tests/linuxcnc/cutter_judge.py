@@ -64,7 +64,10 @@ def arc(motion: Motion, step: float) -> np.ndarray:
     t = np.linspace(0, 1, n + 1)
     p = a[:, None] + (b - a)[:, None] * t
     radius = r0 + (r1 - r0) * t
-    p[first], p[second] = c[0] + radius * np.cos(begin + turn * t), c[1] + radius * np.sin(begin + turn * t)
+    p[first], p[second] = (
+        c[0] + radius * np.cos(begin + turn * t),
+        c[1] + radius * np.sin(begin + turn * t),
+    )
     p[:, -1] = b
     return p
 
@@ -93,7 +96,10 @@ def approach(point: np.ndarray) -> np.ndarray:
 def actual(path: Path, machine) -> np.ndarray:
     """(3, N) mm where the tool centre really is."""
     rows = [machine.letters.index(x) for x in "XYZ"]
-    q, s = np.zeros((len(machine.letters), path.point.shape[1])), np.zeros((len(machine.letters), path.point.shape[1]))
+    q, s = (
+        np.zeros((len(machine.letters), path.point.shape[1])),
+        np.zeros((len(machine.letters), path.point.shape[1])),
+    )
     q[rows], s[rows] = path.point, approach(path.point)
     return path.point + machine.deviation(q, s)[rows]
 
@@ -108,7 +114,11 @@ def distances(point: np.ndarray, path: np.ndarray) -> tuple[np.ndarray, np.ndarr
             a, way = path[:, at], path[:, other] - path[:, at]
             length = (way**2).sum(axis=0)
             use = length < (2 * STEP) ** 2  # not across a rapid
-            t = np.where(use & (length > 0), ((point - a) * way).sum(axis=0) / np.where(length > 0, length, 1), 0)
+            t = np.where(
+                use & (length > 0),
+                ((point - a) * way).sum(axis=0) / np.where(length > 0, length, 1),
+                0,
+            )
             best = np.minimum(best, np.linalg.norm(point - a - way * np.clip(t, 0, 1), axis=0))
     return best, near[0]
 
@@ -123,7 +133,10 @@ def missed(nominal: list[Motion], run: list[Motion], machine) -> dict[int, float
     real = actual(made, machine)
     there, near = distances(real, wanted.point)
     back, _ = distances(wanted.point, real)
-    for line, distance in [*zip(wanted.line[near].tolist(), there.tolist()), *zip(wanted.line.tolist(), back.tolist())]:
+    for line, distance in [
+        *zip(wanted.line[near].tolist(), there.tolist()),
+        *zip(wanted.line.tolist(), back.tolist()),
+    ]:
         found[line] = max(found.get(line, 0.0), distance)
     return found
 
@@ -133,13 +146,21 @@ def kinds(text: str) -> dict[int, str]:
     found, state, plane = {}, "free", "XY"
     for number, line in enumerate(text.split("\n"), 1):
         line = re.sub(r"\([^)]*\)|;.*", "", line).upper()
-        plane = "XZ" if re.search(r"G18(?!\d)", line) else "XY" if re.search(r"G17(?!\d)", line) else plane
+        plane = (
+            "XZ"
+            if re.search(r"G18(?!\d)", line)
+            else "XY"
+            if re.search(r"G17(?!\d)", line)
+            else plane
+        )
         if re.search(r"G4[12](?!\d)", line):
             state = "entry"
         if re.search(r"G40(?!\d)", line):
             state = "exit"
         words = set(re.findall(r"[XYZIJK](?=\s*[-+.\d])", line))
-        found[number] = "rest" if state == "inside" and words and not words & {*plane, *"IJK"} else state
+        found[number] = (
+            "rest" if state == "inside" and words and not words & {*plane, *"IJK"} else state
+        )
         if words and not re.search(r"G10(?!\d)|G92", line):
             state = {"entry": "inside", "exit": "free"}.get(state, state)
     return found

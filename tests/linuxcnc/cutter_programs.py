@@ -52,7 +52,9 @@ def polygon(count: int, radius: float) -> list[str]:
     return [f"X{radius * math.cos(t):.4f} Y{radius * math.sin(t):.4f}" for t in turns]
 
 
-def outside(contour: list[str], tool: int, x: float = 0.0, y: float = 0.0, side: str = "G42") -> list[str]:
+def outside(
+    contour: list[str], tool: int, x: float = 0.0, y: float = 0.0, side: str = "G42"
+) -> list[str]:
     """Down beside the contour, straight in, around, straight out."""
     return [
         f"G0 X{x - 30:g} Y{y - 25:g}", "G1 Z-2 F500", f"{side} D{tool} G1 X{x - 15:g} Y{y:g} F800", f"X{x:g}", *contour,
@@ -100,7 +102,10 @@ def made() -> dict[str, tuple[str, dict]]:
         "lathe_nose": ["G18", "G0 X60 Z5", "G42 D6 G1 X20 Z2 F200", "Z-10", "X30 Z-25", "G2 X35 Z-30 I5", "G1 Z-60", "X60", "G40 X80 Z5"],
         "lathe_bore": ["G18", "G0 X10 Z5", "G41 D7 G1 X40 Z3 F200", "Z-20", "X35 Z-30", "Z-50", "X20", "G40 X5 Z-40"],
     }  # fmt: skip
-    return {name: ("\n".join([*HEAD, *lines, "G0 Z20", "M2", ""]), TOOLS) for name, lines in programs.items()}
+    return {
+        name: ("\n".join([*HEAD, *lines, "G0 Z20", "M2", ""]), TOOLS)
+        for name, lines in programs.items()
+    }
 
 
 def stored() -> dict[str, tuple[str, dict]]:
@@ -109,7 +114,9 @@ def stored() -> dict[str, tuple[str, dict]]:
     for path in sorted(oracle.PROGRAMS.glob("cutter_*.ngc")):
         if path.stem not in EXPANDED:
             text, keywords = oracle.load(path)
-            text = text.replace("\n", "\nG0 X0 Y0 Z0\n", 1)  # from where it stands, so that the way in is corrected too
+            text = text.replace(
+                "\n", "\nG0 X0 Y0 Z0\n", 1
+            )  # from where it stands, so that the way in is corrected too
             found[path.stem] = (text, keywords.get("tools", {}))
     return found
 

@@ -9,7 +9,11 @@ from __future__ import annotations
 import math
 import random
 
-TOOLS = {1: {"Z": 10.0, "D": 6.0}, 2: {"Z": 20.5, "X": 5.0, "D": 8.0}, 3: {"X": 1.0, "Y": -2.0, "Z": 3.25}}
+TOOLS = {
+    1: {"Z": 10.0, "D": 6.0},
+    2: {"Z": 20.5, "X": 5.0, "D": 8.0},
+    3: {"X": 1.0, "Y": -2.0, "Z": 3.25},
+}
 PARAMETERS = {
     5161: 5.0,
     5163: 60.0,
@@ -71,7 +75,9 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
     modes = {"inch": False, "incremental": False, "table written": False}
 
     def size(most=50):
-        return round(rng.uniform(-most, most) / (20 if modes["inch"] else 1), 1 if rng.random() < 0.5 else 2)
+        return round(
+            rng.uniform(-most, most) / (20 if modes["inch"] else 1), 1 if rng.random() < 0.5 else 2
+        )
 
     def words(letters="XYZ", least=1):
         chosen = some(rng, letters, least)
@@ -84,12 +90,16 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
         return line(rng, code, *words())
 
     def circle():
-        return line(rng, rng.choice(("G2", "G3")), "G17", rng.choice("IJ") + number(rng, size() or 1.0))
+        return line(
+            rng, rng.choice(("G2", "G3")), "G17", rng.choice("IJ") + number(rng, size() or 1.0)
+        )
 
     def mode():
         choice = rng.randrange(4)
         if choice == 0:
-            modes["inch"] = not modes["inch"]  # G49 first: LinuxCNC forgets to convert a tool length in force
+            modes["inch"] = not modes[
+                "inch"
+            ]  # G49 first: LinuxCNC forgets to convert a tool length in force
             return "G49\n" + line(rng, "G20" if modes["inch"] else "G21")
         if choice == 1:
             return line(rng, rng.choice(("G7", "G8")))
@@ -103,14 +113,20 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
         return line(rng, rng.choice(("G92", "G92", "G52")), *words())
 
     def suspend():
-        return line(rng, rng.choice(("G92.1", "G92.2", "G92.3")), *(words() if rng.random() < 0.3 else ()))
+        return line(
+            rng, rng.choice(("G92.1", "G92.2", "G92.3")), *(words() if rng.random() < 0.3 else ())
+        )
 
     def set_system():
-        return line(rng, "G10", rng.choice(("L2", "L20")), f"P{rng.choice((0, 1, 1, 2, 3, 9))}", *words())
+        return line(
+            rng, "G10", rng.choice(("L2", "L20")), f"P{rng.choice((0, 1, 1, 2, 3, 9))}", *words()
+        )
 
     def set_tool():
         modes["table written"] = True
-        return line(rng, "G10", rng.choice(("L1", "L10", "L11")), f"P{rng.choice(tuple(TOOLS))}", *words())
+        return line(
+            rng, "G10", rng.choice(("L1", "L10", "L11")), f"P{rng.choice(tuple(TOOLS))}", *words()
+        )
 
     def length():
         choice = rng.randrange(6)
@@ -122,7 +138,9 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
             return line(rng, "G49", *(words() if rng.random() < 0.3 else ()))
         if choice == 3:
             return line(rng, "G43", rng.choice(("", "H0")))
-        return line(rng, "G43", f"H{rng.choice(tuple(TOOLS))}", *(words() if rng.random() < 0.3 else ()))
+        return line(
+            rng, "G43", f"H{rng.choice(tuple(TOOLS))}", *(words() if rng.random() < 0.3 else ())
+        )
 
     def change():
         """A motion first: the oracle overlooks at M6 what was changed since the last one, and forgets G10 L1."""
@@ -161,7 +179,13 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
 
 
 def arcs(rng: random.Random, blocks: int) -> list[str]:
-    state = {"plane": "G17", "inch": False, "diameter": False, "incremental": False, "absolute centre": False}
+    state = {
+        "plane": "G17",
+        "inch": False,
+        "diameter": False,
+        "incremental": False,
+        "absolute centre": False,
+    }
     place = {"X": 0.0, "Y": 0.0, "Z": 0.0}  # in the units in force; X a radius
 
     def shown(letter, value, incremental=None):
@@ -193,7 +217,11 @@ def arcs(rng: random.Random, blocks: int) -> list[str]:
             state["absolute centre"] = not state["absolute centre"]
         if rng.random() < 0.5:
             state["plane"] = rng.choice(tuple(PLANES))
-        words += ["G20" if state["inch"] else "G21", "G7" if state["diameter"] else "G8", state["plane"]]
+        words += [
+            "G20" if state["inch"] else "G21",
+            "G7" if state["diameter"] else "G8",
+            state["plane"],
+        ]
         words += ["G90.1" if state["absolute centre"] else "G91.1"]
         for letter in place:
             place[letter] = near(20)
@@ -212,7 +240,9 @@ def arcs(rng: random.Random, blocks: int) -> list[str]:
         """Words of an arc beside its plane: a helix, turns, a rotary axis."""
         words = go({normal: grid(place[normal] + near(5))}) if rng.random() < 0.3 else []
         words += [f"P{rng.randint(1, 4)}"] if rng.random() < 0.2 else []
-        return words + ([rng.choice(ROTARY) + number(rng, rng.randint(-90, 90))] if rng.random() < 0.1 else [])
+        return words + (
+            [rng.choice(ROTARY) + number(rng, rng.randint(-90, 90))] if rng.random() < 0.1 else []
+        )
 
     def centre_arc():
         first, second, normal = PLANES[state["plane"]]
@@ -231,7 +261,13 @@ def arcs(rng: random.Random, blocks: int) -> list[str]:
         ]
         if rng.random() < 0.15:
             end = {}  # a full circle
-        words = go({letter: value for letter, value in end.items() if value != place[letter] or rng.random() < 0.5})
+        words = go(
+            {
+                letter: value
+                for letter, value in end.items()
+                if value != place[letter] or rng.random() < 0.5
+            }
+        )
         if end and not words:
             words = go(end)
         return [line(rng, rng.choice(("G2", "G3")), *words, *centre, *extra(normal))]
@@ -249,7 +285,13 @@ def arcs(rng: random.Random, blocks: int) -> list[str]:
 
     def straight():
         letters = some(rng, "XYZ")
-        return [line(rng, rng.choice(("G0", "G1")), *go({i: grid(place[i] + near(10), 4) for i in letters}))]
+        return [
+            line(
+                rng,
+                rng.choice(("G0", "G1")),
+                *go({i: grid(place[i] + near(10), 4) for i in letters}),
+            )
+        ]
 
     lines = ["F300", *modes()]
     while len(lines) < blocks:
@@ -270,11 +312,18 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
         """A start, a cycle, more holes, its end."""
         level = size(5, 20)
         lines = [
-            line(rng, "G90 G0", depth + number(rng, level * factor[depth]), across[0] + number(rng, size(-20, 20)))
+            line(
+                rng,
+                "G90 G0",
+                depth + number(rng, level * factor[depth]),
+                across[0] + number(rng, size(-20, 20)),
+            )
         ]
         incremental = rng.random() < 0.35
         codes = ("G73", "G81", "G81", "G82", "G83", "G85", "G86", "G89")
-        code = rng.choice((*codes, "G84", "G74") if depth == "Z" else codes)  # LinuxCNC taps wrongly along X and Y
+        code = rng.choice(
+            (*codes, "G84", "G74") if depth == "Z" else codes
+        )  # LinuxCNC taps wrongly along X and Y
         if code == "G74":
             lines.append("M4")
         lines.append(first(across, depth, factor, code, incremental, level))
@@ -290,7 +339,11 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
         bottom = clear - size(1, 9)
         values = (clear - level, bottom - clear) if incremental else (clear, bottom)
         r, z = (round(value, 2) for value in values)
-        words = [code, "G91" if incremental else "G90", "R" + number(rng, r)]  # R is a radius in G7, too
+        words = [
+            code,
+            "G91" if incremental else "G90",
+            "R" + number(rng, r),
+        ]  # R is a radius in G7, too
         words += [depth + number(rng, z * factor[depth])]
         words += [letter + number(rng, size(-9, 9)) for letter in some(rng, across, 1)]
         words += [rng.choice(("G98", "G99"))] if rng.random() < 0.6 else []
@@ -308,7 +361,11 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
             return rng.choice(("M8", "F200", "G4 P.1", "(next)", "S200", ""))
         words = [letter + number(rng, size(-9, 9)) for letter in some(rng, across, 1)]
         words += [rng.choice(("G98", "G99"))] if rng.random() < 0.2 else []
-        words += ["Q" + number(rng, max(0.04, size(1, 6)))] if code in ("G73", "G83") and rng.random() < 0.2 else []
+        words += (
+            ["Q" + number(rng, max(0.04, size(1, 6)))]
+            if code in ("G73", "G83") and rng.random() < 0.2
+            else []
+        )
         words += [f"L{rng.randint(1, 3)}"] if rng.random() < 0.15 and code != "G74" else []
         words += [code] if rng.random() < 0.1 and code in ("G81", "G85") else []
         words += [rng.choice(SYSTEMS)] if rng.random() < 0.1 and not incremental else []
@@ -403,13 +460,17 @@ class _Words:
             return self.motion(names)
         name, arguments = self.rng.choice(self.subs)
         given = self.rng.randint(0, arguments)
-        self.lines.append(" ".join((name, "call", *(f"[{self.exact(names, 1)}]" for _ in range(given)))))
+        self.lines.append(
+            " ".join((name, "call", *(f"[{self.exact(names, 1)}]" for _ in range(given))))
+        )
 
     def body(self, names, depth, blocks):
         menu = (self.motion, self.motion, self.motion, self.assign, self.call)
         for _ in range(blocks):
             if depth and self.rng.random() < 0.35:
-                self.rng.choice((self.conditional, self.loop, self.loop, self.repeat, self.until))(names, depth)
+                self.rng.choice((self.conditional, self.loop, self.loop, self.repeat, self.until))(
+                    names, depth
+                )
             else:
                 self.rng.choice(menu)(names)
 

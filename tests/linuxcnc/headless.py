@@ -15,7 +15,9 @@ import threading
 from pathlib import Path
 
 HERE = Path(__file__).parent
-CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "linuxcnc-headless"
+CACHE = (
+    Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "linuxcnc-headless"
+)
 # The first unshare is root in its own world, to mount; the second is a common user there, since LinuxCNC refuses root.
 OUTER = [
     "unshare",
@@ -49,7 +51,11 @@ def available():
         return "LinuxCNC is not in the cache: sh tests/linuxcnc/fetch_headless.sh (22 MB)"
     try:
         tried = subprocess.run(
-            within("test", "-x", "/usr/bin/milltask"), cwd=CACHE, capture_output=True, text=True, timeout=30
+            within("test", "-x", "/usr/bin/milltask"),
+            cwd=CACHE,
+            capture_output=True,
+            text=True,
+            timeout=30,
         )
     except (OSError, subprocess.SubprocessError) as error:
         return f"LinuxCNC can not be run in a namespace here: {error}"
@@ -68,7 +74,9 @@ class Controller:
         self.settings = {"parameters": parameters or {}, "tools": tools or {}}
 
     def __enter__(self):
-        self.folder = tempfile.TemporaryDirectory(prefix="gcomp-")  # short: a socket's path has 107 characters
+        self.folder = tempfile.TemporaryDirectory(
+            prefix="gcomp-"
+        )  # short: a socket's path has 107 characters
         self.process = subprocess.Popen(
             within("/usr/bin/python3.11", HERE / "headless_host.py", self.folder.name, json.dumps(self.settings)), cwd=CACHE,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,

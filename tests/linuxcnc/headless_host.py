@@ -32,18 +32,27 @@ class Trouble(Exception):
 def start(folder, parameters, tools):
     """All processes of the controller, their chatter in FOLDER/log; returns once they answer."""
     os.chdir(folder)
-    lines = (f"{number}\t{value:.6f}\n" for number, value in sorted((int(n), v) for n, v in parameters.items()))
+    lines = (
+        f"{number}\t{value:.6f}\n"
+        for number, value in sorted((int(n), v) for n, v in parameters.items())
+    )
     Path("parameters.var").write_text("".join(lines))
-    Path("tool.tbl").write_text("".join(f"T{number} P{number} Z{length}\n" for number, length in tools.items()))
+    Path("tool.tbl").write_text(
+        "".join(f"T{number} P{number} Z{length}\n" for number, length in tools.items())
+    )
     log = open("log", "w")
 
     def run(*command):
-        subprocess.run(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, check=True, timeout=START)
+        subprocess.run(
+            command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, check=True, timeout=START
+        )
 
     def stay(*command):
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
 
-    run("linuxcncsvr", "-ini", INI)  # leaves a process of its own behind once the channels are there
+    run(
+        "linuxcncsvr", "-ini", INI
+    )  # leaves a process of its own behind once the channels are there
     run("halcmd", "loadusr", "-Wn", "iocontrol", "io", "-ini", INI)
     run("halcmd", "-i", INI, "-f", HAL)
     task = stay("milltask", "-ini", INI)
@@ -61,7 +70,11 @@ class Machine:
         until = time.monotonic() + START
         while True:
             try:
-                self.stat, self.command, self.errors = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
+                self.stat, self.command, self.errors = (
+                    linuxcnc.stat(),
+                    linuxcnc.command(),
+                    linuxcnc.error_channel(),
+                )
                 self.stat.poll()
                 break
             except linuxcnc.error:
@@ -127,12 +140,20 @@ class Machine:
         self.done(self.command.program_open, "program.ngc")
         self.command.auto(self.lib.AUTO_RUN, 0)
         self.command.wait_complete(0.01)
-        self.wait(lambda: self.stat.interp_state != self.lib.INTERP_IDLE or self.stat.motion_line > 0, "start")
+        self.wait(
+            lambda: self.stat.interp_state != self.lib.INTERP_IDLE or self.stat.motion_line > 0,
+            "start",
+        )
 
     def still(self):
         """It stands: nothing to go, and the joints, which follow the planner a few periods behind, are there."""
         behind = max(abs(a - b) for a, b in zip(self.joints(), self.stat.position))
-        return self.stat.inpos and self.stat.queue == 0 and self.stat.distance_to_go == 0.0 and behind < BEHIND
+        return (
+            self.stat.inpos
+            and self.stat.queue == 0
+            and self.stat.distance_to_go == 0.0
+            and behind < BEHIND
+        )
 
     def idle(self):
         return self.stat.interp_state == self.lib.INTERP_IDLE and self.still()
@@ -144,7 +165,10 @@ class Machine:
 
         def stopped():
             # Once the resumption is echoed, a pause is the next one.
-            paused = self.stat.interp_state == self.lib.INTERP_PAUSED and self.stat.echo_serial_number == given
+            paused = (
+                self.stat.interp_state == self.lib.INTERP_PAUSED
+                and self.stat.echo_serial_number == given
+            )
             return self.idle() or (paused and self.still())
 
         while True:

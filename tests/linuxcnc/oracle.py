@@ -59,7 +59,9 @@ def motions(text, *, block_delete=False, parameters=None, tools=None):
     parameters: {5221: 1.0, ...} as LinuxCNC keeps them, lengths in mm; tools: {1: {"Z": 10.0, "D": 6.0}} in mm.
     The machine is metric, starts at zero in G21 G90 G17 G54 and has the axes X Y Z A B C.
     """
-    [result] = motions_of_many([(text, dict(block_delete=block_delete, parameters=parameters, tools=tools))])
+    [result] = motions_of_many(
+        [(text, dict(block_delete=block_delete, parameters=parameters, tools=tools))]
+    )
     if isinstance(result, ProgramError):
         raise result
     return result
@@ -90,7 +92,9 @@ def load(path):
     sidecar = path.with_suffix(".toml")
     keywords = tomllib.loads(sidecar.read_text()) if sidecar.exists() else {}
     if "parameters" in keywords:
-        keywords["parameters"] = {int(number): value for number, value in keywords["parameters"].items()}
+        keywords["parameters"] = {
+            int(number): value for number, value in keywords["parameters"].items()
+        }
     return path.read_bytes().decode("ascii"), keywords
 
 
@@ -101,7 +105,10 @@ def python():
     for candidate in filter(None, candidates):
         try:
             tried = subprocess.run(
-                [candidate, "-c", "import gcode"], env=_environment("/nonexistent"), capture_output=True, timeout=60.0
+                [candidate, "-c", "import gcode"],
+                env=_environment("/nonexistent"),
+                capture_output=True,
+                timeout=60.0,
             )
         except OSError:
             continue
@@ -126,12 +133,22 @@ def _environment(home):
 
 def _job(text, block_delete=False, parameters=None, tools=None):
     parameters = [(int(number), float(value)) for number, value in (parameters or {}).items()]
-    return {"text": text, "block_delete": bool(block_delete), "parameters": parameters, "tools": tools or {}}
+    return {
+        "text": text,
+        "block_delete": bool(block_delete),
+        "parameters": parameters,
+        "tools": tools or {},
+    }
 
 
 def _result(answer):
     made = [
-        Motion(**{key: tuple(value) if isinstance(value, list) else value for key, value in motion.items()})
+        Motion(
+            **{
+                key: tuple(value) if isinstance(value, list) else value
+                for key, value in motion.items()
+            }
+        )
         for motion in answer["motions"]
     ]
     return ProgramError(answer["line"], answer["error"], made) if "error" in answer else made

@@ -24,10 +24,15 @@ CLOSE = 1e-9  # mm
 # Programs by the beginning of their names: written out first (test_expanded.py), or not followed at all.
 EXPANDED = ("oword_", "turn_", "sync_", "cycle_", "rotate_")
 NOT_FOLLOWED = ("cutter_", "spline_", "probe_", "unknown_")
-PROGRAMS = [p for p in sorted(oracle.PROGRAMS.glob("*.ngc")) if not p.stem.startswith(EXPANDED + NOT_FOLLOWED)]
+PROGRAMS = [
+    p
+    for p in sorted(oracle.PROGRAMS.glob("*.ngc"))
+    if not p.stem.startswith(EXPANDED + NOT_FOLLOWED)
+]
 REFUSED = sorted(oracle.REFUSED.glob("*.ngc"))
 WORK = {
-    5221 + 20 * i: name for i, name in enumerate(("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"))
+    5221 + 20 * i: name
+    for i, name in enumerate(("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"))
 }
 
 
@@ -89,7 +94,8 @@ def plain(motions, words, first_line) -> list[dict]:
     result = []
     for i in range(len(motions)):
         start = [
-            s / TICKS_PER_MM if k else None for s, k in zip(motions.start[:, i], motions.start_known[:, i], strict=True)
+            s / TICKS_PER_MM if k else None
+            for s, k in zip(motions.start[:, i], motions.start_known[:, i], strict=True)
         ]
         end = [
             t / TICKS_PER_MM if k else None
@@ -101,7 +107,9 @@ def plain(motions, words, first_line) -> list[dict]:
             "end": end,
             "reason": motions.reasons[int(motions.reason[i])],
         }
-        one["kind"] = {RAPID: "rapid", CLOCKWISE: "arc", COUNTER: "arc"}.get(int(motions.code[i]), "feed")
+        one["kind"] = {RAPID: "rapid", CLOCKWISE: "arc", COUNTER: "arc"}.get(
+            int(motions.code[i]), "feed"
+        )
         if one["kind"] == "arc":
             k = arc_of[i]
             one["centre"] = tuple(motions.arcs.centre[:, k])
@@ -109,7 +117,9 @@ def plain(motions, words, first_line) -> list[dict]:
         hole = np.flatnonzero((motions.holes.motion == i) & ~motions.holes.place)
         if len(hole):  # G33.1: there and back
             down = list(end)
-            down[int(motions.holes.axis[hole[0]])] = float(motions.holes.bottom[hole[0]]) / TICKS_PER_MM
+            down[int(motions.holes.axis[hole[0]])] = (
+                float(motions.holes.bottom[hole[0]]) / TICKS_PER_MM
+            )
             result += [{**one, "end": down}, {**one, "start": down}]
         elif one["kind"] == "arc" or start != end:
             result.append(one)
@@ -142,7 +152,9 @@ def test_motions_are_those_of_linuxcnc(path, theirs):
         for m in expected
         if m.kind != "dwell"
         and m.line not in lost
-        and (m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE)
+        and (
+            m.kind == "arc" or max(abs(a - b) for a, b in zip(m.start, m.end, strict=True)) > CLOSE
+        )
     ]
     mine = [m for m in mine if m["line"] not in lost]
     blank = len(text[: text.find("%")].split("\n")) - 1 if text.lstrip().startswith("%") else 0
@@ -221,7 +233,12 @@ def test_how_far_an_arc_may_miss_its_end_by_units(units):
     for radius in (1.0, 2.0, 30.0, 4000.0):
         for edge in (limit, 0.001 * radius, 100 * limit):
             for miss in (edge * 0.98, edge * 1.02):
-                cases.append((miss, f"{units} G90\nG0 X0 Y0\nG2 X{2 * radius + miss:.6f} Y0 I{radius:g} J0 F10\nM2\n"))
+                cases.append(
+                    (
+                        miss,
+                        f"{units} G90\nG0 X0 Y0\nG2 X{2 * radius + miss:.6f} Y0 I{radius:g} J0 F10\nM2\n",
+                    )
+                )
     judged = oracle.motions_of_many([(text, {}) for _, text in cases])
     refused = [isinstance(answer, oracle.ProgramError) for answer in judged]
     mine = [any("misses" in m["reason"][0] for m in ours(text, {})) for _, text in cases]

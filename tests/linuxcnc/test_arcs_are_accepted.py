@@ -48,7 +48,9 @@ def smooth(folder):
         place = np.arange(-125, high + 126, 25.0)
         own, side = 10 * np.sin(place / high * np.pi), 8 * np.cos(2 * place / high * np.pi)
         rows = [f"{p:g},{a:.3f},{b:.3f}" for p, a, b in zip(place, own, side, strict=True)]
-        (folder / f"{axis}.csv").write_text("\n".join([f"{axis}_mm,E{axis}{axis}_um,{across}", *rows]) + "\n")
+        (folder / f"{axis}.csv").write_text(
+            "\n".join([f"{axis}_mm,E{axis}{axis}_um,{across}", *rows]) + "\n"
+        )
     return read_machine(folder)
 
 
@@ -72,7 +74,11 @@ def by_radius(count: int) -> str:
     rng, x, y = random.Random(8), 200.0, 150.0
     lines = ["G21 G90 G17 G54", f"G0 X{x:.4f} Y{y:.4f} Z0", "G1 F1000 Z-1"]
     while len(lines) < count + 3:
-        radius, begin, sweep = rng.uniform(1, 30), rng.uniform(0, 2 * np.pi), rng.uniform(0.02, 6.27)
+        radius, begin, sweep = (
+            rng.uniform(1, 30),
+            rng.uniform(0, 2 * np.pi),
+            rng.uniform(0.02, 6.27),
+        )
         sweep = rng.uniform(0.97, 1.03) * np.pi if rng.random() < 1 / 7 else sweep
         code, i, j = rng.choice([2, 3]), -radius * np.cos(begin), -radius * np.sin(begin)
         end = begin + (sweep if code == 3 else -sweep)
@@ -81,7 +87,9 @@ def by_radius(count: int) -> str:
         if rng.random() < 0.1:
             lines.append(f"G{code} I{i:.3f} J{j:.3f}")
         elif 50 < to_x < 350 and 50 < to_y < 250 and np.hypot(to_x - x, to_y - y) < 2 * word:
-            lines.append(f"G{code} X{to_x:.3f} Y{to_y:.3f} R{word if sweep <= np.pi else -word:.3f}")
+            lines.append(
+                f"G{code} X{to_x:.3f} Y{to_y:.3f} R{word if sweep <= np.pi else -word:.3f}"
+            )
             x, y = to_x, to_y
     return "\n".join([*lines, "M2", ""])
 
@@ -98,7 +106,12 @@ def test_arcs_by_radius_and_full_circles_are_drawn_as_proven(tmp_path, tolerance
         pytest.skip(reason)
     text = by_radius(600)
     setup = setup_of(smooth(tmp_path / "smooth"), start={"X": 0, "Y": 0, "Z": 0})
-    filter_ = Filter(read_machine(tmp_path / "smooth"), dialects.load("linuxcnc"), setup, Options(tolerance=tolerance))
+    filter_ = Filter(
+        read_machine(tmp_path / "smooth"),
+        dialects.load("linuxcnc"),
+        setup,
+        Options(tolerance=tolerance),
+    )
     verifier = Verifier(filter_)
     output = (filter_.feed(text.encode()) + filter_.finish()).decode()
     assert verifier.passed, verifier.report()
@@ -108,7 +121,9 @@ def test_arcs_by_radius_and_full_circles_are_drawn_as_proven(tmp_path, tolerance
     assert swept(made) == pytest.approx(swept(nominal), abs=0.2)
     lines = output.splitlines()
     assert sum(" R" in line for line in lines) > text.count(" R")
-    centres = sum(" I" in line and "X" in line for line in lines)  # what the circles became is among them
+    centres = sum(
+        " I" in line and "X" in line for line in lines
+    )  # what the circles became is among them
     assert centres < 0.35 * len(made)
     assert sum(" I" in line and "X" not in line for line in lines) > whole * text.count(" I")
 
@@ -131,7 +146,10 @@ def test_growth_is_below_two_and_every_arc_is_accepted(tmp_path):
     machine = smooth(tmp_path / "smooth")
     text = arcs(ARCS)
     filter_ = Filter(
-        machine, dialects.load("linuxcnc"), setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}), Options(tolerance=0.001)
+        machine,
+        dialects.load("linuxcnc"),
+        setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}),
+        Options(tolerance=0.001),
     )
     verifier = Verifier(filter_)
     output = (filter_.feed(text.encode()) + filter_.finish()).decode()
@@ -157,12 +175,20 @@ def test_arcs_that_miss_their_end_by_nearly_the_limit_are_still_accepted(tmp_pat
         f"G1 F{1000 / unit:.1f} Z{-1 / unit:.4f}",
     ]
     for _ in range(60):
-        x, y, radius = (round(rng.uniform(*edge) / unit, 5) for edge in ((60, 340), (60, 240), (5, 25)))
-        lines += [f"G1 X{x:.5f} Y{y:.5f}", f"G2 X{x + 2 * radius + limit:.5f} Y{y:.5f} I{radius:.5f} J0"]
+        x, y, radius = (
+            round(rng.uniform(*edge) / unit, 5) for edge in ((60, 340), (60, 240), (5, 25))
+        )
+        lines += [
+            f"G1 X{x:.5f} Y{y:.5f}",
+            f"G2 X{x + 2 * radius + limit:.5f} Y{y:.5f} I{radius:.5f} J0",
+        ]
     text = "\n".join([*lines, "M2", ""])
     assert len(oracle.motions(text)) > 100
     filter_ = Filter(
-        machine, dialects.load("linuxcnc"), setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}), Options(tolerance=0.001)
+        machine,
+        dialects.load("linuxcnc"),
+        setup_of(machine, start={"X": 0, "Y": 0, "Z": 0}),
+        Options(tolerance=0.001),
     )
     output = (filter_.feed(text.encode()) + filter_.finish()).decode()
     assert filter_.summary.changed > 100

@@ -26,7 +26,9 @@ from tests.linuxcnc import cutter_programs, oracle
 
 AXES = "XYZABC"
 TOLERANCE, ROUNDING = 1.0, 0.5  # um, of example-mill's default and of half its least increment
-REVERSAL = 6.0  # um: the largest of example-mill's tables; it is spread over a block, in two axes at worst
+REVERSAL = (
+    6.0  # um: the largest of example-mill's tables; it is spread over a block, in two axes at worst
+)
 # Where the map is steep at a corner (0.3 um per mm at a node), the centre swings around it by 6 or 10 mm; and Z steps
 # of 120 mm inside, along which X and Y are held. Both are told, with their bounds.
 CORNERS = {
@@ -46,7 +48,9 @@ def mean(table):
 
 def machines():
     mill = places.load("example-mill").carrying(("A", "B", "C"))
-    axes = {x: replace(axis, table=axis.table and mean(axis.table)) for x, axis in mill.axes.items()}
+    axes = {
+        x: replace(axis, table=axis.table and mean(axis.table)) for x, axis in mill.axes.items()
+    }
     return {"two ways": mill, "one way": replace(mill, axes=axes)}
 
 
@@ -67,17 +71,24 @@ def corrected(text, tools, machine, stated=True, pieces=1):
     filter_.modal = replace(filter_.modal, tool_number=0, next_tool=0)
     verifier = Verifier(filter_)
     filter_.seen = []
-    filter_.watchers.append(lambda words, motions, pieces, output, line: filter_.seen.append((motions, pieces)))
+    filter_.watchers.append(
+        lambda words, motions, pieces, output, line: filter_.seen.append((motions, pieces))
+    )
     data = text.encode()
     cuts = np.linspace(0, len(data), pieces + 1).astype(int)
-    out = b"".join(filter_.feed(data[a:b]) for a, b in zip(cuts[:-1], cuts[1:], strict=True)) + filter_.finish()
+    out = (
+        b"".join(filter_.feed(data[a:b]) for a, b in zip(cuts[:-1], cuts[1:], strict=True))
+        + filter_.finish()
+    )
     return out.decode(), verifier, filter_
 
 
 def asked(programs):
     """LinuxCNC's motions of (text, tools)."""
     keywords = [dict(tools=tools, parameters=cutter_programs.PARAMETERS) for _, tools in programs]
-    return oracle.motions_of_many([(text, kw) for (text, _), kw in zip(programs, keywords, strict=True)])
+    return oracle.motions_of_many(
+        [(text, kw) for (text, _), kw in zip(programs, keywords, strict=True)]
+    )
 
 
 @pytest.fixture(scope="module")
@@ -94,9 +105,14 @@ def runs(nominal):
     found = {}
     for way, stated in CASES:
         machine = machines()[way]
-        outs = {name: corrected(text, tools, machine, stated) for name, (text, tools) in ACCEPTED.items()}
+        outs = {
+            name: corrected(text, tools, machine, stated)
+            for name, (text, tools) in ACCEPTED.items()
+        }
         made = asked([(outs[name][0], ACCEPTED[name][1]) for name in outs])
-        found[way, stated] = {name: (*outs[name], motions) for name, motions in zip(outs, made, strict=True)}
+        found[way, stated] = {
+            name: (*outs[name], motions) for name, motions in zip(outs, made, strict=True)
+        }
     return found
 
 
@@ -119,9 +135,13 @@ def test_there_are_enough_programs(nominal):
     assert not [name for name, motions in nominal.items() if isinstance(motions, Exception)]
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c[0]}, radius {'stated' if c[1] else 'not stated'}")
+@pytest.mark.parametrize(
+    "case", CASES, ids=lambda c: f"{c[0]}, radius {'stated' if c[1] else 'not stated'}"
+)
 def test_linuxcnc_accepts_what_it_accepted(runs, case):
-    refused = {name: str(run[3]) for name, run in runs[case].items() if isinstance(run[3], Exception)}
+    refused = {
+        name: str(run[3]) for name, run in runs[case].items() if isinstance(run[3], Exception)
+    }
     assert not refused
 
 
@@ -156,7 +176,9 @@ def test_blocks_that_rest_in_the_plane_stay_at_rest(runs, name, case):
         for i in np.flatnonzero(motions.cutter != FREE):
             mine = pieces.motion == i
             plane = motions.plane[:, i]
-            rests = (motions.start[plane, i] == motions.target[plane, i]).all() and not (motions.arcs.motion == i).any()
+            rests = (motions.start[plane, i] == motions.target[plane, i]).all() and not (
+                motions.arcs.motion == i
+            ).any()
             if rests or motions.cutter[i] == ENTRY:
                 assert mine.sum() == 1
             if rests:
@@ -164,7 +186,9 @@ def test_blocks_that_rest_in_the_plane_stay_at_rest(runs, name, case):
             assert not pieces.take_up[mine].any()
 
 
-@pytest.mark.parametrize("name", ["z_steps_far_down", "pocket_tangent", "helix_inside", "lathe_nose", "cutter_inch"])
+@pytest.mark.parametrize(
+    "name", ["z_steps_far_down", "pocket_tangent", "helix_inside", "lathe_nose", "cutter_inch"]
+)
 def test_any_cut_of_the_input_gives_the_same_bytes(name):
     text, tools = ACCEPTED[name]
     machine = machines()["two ways"]
@@ -194,7 +218,9 @@ def test_the_follower_makes_linuxcncs_ways(name):
     setup = setup_of(machine, offsets=offsets(tools, True), start=dict.fromkeys(AXES, 0.0))
     filter_ = Filter(machine, dialects.load("linuxcnc"), setup)
     state = replace(filter_.modal, tool_number=0, next_tool=0)
-    motions, _, _ = filter_.interpreter.run(lex(text.encode(), filter_.dialect.grammar, False), state)
+    motions, _, _ = filter_.interpreter.run(
+        lex(text.encode(), filter_.dialect.grammar, False), state
+    )
     try:
         ways = followed(motions)
     except Gouge as gouge:
@@ -228,7 +254,9 @@ def test_a_step_down_inside_moves_nothing_sideways():
     text = "G0 Z5 X-20 Y-10\nG1 Z-1 F300\nG41 D4 G1 X0 Y-10 F500\nY50\nZ-60\nY80\nG40 X-40\nM2\n"
     machine = machines()["one way"]
     out, _, filter_ = corrected(text, cutter_programs.TOOLS, machine)
-    line = next(line for line in out.split("\n") if line.startswith("Z-60") or line.startswith("Z-59"))
+    line = next(
+        line for line in out.split("\n") if line.startswith("Z-60") or line.startswith("Z-59")
+    )
     assert set(re.findall("[XYZ]", line)) == {"Z"}
     motions, _, _ = filter_.interpreter.run(
         lex(out.encode(), filter_.dialect.grammar, False), filter_.interpreter.initial()
@@ -246,8 +274,12 @@ def test_a_radius_that_is_stated_is_read_at_the_centre():
     bare["X"] = replace(machine.axes["X"], table=replace(table, forward=rise, reverse=rise))
     machine = replace(machine, axes=bare, square={})
     text = "G0 X-50 Y-20 Z0\nG42 D4 G1 X50 Y-20 F500\nY60\nG40 X90\nM2\n"
-    assert "X49.945" in corrected(text, cutter_programs.TOOLS, machine)[0]  # 55 mm: the centre's place
-    assert "X49.950" in corrected(text, cutter_programs.TOOLS, machine, stated=False)[0]  # 50 mm: the contour's
+    assert (
+        "X49.945" in corrected(text, cutter_programs.TOOLS, machine)[0]
+    )  # 55 mm: the centre's place
+    assert (
+        "X49.950" in corrected(text, cutter_programs.TOOLS, machine, stated=False)[0]
+    )  # 50 mm: the contour's
 
 
 @pytest.mark.parametrize(
@@ -265,7 +297,11 @@ def test_a_radius_that_is_stated_is_read_at_the_centre():
 def test_which_radius_is_in_force(dialect, text, radius, nose):
     machine = places.load("example-mill")
     known = {**offsets(cutter_programs.TOOLS, True), "D7": {"R": 3.0}}
-    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=known, start=dict.fromkeys("XYZ", 0.0)))
+    filter_ = Filter(
+        machine,
+        dialects.load(dialect),
+        setup_of(machine, offsets=known, start=dict.fromkeys("XYZ", 0.0)),
+    )
     program = f"{text}\nG1 X20 Z-20 Y1 F100\n"
     words = lex(program.encode(), filter_.dialect.grammar, False)
     motions, _, _ = filter_.interpreter.run(words, filter_.modal)
@@ -297,7 +333,9 @@ M2
     try:
         out = corrected(text, cutter_programs.TOOLS, machines()["one way"])[0]
     except ProgramError as error:
-        assert "the corrected contour can not be followed" in error.message and error.place.line == 6
+        assert (
+            "the corrected contour can not be followed" in error.message and error.place.line == 6
+        )
     else:
         assert not isinstance(asked([(out, cutter_programs.TOOLS)])[0], Exception)
 
@@ -318,7 +356,9 @@ M2
     [nominal] = asked([(text, cutter_programs.TOOLS)])
     out, verifier, _ = corrected(text, cutter_programs.TOOLS, machine)
     [made] = asked([(out, cutter_programs.TOOLS)])
-    assert max(judge.missed(nominal, made, machine).values()) < 0.15  # um of the corner, 80 times as far at its end
+    assert (
+        max(judge.missed(nominal, made, machine).values()) < 0.15
+    )  # um of the corner, 80 times as far at its end
     assert verifier.passed
 
 
@@ -336,5 +376,9 @@ def test_arcs_stay_arcs(runs):
         _, _, _, made = runs["one way", True][name]
         text, tools = ACCEPTED[name]
         arcs = [line for line in text.split("\n") if re.match(r"G[23]\b", line)]
-        out = [line for line in runs["one way", True][name][0].split("\n") if re.match(r"G[23]\b", line)]
+        out = [
+            line
+            for line in runs["one way", True][name][0].split("\n")
+            if re.match(r"G[23]\b", line)
+        ]
         assert len(out) == len(arcs)

@@ -27,7 +27,9 @@ from tests.linuxcnc.test_against_linuxcnc import (
     setup_for,
 )
 
-ROTATIONS = range(5230, 5391, 20)  # parameters: work offsets that are turned already; gcomp takes none such
+ROTATIONS = range(
+    5230, 5391, 20
+)  # parameters: work offsets that are turned already; gcomp takes none such
 
 
 def is_stored(path) -> bool:
@@ -36,7 +38,11 @@ def is_stored(path) -> bool:
     return any(parameters.get(n) for n in ROTATIONS) or any(n < 5000 for n in parameters)
 
 
-PROGRAMS = [p for p in sorted(oracle.PROGRAMS.glob("*.ngc")) if p.stem.startswith(EXPANDED) and not is_stored(p)]
+PROGRAMS = [
+    p
+    for p in sorted(oracle.PROGRAMS.glob("*.ngc"))
+    if p.stem.startswith(EXPANDED) and not is_stored(p)
+]
 
 
 class Exact(Tracker):
@@ -53,7 +59,11 @@ def written_out(text: str, kwargs) -> str:
     tracker._state = initial_state(tracker._state, kwargs)
     program = Program("part.ngc", text.encode())
     resolver = Resolver(program, tracker, synchronised=True)
-    lines = [plain.text for line in lines_of("linuxcnc", program, tracker, Limits()) for plain in resolver.take(line)]
+    lines = [
+        plain.text
+        for line in lines_of("linuxcnc", program, tracker, Limits())
+        for plain in resolver.take(line)
+    ]
     return b"\n".join(lines).decode() + "\n"
 
 
@@ -86,7 +96,11 @@ def test_written_out_it_moves_as_linuxcnc_does(path, theirs):
         return
     assert not sentence, f"{path.stem} is followed now: take it out of REFUSED"
     lost = reference_lines(text)
-    moved = [m for m in expected if m.line not in lost and m.kind != "dwell" and (m.kind == "arc" or length(m) > CLOSE)]
+    moved = [
+        m
+        for m in expected
+        if m.line not in lost and m.kind != "dwell" and (m.kind == "arc" or length(m) > CLOSE)
+    ]
     assert [m["kind"] for m in mine] == [m.kind for m in moved], plain
     for a, b in zip(mine, moved, strict=True):
         for axis in range(6):

@@ -27,6 +27,8 @@ def test_a_seed_gives_one_program(kind):
 def test_nine_in_ten_are_accepted_and_move(kind):
     programs = some_programs(kind)
     results = motions_of_many([(program, KEYWORDS) for program in programs])
-    refused = {i: str(result) for i, result in enumerate(results) if isinstance(result, ProgramError)}
+    refused = {
+        i: str(result) for i, result in enumerate(results) if isinstance(result, ProgramError)
+    }
     assert len(refused) <= MANY // 10, refused
     assert all(result for result in results if not isinstance(result, ProgramError))

@@ -52,9 +52,14 @@ def interpreted(text):
 
 def with_stops(text):
     """The program with an M0 behind every motion whose end is known in all axes."""
-    stops = {b.line for b in interpreted(text) if b.kind in KINDS and None not in b.end.values() and b.length != 0}
+    stops = {
+        b.line
+        for b in interpreted(text)
+        if b.kind in KINDS and None not in b.end.values() and b.length != 0
+    }
     return "".join(
-        f"{line}\nM0\n" if number in stops else f"{line}\n" for number, line in enumerate(text.splitlines(), 1)
+        f"{line}\nM0\n" if number in stops else f"{line}\n"
+        for number, line in enumerate(text.splitlines(), 1)
     )
 
 
@@ -99,7 +104,16 @@ def corrected(folder, text):
     """By the command, as a user has it."""
     source = folder / "job.ngc"
     source.write_text(text)
-    command = [sys.executable, "-m", "postproc", "--machine", MACHINE, "--dialect", "linuxcnc", str(source)]
+    command = [
+        sys.executable,
+        "-m",
+        "postproc",
+        "--machine",
+        MACHINE,
+        "--dialect",
+        "linuxcnc",
+        str(source),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=60)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -114,7 +128,9 @@ def samples(text, written, machine):
     run_blocks = interpreted(written)
     judge.execute(run_blocks)
     approaches = [judge.approach(block) for block in before_stops(run_blocks)]
-    ends = [{axis: float(block.end[axis]) for axis in AXES} for block in before_stops(interpreted(text))]
+    ends = [
+        {axis: float(block.end[axis]) for axis in AXES} for block in before_stops(interpreted(text))
+    ]
     assert len(ends) == len(approaches)
     return [
         (machine.nominal(end), approach, np.array([end[axis] for axis in AXES]))
@@ -147,20 +163,27 @@ def judged(machine, expected, reached):
     assert len(reached) == len(expected)
     axis = tool = 0.0
     for (point, approach, nominal), joints in zip(expected, reached):
-        axis = max(axis, float(np.abs(np.array(joints) - slides_for(machine, point, approach, nominal)).max()))
+        axis = max(
+            axis,
+            float(np.abs(np.array(joints) - slides_for(machine, point, approach, nominal)).max()),
+        )
         tool = max(tool, math.dist(machine.actual(dict(zip(AXES, joints)), approach), point))
     return axis, tool
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(linuxcnc, mill, tmp_path, name):
+def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(
+    linuxcnc, mill, tmp_path, name
+):
     make, limit = PROGRAMS[name]
     text = with_stops(make())
     written = corrected(tmp_path, text)
     expected = samples(text, written, mill)
     stops, _ = linuxcnc.run(written)
     axis, tool = judged(mill, expected, [joints for _, joints in stops])
-    print(f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
+    print(
+        f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point"
+    )
     # A slide may be held within the hysteresis (1 um) of its wanted place.
     assert len(stops) > 35 and axis < (limit + 1.0) * UM
     assert tool < (limit * math.sqrt(3 if limit > 1 else 1) + math.sqrt(3)) * UM
@@ -171,7 +194,10 @@ def test_A21_without_correction_the_same_points_are_missed(linuxcnc, mill):
     text = with_stops(any_motions(5, n=25))
     expected = samples(text, text, mill)
     reached = [joints for _, joints in linuxcnc.run(text)[0]]
-    assert max(math.dist(joints, slides) for joints, (_, _, slides) in zip(reached, expected)) < NANOMETRE
+    assert (
+        max(math.dist(joints, slides) for joints, (_, _, slides) in zip(reached, expected))
+        < NANOMETRE
+    )
     axis, tool = judged(mill, expected, reached)
     print(f"uncorrected: {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
     assert axis > 20 * UM and tool > 20 * UM
@@ -191,7 +217,9 @@ def test_A21_line_by_line_through_mdi(linuxcnc, mill):
         elif line != "M2" and (commands := out.splitlines()):
             joints = linuxcnc.mdi(commands)[-1]
     axis, tool = judged(mill, samples(text, written, mill), reached)
-    print(f"MDI: {len(reached)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point")
+    print(
+        f"MDI: {len(reached)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point"
+    )
     assert len(reached) > 15 and axis < 1.0 * UM and tool < 1.0 * UM
 
 
@@ -200,7 +228,8 @@ def test_A21_four_hundred_lines_without_a_stop(linuxcnc, mill, tmp_path):
     r = random.Random(7)
     rows = ["G21 G17 G90 G94 G40 G54 G64 P0.01", "G0 X0 Y0 Z5"]
     rows += [
-        f"G1 X{100 + r.uniform(0, 2):.3f} Y{50 + r.uniform(0, 2):.3f} Z{r.uniform(-1, 0):.3f} F9000" for _ in range(400)
+        f"G1 X{100 + r.uniform(0, 2):.3f} Y{50 + r.uniform(0, 2):.3f} Z{r.uniform(-1, 0):.3f} F9000"
+        for _ in range(400)
     ]
     text = "\n".join([*rows, "G1 X-123.456 Y77.7 Z-20.5", "M0", "M2", ""])
     written = corrected(tmp_path, text)

@@ -42,7 +42,11 @@ def test_an_arc_in_zx_names_z_first():
 
 def test_diameters_halve_x_but_not_i():
     [_, arc] = motions("G7 G18 G0 X20 Z0\nG2 X40 Z-10 I10 F100\nM2\n")
-    assert arc.start[:3] == near((10, 0, 0)) and arc.end[:3] == near((20, 0, -10)) and arc.centre == near((0, 20))
+    assert (
+        arc.start[:3] == near((10, 0, 0))
+        and arc.end[:3] == near((20, 0, -10))
+        and arc.centre == near((0, 20))
+    )
 
 
 def test_work_offsets_are_added_and_move_nothing_by_themselves():
@@ -65,11 +69,18 @@ def test_an_arc_centre_is_in_machine_coordinates_too():
 
 
 def test_machine_coordinates_ignore_every_offset():
-    assert ends("G92 X3\nG53 G0 X4\nG0 X0\nM2\n", parameters={5221: 10.0}) == [near((4, 0, 0)), near((-3, 0, 0))]
+    assert ends("G92 X3\nG53 G0 X4\nG0 X0\nM2\n", parameters={5221: 10.0}) == [
+        near((4, 0, 0)),
+        near((-3, 0, 0)),
+    ]
 
 
 def test_g92_shifts_what_follows():
-    assert ends("G0 X10\nG92 X0\nX1\nG92.1\nX1\nM2\n") == [near((10, 0, 0)), near((11, 0, 0)), near((1, 0, 0))]
+    assert ends("G0 X10\nG92 X0\nX1\nG92.1\nX1\nM2\n") == [
+        near((10, 0, 0)),
+        near((11, 0, 0)),
+        near((1, 0, 0)),
+    ]
 
 
 def test_rotation_turns_about_the_work_zero():
@@ -99,7 +110,9 @@ def test_references_are_machine_coordinates():
 
 def test_a_dwell_stays_where_it_is():
     [_, dwell] = motions("G0 X5\nG20 G4 P1.5\nM2\n")
-    assert dwell == Motion(2, "dwell", dwell.start, dwell.start, seconds=1.5) and dwell.end[0] == near(5)
+    assert dwell == Motion(2, "dwell", dwell.start, dwell.start, seconds=1.5) and dwell.end[
+        0
+    ] == near(5)
 
 
 def test_a_probe_goes_to_its_end():
@@ -110,7 +123,12 @@ def test_a_probe_goes_to_its_end():
 def test_a_rigid_tap_comes_back():
     """To where the machine stood, whatever zero has been moved since."""
     made = motions("S100 M3\nG0 X5 A3\nG92 X0 A1\nG33.1 X3 Z-5 K1\nG0 Y1\nM2\n")
-    assert [(motion.line, motion.kind) for motion in made] == [(2, "rapid"), (4, "feed"), (4, "feed"), (5, "rapid")]
+    assert [(motion.line, motion.kind) for motion in made] == [
+        (2, "rapid"),
+        (4, "feed"),
+        (4, "feed"),
+        (5, "rapid"),
+    ]
     assert [motion.end[:4] for motion in made] == [
         near((5, 0, 0, 3)),
         near((8, 0, -5, 3)),
@@ -144,7 +162,11 @@ def test_the_block_delete_switch():
 def test_an_error_has_its_line_and_what_was_done_before():
     with pytest.raises(ProgramError) as caught:
         motions("G0 X1\n\nG0 X1 X2\nM2\n")
-    assert caught.value.line == 3 and "Multiple x words" in str(caught.value) and len(caught.value.before) == 1
+    assert (
+        caught.value.line == 3
+        and "Multiple x words" in str(caught.value)
+        and len(caught.value.before) == 1
+    )
 
 
 def test_a_feed_move_needs_a_feed():
@@ -166,7 +188,11 @@ def test_programs_of_a_batch_do_not_touch_each_other():
 def test_every_program_is_accepted_and_its_motions_join():
     paths = sorted(HERE.glob("programs*/*.ngc"))
     results = motions_of_many([load(path) for path in paths])
-    assert {path.stem: str(result) for path, result in zip(paths, results) if isinstance(result, ProgramError)} == {}
+    assert {
+        path.stem: str(result)
+        for path, result in zip(paths, results)
+        if isinstance(result, ProgramError)
+    } == {}
     for path, made in zip(paths, results):
         assert made, f"{path.stem} makes no motion"
         assert all(before.end == after.start for before, after in zip(made, made[1:])), path.stem
@@ -176,4 +202,6 @@ def test_every_refused_program_is_refused_at_the_line_it_names():
     paths = sorted(HERE.glob("refused*/*.ngc"))
     for path, result in zip(paths, motions_of_many([load(path) for path in paths])):
         assert isinstance(result, ProgramError), f"{path.stem} is accepted"
-        assert result.line == int(re.search(r"line (\d+)", path.read_text())[1]), f"{path.stem}: {result}"
+        assert result.line == int(re.search(r"line (\d+)", path.read_text())[1]), (
+            f"{path.stem}: {result}"
+        )

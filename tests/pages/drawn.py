@@ -11,7 +11,9 @@ from typing import Any
 
 def packed(html: str, name: str) -> bytes:
     """What a page carries under an identifier."""
-    found = re.search(rf'<script type="application/octet-stream" id="{name}">([^<]*)</script>', html)
+    found = re.search(
+        rf'<script type="application/octet-stream" id="{name}">([^<]*)</script>', html
+    )
     assert found, name
     return gzip.decompress(base64.b64decode(found[1]))
 
@@ -30,4 +32,6 @@ def curves(html: str, figure: str) -> dict[str, dict[str, Any]]:
 def outside(html: str) -> list[str]:
     """Every address that the page itself would ask for; the library's own text is left out."""
     text = re.sub(r'<script type="application/octet-stream"[^<]*</script>', "", html)
-    return re.findall(r"""(?:src|href|url|import)\s*[=(]\s*["']?\s*((?:https?:)?//[^\s"')]+)""", text)
+    return re.findall(
+        r"""(?:src|href|url|import)\s*[=(]\s*["']?\s*((?:https?:)?//[^\s"')]+)""", text
+    )

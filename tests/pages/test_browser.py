@@ -18,7 +18,15 @@ def pages(tmp_path_factory) -> dict[str, Path]:
     made = {}
     for name, machine in PROGRAMS.items():
         made[name] = folder / f"{name}.html"
-        line = ["show", str(ROOT / "sample_programs" / name), "--machine", machine, "-o", str(made[name]), "--quiet"]
+        line = [
+            "show",
+            str(ROOT / "sample_programs" / name),
+            "--machine",
+            machine,
+            "-o",
+            str(made[name]),
+            "--quiet",
+        ]
         assert main(line) == 0
     return made
 

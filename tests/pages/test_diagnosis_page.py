@@ -40,7 +40,16 @@ class Answer:
     def __init__(self, folder: Path, line: list[str], machine: str):
         self.folder, recording = folder, folder / "r.csv"
         assert main([*line, "--noise", "0.4", "--seed", "5", "--quiet", "-o", str(recording)]) == 0
-        words = ["--report", "p.html", "--json", "a.json", "--residuals", "left.csv", "--write-machine", "written"]
+        words = [
+            "--report",
+            "p.html",
+            "--json",
+            "a.json",
+            "--residuals",
+            "left.csv",
+            "--write-machine",
+            "written",
+        ]
         told = [str(folder / w) if not w.startswith("--") else w for w in words]
         assert main(["diagnose", str(recording), "--machine", machine, "--quiet", *told]) == 0
         self.page = folder / "p.html"
@@ -64,7 +73,11 @@ def soak(tmp_path_factory) -> Answer:
 
 def test_the_figure_comes_first_and_nothing_is_asked_for(bar):
     assert drawn.outside(bar.html) == [] and len(bar.html) < 3_000_000
-    assert bar.html.index('id="circle-0"') < bar.html.index('id="left-0-place"') < bar.html.index("What was found")
+    assert (
+        bar.html.index('id="circle-0"')
+        < bar.html.index('id="left-0-place"')
+        < bar.html.index("What was found")
+    )
 
 
 def test_the_json_fits_its_schema(bar, soak):
@@ -84,7 +97,11 @@ def test_the_noise_band_is_the_noise(bar):
 def test_noise_that_differs_is_drawn_piece_by_piece():
     x, noise = np.linspace(0, 100, 400), np.where(np.arange(400) < 200, 1.0, 3.0)
     at, half = left.noise_band(x, noise)
-    assert half[0] == pytest.approx(1.96) and half[-1] == pytest.approx(5.88) and len(at) == len(half) > 10
+    assert (
+        half[0] == pytest.approx(1.96)
+        and half[-1] == pytest.approx(5.88)
+        and len(at) == len(half) > 10
+    )
     assert left.noise_band(x, np.ones(400)) == ([0.0, 100.0], [1.96, 1.96])
 
 
@@ -131,7 +148,10 @@ def test_the_written_machine_is_drawn_as_it_is_written(bar):
         for machine, what in ((own, "as it is"), (made, "as written")):
             curve = curves[f"Z {what}, from {sign}"]
             place = np.stack([np.full(len(curve["x"]), 85.0), np.array(curve["x"])])
-            off = machine.deviation(place, np.full_like(place, side))[machine.letters.index("Z")] * 1000.0
+            off = (
+                machine.deviation(place, np.full_like(place, side))[machine.letters.index("Z")]
+                * 1000.0
+            )
             np.testing.assert_allclose(curve["y"], off, atol=2e-3)
 
 
@@ -148,7 +168,9 @@ def test_a_wave_is_folded_over_its_period(tmp_path):
 @pytest.mark.parametrize("width, scheme", [(1400, "light"), (400, "dark")])
 def test_in_the_browser(opened, soak, width, scheme):
     with opened(soak.page, width, scheme) as page:
-        boxes = [page.locator(f"#left-0-{part}").bounding_box() for part in ("place", "side", "time")]
+        boxes = [
+            page.locator(f"#left-0-{part}").bounding_box() for part in ("place", "side", "time")
+        ]
         beside = boxes[0]["y"] == boxes[1]["y"] == boxes[2]["y"]
         assert beside == (width > 1000)
         assert page.evaluate("document.getElementById('left-0-time').data.length") >= 4

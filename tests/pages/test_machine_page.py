@@ -51,7 +51,9 @@ def test_the_volume_holds_the_deviation_of_the_machine():
     found = next(f for f in drawn.data(pages.html(machine))["figures"] if f["id"] == "volume")
     heat = found["steps"]["data"][-1][0]
     place = np.array([[heat["x"][0]], [heat["y"][-1]], [float(found["steps"]["values"][-1])]])
-    off = (machine.deviation(place, np.ones((3, 1))) + machine.deviation(place, -np.ones((3, 1)))) / 2
+    off = (
+        machine.deviation(place, np.ones((3, 1))) + machine.deviation(place, -np.ones((3, 1)))
+    ) / 2
     assert heat["z"][-1][0] == pytest.approx(float(np.linalg.norm(off)) * 1000.0, abs=0.01)
 
 

@@ -19,14 +19,18 @@ RECORDINGS = ROOT / "sample_recordings"
 @pytest.fixture(scope="module")
 def page(tmp_path_factory) -> str:
     out = tmp_path_factory.mktemp("iso") / "iso.html"
-    files = [str(RECORDINGS / f"{n}.csv") for n in ("z_positioning", "z_straightness", "ballbar_xz")]
+    files = [
+        str(RECORDINGS / f"{n}.csv") for n in ("z_positioning", "z_straightness", "ballbar_xz")
+    ]
     assert main(["iso", *files, "--report", str(out), "--json", str(out.with_suffix(".json"))]) == 0
     return out.read_text("utf-8")
 
 
 def test_every_parameter_of_the_table_stands_on_the_page(page):
     evaluated = gcomp.evaluate([gcomp.read_recording(RECORDINGS / "z_positioning.csv")])
-    table = re.findall(r"^  (\S+) +(-?\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)  (.*)$", evaluated.text, re.MULTILINE)
+    table = re.findall(
+        r"^  (\S+) +(-?\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)  (.*)$", evaluated.text, re.MULTILINE
+    )
     assert len(table) > 8
     for name, *numbers, means in table:
         row = "".join(f"<td[^>]*>{re.escape(cell)}</td>" for cell in (name, *numbers, means))
@@ -36,7 +40,9 @@ def test_every_parameter_of_the_table_stands_on_the_page(page):
 def test_means_and_widths_are_the_results_to_the_digit(page):
     curves = drawn.curves(page, "test-0")
     result = gcomp.evaluate([gcomp.read_recording(RECORDINGS / "z_positioning.csv")]).details[0]
-    np.testing.assert_allclose(curves["mean, approached in +"]["y"], result.detail.mean[0] * 1000.0, atol=6e-4)
+    np.testing.assert_allclose(
+        curves["mean, approached in +"]["y"], result.detail.mean[0] * 1000.0, atol=6e-4
+    )
     for letter in "EA":
         low, high = curves[letter]["y"]
         assert high - low == pytest.approx(result[letter].value * 1000.0, abs=2e-3)
@@ -54,7 +60,9 @@ def test_a_circle_is_drawn_about_its_centre_with_the_deviation_told(page):
     ways = [c for name, c in curves.items() if name.startswith("from +")]
     assert len(ways) == 2 and all(c["type"] == "scatterpolar" for c in ways)
     # Gxz: the range of the radii about the least-squares centre, of the run with the largest.
-    largest = np.ptp(np.array(next(c for n, c in curves.items() if n == "from +X to +Z")["customdata"], float))
+    largest = np.ptp(
+        np.array(next(c for n, c in curves.items() if n == "from +X to +Z")["customdata"], float)
+    )
     assert 30.0 < largest < 40.0
     assert drawn.outside(page) == []
 

@@ -122,8 +122,14 @@ def test_views_and_magnification_by_hand():
 def test_both_themes_have_every_role_and_scripts_name_no_other():
     assert set(style.LIGHT) == set(style.DARK)
     pages = ROOT / "postproc" / "pages"
-    text = "".join(p.read_text("utf-8") for p in [*pages.rglob("*.py"), *pages.rglob("*.js")] if p.name != "style.py")
-    named = set(re.findall(r'"@([a-z-]+)"', text)) | set(re.findall(r'gcomp\.colour\("([a-z-]+)"\)', text))
+    text = "".join(
+        p.read_text("utf-8")
+        for p in [*pages.rglob("*.py"), *pages.rglob("*.js")]
+        if p.name != "style.py"
+    )
+    named = set(re.findall(r'"@([a-z-]+)"', text)) | set(
+        re.findall(r'gcomp\.colour\("([a-z-]+)"\)', text)
+    )
     assert named - set(style.LIGHT) - {"font", "sequential"} == set()
     assert not re.search(r"#[0-9a-f]{6}\b", text), "colours stand in style.py"
 

@@ -16,10 +16,16 @@ from postproc.trace import CLASSES, MOST, Series, Trace, larger_of_two
 from postproc.verify import Verifier
 
 ROOT = Path(__file__).resolve().parents[2]
-CASES = [("shaft.nc", "studer-s36"), ("pocket_mill.ngc", "example-mill"), ("diagonal_one_block.nc", "studer-s36")]
+CASES = [
+    ("shaft.nc", "studer-s36"),
+    ("pocket_mill.ngc", "example-mill"),
+    ("diagonal_one_block.nc", "studer-s36"),
+]
 
 
-def traced(text: bytes, machine: str, most: int = MOST, size: int = 1 << 20) -> tuple[Filter, Verifier, Trace]:
+def traced(
+    text: bytes, machine: str, most: int = MOST, size: int = 1 << 20
+) -> tuple[Filter, Verifier, Trace]:
     """A program, corrected and verified in pieces of so many bytes, with a trace."""
     filter_ = reading.filter_of(defaults(), gcomp.load_machine(machine))
     verifier = Verifier(filter_)
@@ -72,7 +78,9 @@ def test_by_hand_a_straight_line_with_a_squareness_error():
     assert trace.length == pytest.approx(100.0)
     x, y = (machine.letters.index(a) for a in "XY")
     np.testing.assert_allclose(np.abs(before.off[y]), 400e-6 * before.point[x], atol=1e-12)
-    np.testing.assert_allclose(after.command[y], -before.off[y][-1] * after.point[x] / 100.0, atol=2e-3)
+    np.testing.assert_allclose(
+        after.command[y], -before.off[y][-1] * after.point[x] / 100.0, atol=2e-3
+    )
     assert before.distance.max() == pytest.approx(0.04)
     assert after.distance.max() < 1e-3
     half = trace.histogram["before"][np.searchsorted(CLASSES, 0.0201) + 1 :].sum()
@@ -95,7 +103,12 @@ def test_blocks_added_are_cuts_and_take_ups():
 def test_what_became_of_a_line_stands_with_it():
     _, _, trace = traced(sample("shaft.nc"), "studer-s36")
     own, became = trace.text[17]
-    assert own == "N120 Z190. F80." and became[0].startswith("N120 Z") and "F80." in became[0] and len(became) == 5
+    assert (
+        own == "N120 Z190. F80."
+        and became[0].startswith("N120 Z")
+        and "F80." in became[0]
+        and len(became) == 5
+    )
 
 
 def test_of_a_long_program_all_parts_are_drawn_alike():

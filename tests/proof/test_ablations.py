@@ -4,10 +4,29 @@ from __future__ import annotations
 
 import pytest
 
-from postproc.diagnose import likeness, noise, nuisances, search, shapes, shared_jump, telegraph, thermometers
+from postproc.diagnose import (
+    likeness,
+    noise,
+    nuisances,
+    search,
+    shapes,
+    shared_jump,
+    telegraph,
+    thermometers,
+)
 from proof import ablations
 
-PLACES = (likeness, noise, nuisances, search, search.Search, shapes, shared_jump, telegraph, thermometers)
+PLACES = (
+    likeness,
+    noise,
+    nuisances,
+    search,
+    search.Search,
+    shapes,
+    shared_jump,
+    telegraph,
+    thermometers,
+)
 
 
 @pytest.mark.parametrize("part", ablations.PARTS)

@@ -12,5 +12,7 @@ def test_what_the_true_covariance_tells_is_named():
 
 
 def test_a_name_that_is_worth_less_is_not_right():
-    assert not ceiling.Answer("scale:X", 3.0, "linear", [("cosine:X", 10.0), ("scale:X", 9.0)]).right
+    assert not ceiling.Answer(
+        "scale:X", 3.0, "linear", [("cosine:X", 10.0), ("scale:X", 9.0)]
+    ).right
     assert not ceiling.Answer("scale:X", 3.0, "linear", []).right

@@ -63,7 +63,9 @@ def test_a_case_is_what_the_contracts_want(kind, tmp_path):
             assert (np.diff(recording.columns["t_s"]) > 0).all()
             for x in recording.axes:
                 low, high = machine.axes[x].travel
-                assert (recording.position(x) >= low).all() and (recording.position(x) <= high).all()
+                assert (recording.position(x) >= low).all() and (
+                    recording.position(x) <= high
+                ).all()
 
 
 def test_the_map_means_to_the_tool_what_it_means_here(tmp_path):
@@ -84,7 +86,9 @@ def test_the_map_means_to_the_tool_what_it_means_here(tmp_path):
         theirs = read_machine(tmp_path / str(number) / "machine")
         rows = ["XYZ".index(x) for x in theirs.letters]
         expected = theirs.deviation(position.T[rows], direction.T[rows]) / UM
-        assert machine.deviation(position, direction, known=True).T[rows] == pytest.approx(expected, abs=1e-6)
+        assert machine.deviation(position, direction, known=True).T[rows] == pytest.approx(
+            expected, abs=1e-6
+        )
     assert len(chains) >= 4
 
 
@@ -128,7 +132,11 @@ def test_the_largest_reading_is_what_the_truth_says(kind, monkeypatch):
                     if column == "radial_um":
                         at = [a[c].astype(float) for c in a if c.endswith("_cmd_mm")]
                         basis += [v - (v.max() + v.min()) / 2 for v in at]
-                    left = moved - np.array(basis).T @ np.linalg.lstsq(np.array(basis).T, moved, rcond=None)[0]
+                    left = (
+                        moved
+                        - np.array(basis).T
+                        @ np.linalg.lstsq(np.array(basis).T, moved, rcond=None)[0]
+                    )
                     largest = max(largest, np.abs(left).max())
         assert largest == pytest.approx(answer["peak_um"], abs=0.25)
 
@@ -200,13 +208,22 @@ def test_energy_of_a_scale_error_by_hand():
     position = np.zeros((11, 3))
     position[:, 0] = x
     track = Track(
-        "targets", {"quantity": "displacement"}, "X", np.ones(11), x, position, np.ones((11, 3)), sensitive=np.eye(3)[0]
+        "targets",
+        {"quantity": "displacement"},
+        "X",
+        np.ones(11),
+        x,
+        position,
+        np.ones((11, 3)),
+        sensitive=np.eye(3)[0],
     )
     track.noise = {"sd": 0.5}
     signal = 10e-3 * x[:, None]
     variance = 0.25 + 0.01 / 12
     expected = ((signal - signal.mean()) ** 2).sum() / variance
-    assert oracle.Oracle(machine, [track]).energies([[signal]]) == pytest.approx([expected], rel=1e-3)
+    assert oracle.Oracle(machine, [track]).energies([[signal]]) == pytest.approx(
+        [expected], rel=1e-3
+    )
     assert oracle.peak([track], [signal]) == pytest.approx(0.5)
 
 

@@ -57,7 +57,8 @@ def metadata(case) -> list[float]:
     ]
     columns = [len(names) for _, names, _ in described]
     present = [
-        any(n.startswith(p) for _, names, _ in described for n in names) for p in ("T_", "force_", "spindle", "feed_")
+        any(n.startswith(p) for _, names, _ in described for n in names)
+        for p in ("T_", "force_", "spindle", "feed_")
     ]
     return [
         len(recordings), rows.sum(), rows.max(), rows.min(), *kinds, sum(columns), max(columns), *present,
@@ -71,7 +72,9 @@ def guessed(first: list[list[float]], second: list[list[float]]) -> float:
     """Share of cases that a ridge classifier tells right, each judged by one that was trained on the other folds."""
     values = np.array(first + second)
     sign = np.r_[-np.ones(len(first)), np.ones(len(second))]
-    values = np.c_[(values - values.mean(axis=0)) / (values.std(axis=0) + 1e-9), np.ones(len(values))]
+    values = np.c_[
+        (values - values.mean(axis=0)) / (values.std(axis=0) + 1e-9), np.ones(len(values))
+    ]
     order = np.random.default_rng(0).permutation(len(values))
     right = 0
     for fold in range(5):

@@ -36,11 +36,15 @@ def effect(name, scene, axis):
 
 
 def channels() -> dict[str, bool]:
-    return dict.fromkeys(("air", "screw", "bed", "force", "spindle", "feed", "current", "stated"), True)
+    return dict.fromkeys(
+        ("air", "screw", "bed", "force", "spindle", "feed", "current", "stated"), True
+    )
 
 
 def line(machine, axis="Z", **more):
-    return designs.axis_line(stream("physics", "line"), machine, axis, axis, 0.0, channels(), **more)
+    return designs.axis_line(
+        stream("physics", "line"), machine, axis, axis, 0.0, channels(), **more
+    )
 
 
 def test_backlash_reads_half_its_size_to_either_side(lathe):
@@ -67,10 +71,15 @@ def test_lag_on_a_circle_is_half_of_lag_times_feed(lathe):
     rows = project(lathe, track, effect("servo_lag", scene, "X").on(track).times(0.1))
     assert oracle.peak([track], [rows]) == pytest.approx(0.1 * 4000 / 60 / 2, rel=0.1)
     theta = np.arctan2(
-        track.position[:, 2] - track.head["centre"]["Z"], track.position[:, 0] - track.head["centre"]["X"]
+        track.position[:, 2] - track.head["centre"]["Z"],
+        track.position[:, 0] - track.head["centre"]["X"],
     )
-    even = [(rows[track.sense == d, 0] * np.sin(2 * theta[track.sense == d])).mean() for d in (1, -1)]
-    assert even[0] == pytest.approx(-even[1], rel=0.2)  # changes sides with the sense, as squareness does not
+    even = [
+        (rows[track.sense == d, 0] * np.sin(2 * theta[track.sense == d])).mean() for d in (1, -1)
+    ]
+    assert even[0] == pytest.approx(
+        -even[1], rel=0.2
+    )  # changes sides with the sense, as squareness does not
 
 
 def test_squareness_is_the_contracts_sign(lathe):
@@ -109,7 +118,9 @@ def test_lugre_settles_at_the_coulomb_level_and_turns_over_the_bristle():
     back = mechanics.lugre(0.001, np.full(2000, -20.0), 1.0, 0.5, 1.3, 1.0, 0.005)
     assert back[-1] == pytest.approx(-0.5)
     slow = mechanics.lugre(0.001, np.full(6, 0.5), 1.0, 1.0, 1.0, 1.0, 0.005)
-    assert slow[-1] == pytest.approx(1 - np.exp(-6 * 0.001 * 0.5 / 0.005))  # way over bristle, by hand
+    assert slow[-1] == pytest.approx(
+        1 - np.exp(-6 * 0.001 * 0.5 / 0.005)
+    )  # way over bristle, by hand
 
 
 def test_a_loop_with_an_integral_forgets_a_constant_force():
@@ -147,7 +158,9 @@ def test_a_screw_warms_where_its_nut_runs_and_grows_by_its_own_heat(lathe):
     track.time = track.time + 20000.0
     scene = scene_of(lathe, [track])
     room = scene.design.room | {"swing": 0.0, "walk": 0.0, "heating": 0.0, "bearing": 0.0}
-    scene = Scene(replace(scene.design, room=room), World(replace(scene.design, room=room), stream("quiet")))
+    scene = Scene(
+        replace(scene.design, room=room), World(replace(scene.design, room=room), stream("quiet"))
+    )
     rise = scene.world.screws["Z"][int(19900 / STEP)] - room["start"]
     assert rise[0] > 3 * rise[-1] > -1e-9
     made = effect("screw_heat", scene, "Z")
@@ -155,7 +168,9 @@ def test_a_screw_warms_where_its_nut_runs_and_grows_by_its_own_heat(lathe):
     first = rows[: len(np.unique(track.position[:, 2]))]
     steps = np.abs(np.diff(first)) / np.diff(track.position[: len(first), 2])
     assert steps[0] > 3 * steps[-1]  # grows near the warm end, hardly at the other
-    assert steps.max() <= 11.5e-3 * rise.max() * 1.01  # never more than alpha times the warmest node
+    assert (
+        steps.max() <= 11.5e-3 * rise.max() * 1.01
+    )  # never more than alpha times the warmest node
 
 
 def test_squareness_is_told_as_the_angle_between_the_two_axes():

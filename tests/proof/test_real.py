@@ -10,7 +10,16 @@ from proof.real import cases, checks, convert, page
 from proof.real.run import run
 
 BY_NAME = {c.name: c for c in cases.CASES}
-NAMED = ("ecmc-1050", "ecmc-1345", "chamber-z", "studer-x", "studer-z", "mv1060-parts", "michigan", "feed-drive")
+NAMED = (
+    "ecmc-1050",
+    "ecmc-1345",
+    "chamber-z",
+    "studer-x",
+    "studer-z",
+    "mv1060-parts",
+    "michigan",
+    "feed-drive",
+)
 PRINTED = {  # reversal error, um, as the reports have it
     "ecmc_mcu1025_1050": [6.24, -27.28, -5.67, 21.69, 46.49],
     "ecmc_mcu1025_1345": [10.79, -21.02, -9.90, 12.59, 43.46],
@@ -19,11 +28,14 @@ PRINTED = {  # reversal error, um, as the reports have it
 
 
 MISSED = pytest.mark.xfail(
-    strict=True, reason="a dial gauge of 10 um steps: what it shows is called unknown, lost motion is wanted"
+    strict=True,
+    reason="a dial gauge of 10 um steps: what it shows is called unknown, lost motion is wanted",
 )
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=MISSED) if n == "chamber-z" else n for n in NAMED])
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=MISSED) if n == "chamber-z" else n for n in NAMED]
+)
 def test_what_was_taken_out_is_named_and_the_fit_gets_better(name, tmp_path):
     case = BY_NAME[name]
     result = run(case, tmp_path)
@@ -46,23 +58,37 @@ def test_reports_are_copied_to_the_digit(name):
     rows = convert.iso_tables(cases.text(f"{name}.md"))
     assert len(rows) == 50 and {r[0] for r in rows} == {1, 2, 3, 4, 5}
     places = sorted({r[1] for r in rows})
-    mean = {(p, w): np.mean([r[3] for r in rows if r[1] == p and r[2] == w]) for p in places for w in (1, -1)}
-    assert [mean[p, 1] - mean[p, -1] for p in places] == approx(PRINTED[name], abs=0.011 if "psi" not in name else 1e-4)
+    mean = {
+        (p, w): np.mean([r[3] for r in rows if r[1] == p and r[2] == w])
+        for p in places
+        for w in (1, -1)
+    }
+    assert [mean[p, 1] - mean[p, -1] for p in places] == approx(
+        PRINTED[name], abs=0.011 if "psi" not in name else 1e-4
+    )
 
 
 def test_rests_are_copied_to_the_count():
     """Averages of the paper: 2040.00 and 2054.78 with a pull, 2043.97 and 2051.00 after it (theirs are over all samples)."""
-    text = "\n".join(line for line in cases.text("sts3215_single.csv").splitlines() if not line.startswith("#"))
+    text = "\n".join(
+        line for line in cases.text("sts3215_single.csv").splitlines() if not line.startswith("#")
+    )
     rows = [[float(x) for x in line.split(",")] for line in text.splitlines()[1:]]
     t, target, pos, moved, band = np.array(rows).T
     assert (np.diff(t) > 0).all() and len(rows) == 34
-    assert pos[band < 0].mean() == approx(2040.00) and pos[band > 0].mean() == approx(2054.78, abs=0.5)
+    assert pos[band < 0].mean() == approx(2040.00) and pos[band > 0].mean() == approx(
+        2054.78, abs=0.5
+    )
     after = np.r_[False, band[:-1] != 0] & (band == 0) & (target == 2047)
     assert set(pos[after & (moved > 0)]) == {2044} and set(pos[after & (moved < 0)]) == {2051}
 
 
 def test_a_gauge_that_goes_late_both_ways_reads_lost_motion():
-    lines = [x for x in convert.dial_gauge(cases.text("chamber_z.csv"), "x").splitlines() if not x.startswith("#")]
+    lines = [
+        x
+        for x in convert.dial_gauge(cases.text("chamber_z.csv"), "x").splitlines()
+        if not x.startswith("#")
+    ]
     rows = [[float(x) for x in line.split(",")] for line in lines[1:]]
     assert len(rows) == 16 + 15 + 15 and {r[0] for r in rows} == {1, 2, 3}
     late = {way: np.mean([r[3] for r in rows if r[2] == way]) for way in (1, -1)}
@@ -78,7 +104,10 @@ def test_the_first_name_is_the_one_that_explains_most():
     one = {"status": "accepted", "effect": "scale", "axis": "X", "rms_explained_um": 1.0}
     two = {"status": "accepted", "effect": "tool_size", "axis": None, "rms_explained_um": 4.0}
     not_yet = {"status": "tentative", "effect": "bow", "axis": "X", "rms_explained_um": 9.0}
-    assert [checks.key(e) for e in checks.accepted({"effects": [one, not_yet, two]})] == ["tool_size:", "scale:X"]
+    assert [checks.key(e) for e in checks.accepted({"effects": [one, not_yet, two]})] == [
+        "tool_size:",
+        "scale:X",
+    ]
 
 
 def test_the_section_goes_before_the_generated_cases_and_is_replaced():

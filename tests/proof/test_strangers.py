@@ -46,7 +46,12 @@ def test_two_axis_formula_of_the_contract():
         return np.interp(pos[:, ax], m.nodes[ax], t[ax][c][0])
 
     b = e(2, "EBZ") * 1e-3
-    want_z = e(2, "EZZ") + e(0, "EZX") - m.square["B0X"] * 1e-3 * x - b * (x + m.tool[0] - m.measured[2][0])
+    want_z = (
+        e(2, "EZZ")
+        + e(0, "EZX")
+        - m.square["B0X"] * 1e-3 * x
+        - b * (x + m.tool[0] - m.measured[2][0])
+    )
     want_x = e(0, "EXX") + e(2, "EXZ") + b * m.tool[2]
     if "EBX" in t[0]:
         bx = e(0, "EBX") * 1e-3
@@ -139,7 +144,9 @@ def test_every_effect_has_forms():
 
 
 def test_screw_grows_away_from_its_bearing():
-    q = targets(stream("t"), LATHE, 2, 0.0, "r1", force={"n": 5, "runs": 8, "pattern": "iso", "gap": 900.0})
+    q = targets(
+        stream("t"), LATHE, 2, 0.0, "r1", force={"n": 5, "runs": 8, "pattern": "iso", "gap": 900.0}
+    )
     w = world(LATHE, [q])
     for form in ("lumped", "moving_source", "two_constants"):
         y = observe(q, form_of("screw_heat", form)(w, stream("f"), 2).field(q, 1.0))[0]
@@ -170,6 +177,10 @@ def test_files_parse_as_toml_and_csv():
         if n.endswith(".csv") and not n.startswith("machine/"):
             head = "\n".join(x[2:] for x in body.splitlines() if x.startswith("# "))
             assert tomllib.loads(head)["format"] == "gcomp-recording/1"
-            rows = list(csv.reader(io.StringIO("\n".join(x for x in body.splitlines() if not x.startswith("# ")))))
+            rows = list(
+                csv.reader(
+                    io.StringIO("\n".join(x for x in body.splitlines() if not x.startswith("# ")))
+                )
+            )
             assert len({len(x) for x in rows}) == 1
     assert AX == "XYZ"

@@ -35,7 +35,9 @@ def files():
     return [
         targets(stream("t"), MILL, 0, 0.0, "r1", force={"n": 20, "runs": 2, "pattern": "iso"}),
         ballbar(stream("b"), MILL, 0.0, "r2"),
-        trace(stream("c"), MILL, 0.0, "r3", "tool", force={"path": "jog", "rows": 2000, "rate": 20}),
+        trace(
+            stream("c"), MILL, 0.0, "r3", "tool", force={"path": "jog", "rows": 2000, "rate": 20}
+        ),
         features(stream("p"), MILL, 0.0, "r4"),
     ]
 
@@ -48,7 +50,9 @@ def choices(family):
             c = make("laid down", tier, k, family)
             kinds = [[s["kind"] for s in f["signal"]] for f in c.details["noise"].values()]
             hidden = [(t["effect"], t["axis"], t["form"]) for t in c.truth]
-            out.append([c.name, c.details["plan"], c.details["rows"], c.details["files"], kinds, hidden])
+            out.append(
+                [c.name, c.details["plan"], c.details["rows"], c.details["files"], kinds, hidden]
+            )
     return out
 
 
@@ -59,7 +63,9 @@ def test_other_families_draw_as_before():
 
 
 def test_fresh_draws_nothing_held():
-    held = {n for forms in FORMS.values() for n, family, _ in forms if family == "held"} | set(LATER["held"]["all"])
+    held = {n for forms in FORMS.values() for n, family, _ in forms if family == "held"} | set(
+        LATER["held"]["all"]
+    )
     openly = {n for forms in FORMS.values() for n, family, _ in forms if family == "open"}
     own = 0
     for row in choices("fresh"):
@@ -75,7 +81,10 @@ def test_every_effect_has_a_fresh_form_and_all_bear_numbers():
     for forms in FORMS.values():
         assert all(NUMBERED.fullmatch(n) for n, family, _ in forms if family == "fresh")
     assert sum(n.startswith("alien:fresh-") for n in FORMS) >= 4
-    assert set(LATER["fresh"]["all"]) == set(MORE_FAST) | set(MORE_SLOW) and len(LATER["fresh"]["all"]) >= 5
+    assert (
+        set(LATER["fresh"]["all"]) == set(MORE_FAST) | set(MORE_SLOW)
+        and len(LATER["fresh"]["all"]) >= 5
+    )
 
 
 @pytest.mark.parametrize("tier", TIERS)
@@ -92,7 +101,11 @@ def test_fast_kinds_have_their_variance(kind):
         n = MORE_FAST[kind](stream("n0", kind), 0.4, rec)
         drawn = [MORE_FAST[kind](stream("n", kind, k), 0.4, rec) for k in range(300)]
         if len(n.white_a) > 1:  # whitened, it is white
-            x = [lfilter(d.white_a, d.white_b, d.values)[400:] / np.sqrt(d.var[400:]) for d in drawn if rec.n_obs > 800]
+            x = [
+                lfilter(d.white_a, d.white_b, d.values)[400:] / np.sqrt(d.var[400:])
+                for d in drawn
+                if rec.n_obs > 800
+            ]
         else:
             x = [
                 np.round((d.values + k / 7) / d.quant) * d.quant - k / 7 if d.quant else d.values
@@ -133,9 +146,15 @@ def test_rows_are_counted():
         c = make("gaps", "null", k, "fresh")
         for name, body in c.files.items():
             if name.startswith("r"):
-                said = [s for s in c.details["noise"][name[:-4]]["signal"] if s["kind"] == "fresh-0"]
+                said = [
+                    s for s in c.details["noise"][name[:-4]]["signal"] if s["kind"] == "fresh-0"
+                ]
                 lost += sum(s["rows"] for s in said)
-        rows = sum(sum(x[0] != "#" for x in body.splitlines()) - 1 for n, body in c.files.items() if n.startswith("r"))
+        rows = sum(
+            sum(x[0] != "#" for x in body.splitlines()) - 1
+            for n, body in c.files.items()
+            if n.startswith("r")
+        )
         assert rows == c.details["rows"]
     assert lost > 0
     gone = [LOSSES["fresh"](stream("g", k), files()[0]) for k in range(40)]
@@ -150,7 +169,9 @@ def test_lost_motion_lags_by_half_its_size():
         if family == "fresh":
             s = f(w, stream("f"), 0)
             far = q.since[:, 0] > 1.0
-            assert np.allclose(observe(q, s.field(q, 6.0))[0][far], (-3.0 * q.sgn[:, 0])[far], atol=0.01), name
+            assert np.allclose(
+                observe(q, s.field(q, 6.0))[0][far], (-3.0 * q.sgn[:, 0])[far], atol=0.01
+            ), name
             assert s.params(6.0) == {"size_um": 6.0}
 
 
@@ -190,8 +211,17 @@ def test_squareness_with_a_number_closes_the_angle_by_it():
 def test_fresh_forms_reach_their_size():
     recs = [
         *files(),
-        targets(stream("t"), MILL, 0, 0.0, "r5", force={"n": 8, "runs": 5, "pattern": "iso", "gap": 7200.0}),
-        trace(stream("c"), MILL, 0.0, "r6", "scale", force={"path": "jog", "rows": 2000, "rate": 20}),
+        targets(
+            stream("t"),
+            MILL,
+            0,
+            0.0,
+            "r5",
+            force={"n": 8, "runs": 5, "pattern": "iso", "gap": 7200.0},
+        ),
+        trace(
+            stream("c"), MILL, 0.0, "r6", "scale", force={"path": "jog", "rows": 2000, "rate": 20}
+        ),
     ]
     reached = set()
     for effect in EFFECTS:
@@ -205,7 +235,9 @@ def test_fresh_forms_reach_their_size():
 
 
 def test_a_trial_of_the_third_family_has_a_place_of_its_own(tmp_path):
-    truth, details = strangers_trial.made("0" * 40, {"null": 2, "alien": 2}, tmp_path / "cases", 1, "fresh")
+    truth, details = strangers_trial.made(
+        "0" * 40, {"null": 2, "alien": 2}, tmp_path / "cases", 1, "fresh"
+    )
     assert {d["family"] for d in details.values()} == {"fresh"} and len(truth) == 4
     for entries in truth.values():
         assert all(re.fullmatch(r"alien:fresh-\d+", t["effect"]) for t in entries)

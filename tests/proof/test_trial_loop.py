@@ -61,7 +61,9 @@ def test_a_line_that_leans_is_seen_across_it(drawn, monkeypatch):
 
     monkeypatch.setattr(loop, "deviation", lean)
     ends = nominal[loop.SETTLING :, 0]
-    assert loop.path_error(drawn, text, nominal) == pytest.approx(np.abs(ends - ends.mean()).max(), rel=1e-3)
+    assert loop.path_error(drawn, text, nominal) == pytest.approx(
+        np.abs(ends - ends.mean()).max(), rel=1e-3
+    )
 
 
 def test_the_true_machine_told_to_the_tool_closes_the_loop(drawn, folder, tmp_path):
@@ -80,14 +82,19 @@ def test_the_true_machine_told_to_the_tool_closes_the_loop(drawn, folder, tmp_pa
     second, said = loop.corrected(text, known)
     assert second, said
     limit = loop.path_error(drawn, first, nominal)
-    geometry, diagnosed = loop.path_error(wrong, first, nominal), loop.path_error(wrong, second, nominal)
+    geometry, diagnosed = (
+        loop.path_error(wrong, first, nominal),
+        loop.path_error(wrong, second, nominal),
+    )
     assert geometry > 5.0 and diagnosed < limit + 1.0 and diagnosed < 0.6 * geometry
 
 
 def test_the_loop_is_closed_where_places_decide_and_something_shows():
     one = {"effect": "backlash", "visible": True}
     assert loop.wanted([one]) and not loop.wanted([])
-    assert not loop.wanted([{"effect": "screw_heat", "visible": True}]) and not loop.wanted([one | {"visible": False}])
+    assert not loop.wanted([{"effect": "screw_heat", "visible": True}]) and not loop.wanted(
+        [one | {"visible": False}]
+    )
 
 
 # -- baselines ---------------------------------------------------------------------------------------------------------
@@ -114,5 +121,8 @@ def test_every_baseline_finds_what_it_is_made_for(backlash):
     assert baselines.always_backlash(problem).names == [name]
     assert baselines.always_backlash(problem).after < nothing
     assert baselines.polynomial(problem).after < nothing
-    assert baselines.gaussian_process(problem).after < nothing and not baselines.gaussian_process(problem).names
+    assert (
+        baselines.gaussian_process(problem).after < nothing
+        and not baselines.gaussian_process(problem).names
+    )
     assert baselines.stlsq(problem).after < nothing

@@ -13,14 +13,29 @@ from proof.score_table import lines, quantile, share, table, wilson
 
 
 def truth(effect, axis="X", peak=5.0, visible=True, **more):
-    return {"effect": effect, "axis": axis, "peak_um": peak, "visible": visible, "parameters": {}, "twins": []} | more
+    return {
+        "effect": effect,
+        "axis": axis,
+        "peak_um": peak,
+        "visible": visible,
+        "parameters": {},
+        "twins": [],
+    } | more
 
 
 def said(*effects, unknown=None, fit=None, blank=()):
-    return {"effects": list(effects), "unknown": unknown, "verdict": "", "fit": fit, "not_visible": list(blank)}
+    return {
+        "effects": list(effects),
+        "unknown": unknown,
+        "verdict": "",
+        "fit": fit,
+        "not_visible": list(blank),
+    }
 
 
-def effect(name, axis="X", rms=1.0, status="accepted", equivalent=(), parameters=None, next_test=None):
+def effect(
+    name, axis="X", rms=1.0, status="accepted", equivalent=(), parameters=None, next_test=None
+):
     return {
         "effect": name, "axis": axis, "status": status, "rms_explained_um": rms, "equivalent": list(equivalent),
         "parameters": parameters or {}, "next_test": next_test,
@@ -34,9 +49,19 @@ def test_names_are_the_same_by_effect_and_axis():
 
 
 def test_the_first_name_is_the_one_that_explains_most():
-    o = judge("c", "single", [truth("backlash")], said(effect("scale", rms=0.2), effect("backlash", rms=2.0)))
+    o = judge(
+        "c",
+        "single",
+        [truth("backlash")],
+        said(effect("scale", rms=0.2), effect("backlash", rms=2.0)),
+    )
     assert o.names == ["backlash:X", "scale:X"] and o.top == [True] and o.wrong == ["scale:X"]
-    o = judge("c", "single", [truth("backlash")], said(effect("scale", rms=3.0), effect("backlash", rms=2.0)))
+    o = judge(
+        "c",
+        "single",
+        [truth("backlash")],
+        said(effect("scale", rms=3.0), effect("backlash", rms=2.0)),
+    )
     assert o.top == [False] and o.named == [True]
 
 
@@ -61,7 +86,10 @@ def test_no_answer_is_a_failure_and_no_name():
 
 
 def test_parameters_are_held_against_the_truth_and_their_intervals():
-    found = {"size_um": {"value": 9.1, "ci95": [8.7, 9.5]}, "play_mm": {"value": 0.01, "ci95": [0.01, 0.01]}}
+    found = {
+        "size_um": {"value": 9.1, "ci95": [8.7, 9.5]},
+        "play_mm": {"value": 0.01, "ci95": [0.01, 0.01]},
+    }
     right = truth("backlash", parameters={"size_um": 10.0, "play_mm": 0.02})
     o = judge("c", "single", [right], said(effect("backlash", parameters=found)))
     assert o.errors == [("backlash", pytest.approx(0.09))]
@@ -71,8 +99,14 @@ def test_parameters_are_held_against_the_truth_and_their_intervals():
 def test_the_same_name_twice_is_one_name_and_the_larger_part_tells_its_size():
     parts = [{"amplitude_um": {"value": v, "ci95": [v - 0.1, v + 0.1]}} for v in (6.0, 1.5)]
     both = [effect("cyclic", rms=r, parameters=p) for r, p in zip((4.0, 1.0), parts, strict=True)]
-    o = judge("c", "single", [truth("cyclic", parameters={"amplitude_um": 6.05})], said(*reversed(both)))
-    assert o.names == ["cyclic:X"] and o.errors == [("cyclic", pytest.approx(0.05 / 6.05))] and o.inside == [True]
+    o = judge(
+        "c", "single", [truth("cyclic", parameters={"amplitude_um": 6.05})], said(*reversed(both))
+    )
+    assert (
+        o.names == ["cyclic:X"]
+        and o.errors == [("cyclic", pytest.approx(0.05 / 6.05))]
+        and o.inside == [True]
+    )
 
 
 def test_wilson_as_published():
@@ -110,11 +144,23 @@ def test_the_table_counts_what_it_says():
     assert (row(rows, "one effect, 8").hits, row(rows, "one effect, 8").count) == (1, 2)
     assert row(rows, "one effect, 2").value == 0.0 and row(rows, "one effect, 4").met is None
     assert (row(rows, "one effect: right").hits, row(rows, "one effect: right").count) == (1, 2)
-    assert (row(rows, "pairs and triples: precision").hits, row(rows, "pairs and triples: recall").hits) == (1, 1)
+    assert (
+        row(rows, "pairs and triples: precision").hits,
+        row(rows, "pairs and triples: recall").hits,
+    ) == (1, 1)
     assert row(rows, "  of these").count == 2  # screw_heat and scale are confusable
-    assert row(rows, "driver withheld").value == 1.0 and row(rows, "alien physics: called").value == 1.0
-    assert row(rows, "alien physics: library").value == 1.0 and row(rows, "one effect, well named").value == 1.0
-    assert any("s2 (single) scale:X of 9.0 um: said bow:X" in text for text in row(rows, "one effect, 8").failures)
+    assert (
+        row(rows, "driver withheld").value == 1.0
+        and row(rows, "alien physics: called").value == 1.0
+    )
+    assert (
+        row(rows, "alien physics: library").value == 1.0
+        and row(rows, "one effect, well named").value == 1.0
+    )
+    assert any(
+        "s2 (single) scale:X of 9.0 um: said bow:X" in text
+        for text in row(rows, "one effect, 8").failures
+    )
     assert "| nulls with any name | 2 | 0.500 |" in table(rows) and "no case" in table(rows)
 
 
@@ -123,12 +169,23 @@ def test_a_target_of_at_most_lists_the_hits_as_failures():
     assert line.failures == ["bad"] and line.met is False
 
 
-BLIND = {"spot": "one_arm", "suspects": ["abbe:X", "pitch_shape:X"], "test": "the same line at a second arm"}
+BLIND = {
+    "spot": "one_arm",
+    "suspects": ["abbe:X", "pitch_shape:X"],
+    "test": "the same line at a second arm",
+}
 
 
 def test_a_blind_spot_is_named_as_not_visible_or_in_a_set():
     later = judge("b", "follow-up", [truth("abbe")], said(effect("abbe")))
-    blank = [{"effect": "abbe", "axis": "X", "why": "one line", "next_test": "gcomp simulate --test positioning:X"}]
+    blank = [
+        {
+            "effect": "abbe",
+            "axis": "X",
+            "why": "one line",
+            "next_test": "gcomp simulate --test positioning:X",
+        }
+    ]
     assert score.openly(said(blank=blank), BLIND) == (True, ["gcomp simulate --test positioning:X"])
     one_of_two = said(effect("pitch_shape", equivalent=["abbe:X"], next_test="t"))
     found = spotted("b", BLIND, one_of_two, [True], later)
@@ -141,7 +198,9 @@ def test_with_one_direction_every_kind_of_lost_motion_must_be_named():
     blind = {"spot": "one_direction", "suspects": ["backlash:X", "windup:X"]}
     blank = [{"effect": "backlash", "axis": "X", "next_test": "t"}]
     assert not score.openly(said(blank=blank), blind)[0]
-    assert score.openly(said(blank=[*blank, {"effect": "windup", "axis": "X", "next_test": "t"}]), blind)[0]
+    assert score.openly(
+        said(blank=[*blank, {"effect": "windup", "axis": "X", "next_test": "t"}]), blind
+    )[0]
 
 
 def targets(x, approach=None, **more):
@@ -178,6 +237,10 @@ def test_a_fit_that_its_residuals_do_not_bear_out_is_told(tmp_path):
 
 
 def test_a_kept_score_is_the_same_again_with_a_line_for_each_case():
-    found = {"now": [{"case": "a", "names": []}, {"case": "b", "names": ["scale:X"]}], "failures": "none", "blind": []}
+    found = {
+        "now": [{"case": "a", "names": []}, {"case": "b", "names": ["scale:X"]}],
+        "failures": "none",
+        "blind": [],
+    }
     text = score.kept(found)
     assert json.loads(text) == found and text.count("\n") == 8

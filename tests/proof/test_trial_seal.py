@@ -47,7 +47,9 @@ def test_what_was_committed_is_what_is_there(places):
 def test_a_byte_of_a_case_that_differs_is_told_with_its_file(places):
     path = sorted(places.cases.rglob("r1.csv"))[0]
     path.write_bytes(path.read_bytes().replace(b"1", b"2", 1))
-    with pytest.raises(SealError, match=rf"1 files differ, {path.relative_to(places.cases).as_posix()} first"):
+    with pytest.raises(
+        SealError, match=rf"1 files differ, {path.relative_to(places.cases).as_posix()} first"
+    ):
         check(places)
 
 
@@ -76,7 +78,10 @@ def test_answers_other_than_those_laid_down_are_not_scored(places):
     for out in (places.first, places.later):
         (out / "c1").mkdir(parents=True)
         (out / "c1" / "answer.json").write_text("{}")
-    laid = {"first_sha256": trial_run.digest(places.first), "later_sha256": trial_run.digest(places.later)}
+    laid = {
+        "first_sha256": trial_run.digest(places.first),
+        "later_sha256": trial_run.digest(places.later),
+    }
     (places.kept / "answers.json").write_text(json.dumps(laid))
     (places.first / "c1" / "answer.json").write_text('{"verdict": "unknown"}')
     with pytest.raises(SealError, match="not those whose hash was laid down"):
@@ -90,7 +95,9 @@ def test_a_tool_has_one_shot(places):
 
 
 def test_the_tool_sees_recordings_and_machine_alone_and_answers_the_same_anywhere(places, tmp_path):
-    case = sorted(p for p in places.cases.iterdir() if not (places.sealed / "follow_up" / p.name).exists())[0]
+    case = sorted(
+        p for p in places.cases.iterdir() if not (places.sealed / "follow_up" / p.name).exists()
+    )[0]
     moved = tmp_path / "elsewhere" / case.name
     shutil.copytree(case, moved)
     for folder, out in ((case, tmp_path / "a"), (moved, tmp_path / "b")):
@@ -115,7 +122,9 @@ def test_the_same_freeze_gives_the_same_cases_and_another_commitment_is_refused(
 def test_a_case_says_nothing_of_its_tier(made):
     """Folders, names, heads: nothing of what make was asked for is in what the tool gets."""
     for path in made.cases.rglob("*"):
-        told = path.relative_to(made.cases).as_posix() + (path.read_text() if path.is_file() else "")
+        told = path.relative_to(made.cases).as_posix() + (
+            path.read_text() if path.is_file() else ""
+        )
         assert not any(word in told for word in ("null", "blind", "truth", "seed", FREEZE[:10]))
     assert not list(made.cases.rglob("f*.csv"))
 
@@ -126,7 +135,10 @@ def test_a_tool_that_moved_since_the_freeze_is_refused(tmp_path, monkeypatch):
 
     def git(*words):
         subprocess.run(
-            ["git", "-c", "user.name=t", "-c", "user.email=t@t", *words], cwd=tmp_path, check=True, capture_output=True
+            ["git", "-c", "user.name=t", "-c", "user.email=t@t", *words],
+            cwd=tmp_path,
+            check=True,
+            capture_output=True,
         )
 
     (tmp_path / "postproc").mkdir()

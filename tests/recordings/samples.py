@@ -9,10 +9,14 @@ import numpy as np
 
 from postproc.recordings import ReadingOptions, Recording, Source, read
 
-TARGETS = np.array([0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0])  # 10: five divide it
+TARGETS = np.array(
+    [0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0]
+)  # 10: five divide it
 
 
-def readings(runs: int = 4, targets: np.ndarray = TARGETS, reversal: float = 4.0, seed: int = 1) -> np.ndarray:
+def readings(
+    runs: int = 4, targets: np.ndarray = TARGETS, reversal: float = 4.0, seed: int = 1
+) -> np.ndarray:
     """(runs, targets) um to 0.01: a screw that is long by 10 um/m, odd runs towards +, even runs back, less the reversal."""
     rng = np.random.default_rng(seed)
     shape = targets * 0.01 + 0.7
@@ -33,11 +37,33 @@ def renishaw(
     environment: tuple[str, ...] = (),
 ) -> str:
     """A .rtl text: five targets a line, reverse runs listed from the far end."""
-    lines = ["HEADER::", "File type  : laser", "Owner      : Renishaw", "Version no : 20", "", "TARGET DATA::"]
+    lines = [
+        "HEADER::",
+        "File type  : laser",
+        "Owner      : Renishaw",
+        "Version no : 20",
+        "",
+        "TARGET DATA::",
+    ]
     lines += ["Filetype  : ISO", f"Target-count: {len(targets)}", "Targets :"]
     lines += ["  ".join(f"{t:.4f}" for t in targets[i : i + 5]) for i in range(0, len(targets), 5)]
-    lines += [f"Flags: {flags}", "", "USER-TEXT::", f"Machine: {machine}", "Serial No: 4711", "Date: 2024-05-17"]
-    lines += ["By: somebody", f"Axis: {axis}", "Location: hall 3", "", "RUNS::", f"Run-count: {len(table)}", ""]
+    lines += [
+        f"Flags: {flags}",
+        "",
+        "USER-TEXT::",
+        f"Machine: {machine}",
+        "Serial No: 4711",
+        "Date: 2024-05-17",
+    ]
+    lines += [
+        "By: somebody",
+        f"Axis: {axis}",
+        "Location: hall 3",
+        "",
+        "RUNS::",
+        f"Run-count: {len(table)}",
+        "",
+    ]
     lines += ["DEVIATIONS::", "Run Target Data:"]
     rows = []
     for run, row in enumerate(table, 1):
@@ -52,9 +78,18 @@ def renishaw(
     return (text.replace(".", ",") if comma else text).replace("\n", end)
 
 
-def dynamic(samples: np.ndarray, rate: float = 1000.0, axis: str = "X", end: bytes = b"EOF::\r\n") -> bytes:
+def dynamic(
+    samples: np.ndarray, rate: float = 1000.0, axis: str = "X", end: bytes = b"EOF::\r\n"
+) -> bytes:
     """A .rtx file."""
-    head = ["HEADER::", "File Type: rtx", "Owner: somebody", "Version no: 4", "Velocity: 0.0", f"Sample rate: {rate}"]
+    head = [
+        "HEADER::",
+        "File Type: rtx",
+        "Owner: somebody",
+        "Version no: 4",
+        "Velocity: 0.0",
+        f"Sample rate: {rate}",
+    ]
     head += [
         f"Sample no: {len(samples)}",
         "Trigger point: 0",
@@ -74,11 +109,20 @@ def dynamic(samples: np.ndarray, rate: float = 1000.0, axis: str = "X", end: byt
 
 
 def interleaved(
-    table: np.ndarray, targets: np.ndarray = TARGETS, sign: str = ";", comma: bool = True, unit: str = "µm"
+    table: np.ndarray,
+    targets: np.ndarray = TARGETS,
+    sign: str = ";",
+    comma: bool = True,
+    unit: str = "µm",
 ) -> str:
     """Targets down, up 1, down 1, up 2 ... across, a mean behind, and a summary below."""
     names = [f"{'Up' if r % 2 == 0 else 'Down'} {r // 2 + 1} ({unit})" for r in range(len(table))]
-    lines = [f"Machine{sign}mill-7", f"Axis{sign}Z", "", sign.join(["Target (mm)", *names, f"Mean ({unit})"])]
+    lines = [
+        f"Machine{sign}mill-7",
+        f"Axis{sign}Z",
+        "",
+        sign.join(["Target (mm)", *names, f"Mean ({unit})"]),
+    ]
     for k, target in enumerate(targets):
         cells = [f"{target:.1f}", *(f"{v:.2f}" for v in table[:, k]), f"{table[:, k].mean():.3f}"]
         lines.append(sign.join(c.replace(".", ",") if comma else c for c in cells))
@@ -91,7 +135,9 @@ def blocks(table: np.ndarray, targets: np.ndarray = TARGETS, headed: bool = True
     words = [f"Forward {r // 2 + 1}" if r % 2 == 0 else f"Reverse {r // 2 + 1}" for r in order]
     names = words if headed else [f"Run {i}" for i in range(1, len(order) + 1)]
     lines = ["\t".join(["Target [mm]", *names])]
-    lines += ["\t".join([f"{t:g}", *(f"{table[r, k]:.2f}" for r in order)]) for k, t in enumerate(targets)]
+    lines += [
+        "\t".join([f"{t:g}", *(f"{table[r, k]:.2f}" for r in order)]) for k, t in enumerate(targets)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -100,12 +146,17 @@ def long(table: np.ndarray, targets: np.ndarray = TARGETS) -> str:
     lines = ["Target position (mm),Run,Direction,Deviation (um)"]
     for r, row in enumerate(table):
         order = range(len(targets)) if r % 2 == 0 else range(len(targets) - 1, -1, -1)
-        lines += [f"{targets[k]:g},{r + 1},{'up' if r % 2 == 0 else 'down'},{row[k]:.2f}" for k in order]
+        lines += [
+            f"{targets[k]:g},{r + 1},{'up' if r % 2 == 0 else 'down'},{row[k]:.2f}" for k in order
+        ]
     return "\n".join(lines) + "\n"
 
 
 def laser_table(
-    table: np.ndarray, targets: np.ndarray = TARGETS, unit: str = "µm", average: np.ndarray | None = None
+    table: np.ndarray,
+    targets: np.ndarray = TARGETS,
+    unit: str = "µm",
+    average: np.ndarray | None = None,
 ) -> str:
     """The tab table with its environment."""
     mean = table.mean(axis=0) if average is None else average
@@ -117,9 +168,14 @@ def laser_table(
         "Accuracy: 9.9",
         "Raw Data:",
     ]
-    lines += ["\t".join(["Target Position", *(f"RUN {r + 1} ({unit})" for r in range(len(table))), "Average"])]
     lines += [
-        "\t".join([f"{t:g}", *(f"{v:.2f}" for v in table[:, k]), f"{mean[k]:.4f}"]) for k, t in enumerate(targets)
+        "\t".join(
+            ["Target Position", *(f"RUN {r + 1} ({unit})" for r in range(len(table))), "Average"]
+        )
+    ]
+    lines += [
+        "\t".join([f"{t:g}", *(f"{v:.2f}" for v in table[:, k]), f"{mean[k]:.4f}"])
+        for k, t in enumerate(targets)
     ]
     lines += [
         "",

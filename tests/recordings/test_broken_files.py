@@ -13,7 +13,21 @@ from postproc.commands.recordings import show
 from postproc.errors import GcompError
 from postproc.recordings import ReadingOptions, Recording, contract, names, read_all
 from tests.recordings import samples
-from tests.recordings.broken import BALL, CASES, COMP, CSV, DYNAMIC, LASER, LONG, MAP, OWN, RTL, RTX, SHEET, TYPE0
+from tests.recordings.broken import (
+    BALL,
+    CASES,
+    COMP,
+    CSV,
+    DYNAMIC,
+    LASER,
+    LONG,
+    MAP,
+    OWN,
+    RTL,
+    RTX,
+    SHEET,
+    TYPE0,
+)
 from tests.recordings.samples import source, taken
 
 TABLE = samples.readings(4)
@@ -21,12 +35,24 @@ CIRCLE = {
     "columns": {"angle_deg": "angle", "radial_um": "dev", "sense": "dir"},
     "head": {"radius_mm": 150.0, "centre": {"X": 400.0, "Y": 300.0}},
 }
-FEATURES = {"columns": {"feature": "name", "kind": "what", "axis": "ax", "nominal_mm": "nom", "measured_mm": "meas"}}
+FEATURES = {
+    "columns": {
+        "feature": "name",
+        "kind": "what",
+        "axis": "ax",
+        "nominal_mm": "nom",
+        "measured_mm": "meas",
+    }
+}
 VALID: list[tuple[str, str | bytes, dict]] = [
     ("a.csv", OWN, {}),
     ("a.csv", BALL, {}),
     ("z.rtl", RTL, {}),
-    ("z.rtl", samples.renishaw(TABLE, comma=True, environment=("Air temp : 20,5",)), {"first": -1, "strict": False}),
+    (
+        "z.rtl",
+        samples.renishaw(TABLE, comma=True, environment=("Air temp : 20,5",)),
+        {"first": -1, "strict": False},
+    ),
     ("z.rta", RTL, {"component": "EBZ"}),
     ("x.rtx", RTX, DYNAMIC),
     ("s.csv", SHEET, {}),
@@ -35,13 +61,29 @@ VALID: list[tuple[str, str | bytes, dict]] = [
     ("s.csv", samples.long(TABLE), {"axis": "Z"}),
     ("z.txt", LASER, {}),
     ("a.csv", LONG, {}),
-    ("a.csv", samples.canonical({"EZZ": (TABLE, "um"), "EBZ": (TABLE, "arcsec")}), {"strict": False}),
+    (
+        "a.csv",
+        samples.canonical({"EZZ": (TABLE, "um"), "EBZ": (TABLE, "arcsec")}),
+        {"strict": False},
+    ),
     ("Z.comp", COMP, TYPE0),
     ("a.csv", CSV, MAP),
     ("c.csv", "angle;dev;dir\n0;1,5;CCW\n90;-2,5;CCW\n180;0;CW\n", CIRCLE),
-    ("f.csv", "name,what,ax,nom,meas\nX1,centre_distance,X,80,79.983\nX2,step,X,80,79.985\n", FEATURES),
-    ("t.csv", "t|c|a\n0|1.0|1.001\n0.1|2.0|2.002\n", {"columns": {"t_s": "t", "X_cmd_mm": "c", "X_act_mm": "a"}}),
-    ("w.csv", "z,up,dn\n0,1.5,2.5\n10,1.5,-2.5\n", {"columns": {"Z_mm": "z", "forward_um": "up", "reverse_um": "dn"}}),
+    (
+        "f.csv",
+        "name,what,ax,nom,meas\nX1,centre_distance,X,80,79.983\nX2,step,X,80,79.985\n",
+        FEATURES,
+    ),
+    (
+        "t.csv",
+        "t|c|a\n0|1.0|1.001\n0.1|2.0|2.002\n",
+        {"columns": {"t_s": "t", "X_cmd_mm": "c", "X_act_mm": "a"}},
+    ),
+    (
+        "w.csv",
+        "z,up,dn\n0,1.5,2.5\n10,1.5,-2.5\n",
+        {"columns": {"Z_mm": "z", "forward_um": "up", "reverse_um": "dn"}},
+    ),
 ]
 BITS = [
     b"",
@@ -79,7 +121,9 @@ def test_a_broken_file_is_refused_with_its_line_and_reason(case):
     error = caught.value
     assert sentence in error.message
     if line:
-        assert error.place is not None and (error.place.file, error.place.line) == (name, line), str(error)
+        assert error.place is not None and (error.place.file, error.place.line) == (name, line), (
+            str(error)
+        )
 
 
 def test_there_is_a_broken_file_for_every_reader_and_its_words_are_plain():
@@ -92,7 +136,9 @@ def test_there_is_a_broken_file_for_every_reader_and_its_words_are_plain():
         assert not caught.value.message.endswith(".")
 
 
-@pytest.mark.parametrize(("name", "data", "how"), VALID, ids=[f"{v[0]}-{i}" for i, v in enumerate(VALID)])
+@pytest.mark.parametrize(
+    ("name", "data", "how"), VALID, ids=[f"{v[0]}-{i}" for i, v in enumerate(VALID)]
+)
 def test_what_is_mutated_below_reads(name, data, how):
     format, how_ = options(how)
     assert all(len(r) for r in read_all(source(name, data), format, how_))
@@ -119,7 +165,10 @@ def survives(name: str, data: bytes, how: dict) -> None:
             sound(recording)
     except GcompError as error:
         assert error.message
-        assert error.place is None or 1 <= error.place.line <= data.count(b"\n") + data.count(b"\r") + 1
+        assert (
+            error.place is None
+            or 1 <= error.place.line <= data.count(b"\n") + data.count(b"\r") + 1
+        )
 
 
 @settings(max_examples=600, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -16,7 +16,9 @@ TABLE = samples.readings(6)
 @pytest.fixture
 def rtl(tmp_path):
     path = tmp_path / "z.rtl"
-    path.write_text(samples.renishaw(TABLE, skip=((2, 3),), environment=("Air temp : 20.5 C",)), newline="")
+    path.write_text(
+        samples.renishaw(TABLE, skip=((2, 3),), environment=("Air temp : 20.5 C",)), newline=""
+    )
     return path
 
 
@@ -84,7 +86,9 @@ def test_one_broken_file_among_several_is_told_and_the_others_are_shown(rtl, tmp
     assert main(["recordings", str(bad), str(rtl)]) == 2
     captured = capsys.readouterr()
     assert (
-        "looks like no recording" in captured.err and "bad.txt:1" in captured.err and "z.rtl: renishaw" in captured.out
+        "looks like no recording" in captured.err
+        and "bad.txt:1" in captured.err
+        and "z.rtl: renishaw" in captured.out
     )
 
 

@@ -12,7 +12,11 @@ from postproc.recordings import ReadingOptions, Recording, Source, contract, nam
 from tests.recordings import samples
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "recordings"
-FILES = sorted(p for p in SHARED.rglob("*.csv") if p.parent.name != "machine") if SHARED.is_dir() else []
+FILES = (
+    sorted(p for p in SHARED.rglob("*.csv") if p.parent.name != "machine")
+    if SHARED.is_dir()
+    else []
+)
 
 
 def again(recording: Recording) -> Recording:
@@ -52,7 +56,11 @@ def test_every_shared_recording_reads(path):
 def test_written_and_read_again_it_is_the_same(recording):
     back = again(recording)
     assert back.kind == recording.kind and back.quantity == recording.quantity
-    assert back.sensitive == recording.sensitive and back.machine == recording.machine and back.u == recording.u
+    assert (
+        back.sensitive == recording.sensitive
+        and back.machine == recording.machine
+        and back.u == recording.u
+    )
     assert list(back.columns) == list(recording.columns)
     for name, column in recording.columns.items():
         if column.dtype == object:
@@ -65,7 +73,10 @@ HEAD = '# format = "gcomp-recording/1"\n# kind = "targets"\n# sensitive = { Z = 
 
 
 def test_unknown_columns_are_kept_and_empty_optional_ones_are_not_numbers():
-    text = HEAD + "run,t_s,Z_mm,reading_um,T_air_C,remark,shift\n1,0,0,1.5,,hello,3\n1,1,10,2.5,20.5,,4\n"
+    text = (
+        HEAD
+        + "run,t_s,Z_mm,reading_um,T_air_C,remark,shift\n1,0,0,1.5,,hello,3\n1,1,10,2.5,20.5,,4\n"
+    )
     recording = samples.taken("a.csv", text)
     assert recording.columns["remark"].tolist() == ["hello", ""]
     assert_allclose(recording.columns["shift"], [3, 4])
@@ -81,11 +92,15 @@ def test_lines_are_counted_as_an_editor_does():
 
 
 def test_what_a_format_does_not_heed_is_said():
-    recording = samples.taken("a.csv", HEAD + "run,t_s,Z_mm,reading_um\n1,0,0,1.5\n", unit="mm", layout="", first=1)
+    recording = samples.taken(
+        "a.csv", HEAD + "run,t_s,Z_mm,reading_um\n1,0,0,1.5\n", unit="mm", layout="", first=1
+    )
     assert any("--unit, --first were not used" in t for t in recording.notices)
 
 
 def test_formats_are_the_modules_without_the_shared_ones():
     assert (
-        "contract" in names() and "renishaw-dynamic" in names() and not any(n.startswith(("_", "-")) for n in names())
+        "contract" in names()
+        and "renishaw-dynamic" in names()
+        and not any(n.startswith(("_", "-")) for n in names())
     )

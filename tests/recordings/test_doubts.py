@@ -48,7 +48,9 @@ def test_units_in_headings(heading, name):
 @pytest.mark.parametrize("quantity", ["length", "angle"])
 def test_the_band_has_two_ends(quantity):
     low, high = units.BAND[quantity]
-    assert units.outside(low * 1.01, quantity) is None and units.outside(high * 0.99, quantity) is None
+    assert (
+        units.outside(low * 1.01, quantity) is None and units.outside(high * 0.99, quantity) is None
+    )
     assert units.outside(low * 0.99, quantity) and units.outside(high * 1.01, quantity)
     assert units.outside(0.0, quantity) == "all readings are the same"
 
@@ -69,7 +71,12 @@ def drawn(runs: int, sign, reversal: float = 5.0, drift: float = 0.0, seed: int 
     rng = np.random.default_rng(seed)
     run, k = np.meshgrid(np.arange(1, runs + 1), np.arange(K), indexing="ij")
     truth = np.array([sign(r) for r in range(1, runs + 1)])
-    value = np.sin(k / 2) + 0.5 * reversal * truth[:, None] + drift * run + rng.normal(0, 0.2, run.shape)
+    value = (
+        np.sin(k / 2)
+        + 0.5 * reversal * truth[:, None]
+        + drift * run
+        + rng.normal(0, 0.2, run.shape)
+    )
     return run.ravel(), 10.0 * k.ravel(), value.ravel(), np.repeat(truth, K)
 
 
@@ -81,7 +88,9 @@ def parity(r):
 def test_the_true_directions_are_never_doubted(runs):
     for seed in range(20):
         for drift in (0.0, 2.0):
-            run, target, value, sign = drawn(runs, parity, drift=drift if runs >= 6 else 0.0, seed=seed)
+            run, target, value, sign = drawn(
+                runs, parity, drift=drift if runs >= 6 else 0.0, seed=seed
+            )
             assert split.doubt(run, target, value, sign) is None
         # nor where there is no reversal at all
         run, target, value, sign = drawn(runs, parity, reversal=0.0, seed=seed)
@@ -101,7 +110,10 @@ def test_blocks_read_by_turns_are_found(runs):
 def test_runs_there_and_back_taken_for_one_way_are_found():
     run, target, value, _ = drawn(6, parity)
     told = split.doubt(run, target, value, np.ones(len(run)))
-    assert told and "runs 1, 3, 5 are alike, and so are runs 2, 4, 6; with one direction for all" in told
+    assert (
+        told
+        and "runs 1, 3, 5 are alike, and so are runs 2, 4, 6; with one direction for all" in told
+    )
 
 
 def test_too_few_runs_say_nothing():
@@ -111,10 +123,16 @@ def test_too_few_runs_say_nothing():
 
 def test_the_doubt_reaches_the_reader():
     table = samples.readings(6)
-    right = taken("z.txt", samples.blocks(table, headed=False), axis="Z", unit="um", layout="blocks")
-    wrong = taken("z.txt", samples.blocks(table, headed=False), axis="Z", unit="um", layout="interleaved")
+    right = taken(
+        "z.txt", samples.blocks(table, headed=False), axis="Z", unit="um", layout="blocks"
+    )
+    wrong = taken(
+        "z.txt", samples.blocks(table, headed=False), axis="Z", unit="um", layout="interleaved"
+    )
     assert not any("look wrong" in t for t in right.notices)
-    assert any("look wrong: runs 1, 2, 3 are alike, and so are runs 4, 5, 6" in t for t in wrong.notices)
+    assert any(
+        "look wrong: runs 1, 2, 3 are alike, and so are runs 4, 5, 6" in t for t in wrong.notices
+    )
 
 
 @pytest.mark.parametrize(
@@ -135,23 +153,36 @@ def test_other_names_are_refused(name):
 
 @pytest.mark.parametrize(
     ("words", "axis"),
-    [("Z", "Z"), ("X-axis", "X"), ("Achse y", "Y"), ("Z1", "Z"), ("X and Y", ""), ("linear", ""), ("", "")],
+    [
+        ("Z", "Z"),
+        ("X-axis", "X"),
+        ("Achse y", "Y"),
+        ("Z1", "Z"),
+        ("X and Y", ""),
+        ("linear", ""),
+        ("", ""),
+    ],
 )
 def test_axis_letters_in_free_text(words, axis):
     assert targets.axis_in(words) == axis
 
 
-@pytest.mark.parametrize("word", ["1_000", "nan", "inf", "1e999", "0x10", "１２", "1,5", "--1", "1e", ""])
+@pytest.mark.parametrize(
+    "word", ["1_000", "nan", "inf", "1e999", "0x10", "１２", "1,5", "--1", "1e", ""]
+)
 def test_only_plain_digits_are_numbers(word):
     assert text.number(word) is None
 
 
-@pytest.mark.parametrize(("word", "value"), [("1.5", 1.5), ("-.5", -0.5), ("+5.", 5.0), ("1E-3", 1e-3), ("−2", -2.0)])
+@pytest.mark.parametrize(
+    ("word", "value"), [("1.5", 1.5), ("-.5", -0.5), ("+5.", 5.0), ("1E-3", 1e-3), ("−2", -2.0)]
+)
 def test_numbers(word, value):
     assert text.number(word) == value
     assert (
         text.number(
-            word.replace(".", ",") if "," not in word and "5." not in word else word, "," if "5." not in word else "."
+            word.replace(".", ",") if "," not in word and "5." not in word else word,
+            "," if "5." not in word else ".",
         )
         == value
     )

@@ -41,7 +41,11 @@ def test_a_table_without_headings():
 
 def test_the_unit_is_demanded():
     with pytest.raises(RecordingError, match="unit") as caught:
-        taken("a.csv", LONG, columns={**{k: v for k, v in MAPPING.items() if k != "reading_um"}, "reading": "Abw"})
+        taken(
+            "a.csv",
+            LONG,
+            columns={**{k: v for k, v in MAPPING.items() if k != "reading_um"}, "reading": "Abw"},
+        )
     assert "--unit" in caught.value.advice
     with pytest.raises(UsageError, match="in um, and --unit says mm"):
         taken("a.csv", LONG, columns=MAPPING, unit="mm")
@@ -58,7 +62,13 @@ def test_positions_for_deviations():
 
 def test_several_runs_across():
     text = "z_in|f1|b1|f2|b2\n0|1|2|3|4\n1|5|6|7|8\n"
-    columns = {"Z_in": "z_in", "forward1_um": "f1", "reverse1_um": "b1", "forward2_um": "f2", "reverse2_um": "b2"}
+    columns = {
+        "Z_in": "z_in",
+        "forward1_um": "f1",
+        "reverse1_um": "b1",
+        "forward2_um": "f2",
+        "reverse2_um": "b2",
+    }
     recording = taken("a.csv", text, columns=columns)
     targets, table = as_table(recording)
     assert_allclose(targets, [0, 25.4])
@@ -79,7 +89,9 @@ def test_further_columns_come_along():
 
 def test_a_trace_a_circle_and_features():
     trace = taken(
-        "t.csv", "t;c;a\n0;1,0;1,001\n0,1;2,0;2,002\n", columns={"t_s": "t", "X_cmd_mm": "c", "X_act_mm": "a"}
+        "t.csv",
+        "t;c;a\n0;1,0;1,001\n0,1;2,0;2,002\n",
+        columns={"t_s": "t", "X_cmd_mm": "c", "X_act_mm": "a"},
     )
     assert trace.kind == "trace" and trace.axes == ("X",)
     assert_allclose(trace.columns["X_act_mm"], [1.001, 2.002])
@@ -97,7 +109,13 @@ def test_a_trace_a_circle_and_features():
         taken("c.csv", text, columns=columns)
 
     text = "name,what,ax,nom,meas\nX1,centre_distance,X,80,79.983\n"
-    columns = {"feature": "name", "kind": "what", "axis": "ax", "nominal_mm": "nom", "measured_mm": "meas"}
+    columns = {
+        "feature": "name",
+        "kind": "what",
+        "axis": "ax",
+        "nominal_mm": "nom",
+        "measured_mm": "meas",
+    }
     features = taken("f.csv", text, columns=columns)
     assert features.kind == "features" and features.columns["feature"].tolist() == ["X1"]
     assert_allclose(features.columns["measured_mm"], 79.983)
@@ -112,9 +130,15 @@ def test_a_trace_a_circle_and_features():
         ({"Z_mm": "9", "reading_um": "5"}, "the table has 5 columns"),
         ({"reading_um": "Abw"}, "names no position"),
         ({"Z_mm": "Pos"}, "must name one column of readings"),
-        ({"Z_mm": "Pos", "reading_um": "Abw", "reading_mm": "Abw"}, "must name one column of readings"),
+        (
+            {"Z_mm": "Pos", "reading_um": "Abw", "reading_mm": "Abw"},
+            "must name one column of readings",
+        ),
         ({"Z_mm": "Pos", "reading_furlong": "Abw"}, "furlong: this is no unit"),
-        ({"Z_mm": "Pos", "reading_um": "Abw", "colour": "Nr"}, "colour=... is no column of a recording"),
+        (
+            {"Z_mm": "Pos", "reading_um": "Abw", "colour": "Nr"},
+            "colour=... is no column of a recording",
+        ),
         ({"Z_mm": "Pos", "forward_um": "Abw", "run": "Lauf"}, "say run and direction already"),
         ({"Z_mm": "Pos", "forward_um": "Abw", "reverse_mm": "Nr"}, "in mm and in um"),
         ({"Z_mm": "Pos", "reading_urad": "Abw"}, "about which axis the rotation of Z"),

@@ -18,7 +18,11 @@ def test_every_reading_stands_at_its_run_and_target():
     targets, table = as_table(recording)
     assert_allclose(targets, samples.TARGETS)
     assert_allclose(table, TABLE, atol=1e-9)
-    assert recording.kind == "targets" and recording.quantity == "displacement" and recording.sensitive == {"Z": 1.0}
+    assert (
+        recording.kind == "targets"
+        and recording.quantity == "displacement"
+        and recording.sensitive == {"Z": 1.0}
+    )
     assert recording.machine == "mill-7" and "Renishaw" in recording.instrument
     assert recording.head["date"] == "2024-05-17" and recording.head["serial_number"] == "4711"
 
@@ -85,7 +89,9 @@ def test_odd_runs_go_one_way_even_runs_back():
 
 def test_rows_come_in_the_order_of_the_travel():
     recording = taken("z.rtl", samples.renishaw(TABLE, shuffle=3))
-    assert np.all(np.diff(recording.columns["t_s"]) > 0) and np.all(np.diff(recording.columns["run"]) >= 0)
+    assert np.all(np.diff(recording.columns["t_s"]) > 0) and np.all(
+        np.diff(recording.columns["run"]) >= 0
+    )
     step, same = np.diff(recording.position("Z")), np.diff(recording.columns["run"]) == 0
     assert np.all(step[same] * recording.approach("Z")[1:][same] > 0)
     assert any("t_s is made up" in text for text in recording.notices)
@@ -104,14 +110,22 @@ def test_linear_in_um_angular_in_mm_per_m_and_both_said():
     """1 mm/m is 1 mrad (compensation notes, section 2)."""
     assert_allclose(as_table(taken("z.rtl", samples.renishaw(TABLE)))[1], TABLE, atol=1e-9)
     angle = taken("z.rta", samples.renishaw(TABLE / 1000), component="EBZ")
-    assert angle.quantity == "angle" and angle.sensitive == {"Y": 1.0} and "reading_urad" in angle.columns
+    assert (
+        angle.quantity == "angle"
+        and angle.sensitive == {"Y": 1.0}
+        and "reading_urad" in angle.columns
+    )
     assert_allclose(as_table(angle)[1], np.round(TABLE / 1000, 2) * 1000, atol=1e-6)
     assert any("taken as mm/m" in text for text in angle.notices)
     arcsec = taken("z.rta", samples.renishaw(TABLE), component="EAZ", unit="arcsec")
     assert arcsec.sensitive == {"X": 1.0}
     assert_allclose(as_table(arcsec)[1], TABLE * 4.848136811, rtol=1e-9)  # pi / 648000 rad
     rotary = taken("c.rta", samples.renishaw(TABLE / 100, axis="C"), unit="mm/m")
-    assert rotary.axes == ("C",) and rotary.sensitive == {"Z": 1.0} and rotary.head["component"] == "ECC"
+    assert (
+        rotary.axes == ("C",)
+        and rotary.sensitive == {"Z": 1.0}
+        and rotary.head["component"] == "ECC"
+    )
 
 
 def test_straightness_needs_its_direction_and_its_unit():
@@ -125,7 +139,9 @@ def test_straightness_needs_its_direction_and_its_unit():
     recording = taken("z.rts", text, component="EXZ", unit="mm")
     assert recording.quantity == "straightness" and recording.sensitive == {"X": 1.0}
     assert_allclose(as_table(recording)[1], TABLE * 1000, rtol=1e-12)
-    assert any("um read as nm?" in t for t in taken("z.rts", text, component="EXZ", unit="nm").notices)
+    assert any(
+        "um read as nm?" in t for t in taken("z.rts", text, component="EXZ", unit="nm").notices
+    )
 
 
 def test_the_air_becomes_a_column():
@@ -165,12 +181,18 @@ def test_without_strict_bad_rows_are_listed():
 def test_a_dynamic_record_is_a_trace():
     samples_ = 100 + 0.05 * np.arange(400) + 0.002 * np.sin(np.arange(400) / 5)
     recording = taken("x.rtx", samples.dynamic(samples_), unit="mm", extra={"command": "line"})
-    assert recording.kind == "trace" and recording.head["sees"] == "tool" and recording.machine == "mill-7"
+    assert (
+        recording.kind == "trace"
+        and recording.head["sees"] == "tool"
+        and recording.machine == "mill-7"
+    )
     assert_allclose(recording.columns["X_act_mm"], samples_)
     assert_allclose(recording.columns["t_s"], np.arange(400) / 1000)
     off = recording.columns["X_act_mm"] - recording.columns["X_cmd_mm"]
     assert abs(off.mean()) < 1e-9 and np.abs(off).max() < 0.0025
-    still = taken("x.rtx", samples.dynamic(samples_, axis=""), unit="um", axis="Y", extra={"command": "still"})
+    still = taken(
+        "x.rtx", samples.dynamic(samples_, axis=""), unit="um", axis="Y", extra={"command": "still"}
+    )
     assert_allclose(still.columns["Y_act_mm"], samples_ / 1000)
     assert np.ptp(still.columns["Y_cmd_mm"]) == 0
 
@@ -178,7 +200,12 @@ def test_a_dynamic_record_is_a_trace():
 def test_samples_may_contain_the_end_mark():
     """EOF:: and a line end are bytes that a number may have."""
     odd = np.frombuffer(b"EOF::\r\n\x40" * 3, "<f8")
-    recording = taken("x.rtx", samples.dynamic(np.concatenate([odd, [1.0]])), unit="nm", extra={"command": "still"})
+    recording = taken(
+        "x.rtx",
+        samples.dynamic(np.concatenate([odd, [1.0]])),
+        unit="nm",
+        extra={"command": "still"},
+    )
     assert len(recording) == 4
 
 
@@ -198,4 +225,9 @@ def test_a_dynamic_record_asks_for_what_it_does_not_say(options, advice):
 
 def test_both_are_recognised_by_their_content():
     assert taken("upload.txt", samples.renishaw(TABLE), component="EZZ").head["component"] == "EZZ"
-    assert taken("upload.bin", samples.dynamic(np.arange(9.0)), unit="mm", extra={"command": "line"}).kind == "trace"
+    assert (
+        taken(
+            "upload.bin", samples.dynamic(np.arange(9.0)), unit="mm", extra={"command": "line"}
+        ).kind
+        == "trace"
+    )

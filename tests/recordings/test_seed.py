@@ -34,7 +34,9 @@ def options(component: str, name: str, unit: str = "mm") -> ReadingOptions:
         f"reverse_{unit}": f"{name}_reverse",
     }
     if unit == "mm":
-        columns = {k: v + ("_mm" if k in ("forward_mm", "reverse_mm") else "") for k, v in columns.items()}
+        columns = {
+            k: v + ("_mm" if k in ("forward_mm", "reverse_mm") else "") for k, v in columns.items()
+        }
     return ReadingOptions(component=component, columns=columns)
 
 
@@ -47,12 +49,17 @@ def test_the_printed_numbers_come_through(component):
     for sign, word in ((1, "forward"), (-1, "reverse")):
         mine = recording.pick(recording.approach(component[2]) == sign)
         printed = {float(r[place]): float(r[f"{name}_{word}_mm"]) for r in rows}
-        assert dict(zip(mine.position(component[2]), mine.reading, strict=True)) == approx(printed, abs=1e-9)
+        assert dict(zip(mine.position(component[2]), mine.reading, strict=True)) == approx(
+            printed, abs=1e-9
+        )
         line = {float(r[place]): i for i, r in enumerate(rows, 2)}
         assert mine.lines.tolist() == [line[p] for p in mine.position(component[2])]
     # columns of averages do not come in: 18 targets, two runs
     assert len(recording) == 36 and set(recording.columns["run"]) == {1.0, 2.0}
-    up, down = (recording.pick(recording.approach(component[2]) == s).reading[:: int(s)] * 1e3 for s in (1, -1))
+    up, down = (
+        recording.pick(recording.approach(component[2]) == s).reading[:: int(s)] * 1e3
+        for s in (1, -1)
+    )
     both = np.concatenate([up, down])
     assert np.ptp(both) == approx(golden["E"], abs=0.05)
     assert np.ptp((up + down) / 2) == approx(golden["M"], abs=0.05)
@@ -61,11 +68,16 @@ def test_the_printed_numbers_come_through(component):
 
 def test_the_yaw_has_no_unit_and_is_not_given_one():
     file = SEED / Z
-    bare = ReadingOptions(component="EBZ", columns={"Z_mm": "z_mm", "forward": "eyz_forward", "reverse": "eyz_reverse"})
+    bare = ReadingOptions(
+        component="EBZ",
+        columns={"Z_mm": "z_mm", "forward": "eyz_forward", "reverse": "eyz_reverse"},
+    )
     with pytest.raises(RecordingError, match="does not say in which unit"):
         read(Source(Z, file.read_bytes()), "", bare)
     recording = read(Source(Z, file.read_bytes()), "", options("EBZ", "eyz", "mm/m"))
-    assert recording.sensitive == {"Y": 1.0} and recording.columns["reading_urad"].min() == approx(-8.7)
+    assert recording.sensitive == {"Y": 1.0} and recording.columns["reading_urad"].min() == approx(
+        -8.7
+    )
 
 
 def test_mm_taken_for_um_are_named():

@@ -46,7 +46,11 @@ def test_the_same_readings_come_out_of_every_layout(text, options):
 
 def test_units_of_headings_are_heeded():
     for unit, factor in (("mm", 1000.0), ("nm", 0.001), ("micron", 1.0), ("inch", 25400.0)):
-        assert_allclose(as_table(taken("s.csv", samples.interleaved(TABLE, unit=unit)))[1], TABLE * factor, rtol=1e-9)
+        assert_allclose(
+            as_table(taken("s.csv", samples.interleaved(TABLE, unit=unit)))[1],
+            TABLE * factor,
+            rtol=1e-9,
+        )
     with pytest.raises(UsageError, match="readings are in um, and --unit says mm"):
         taken("s.csv", samples.interleaved(TABLE), unit="mm")
 
@@ -55,7 +59,9 @@ def test_a_sheet_from_a_spreadsheet_in_the_windows_code_page():
     recording = taken("s.csv", samples.interleaved(TABLE).encode("cp1252"))
     assert_allclose(as_table(recording)[1], TABLE, atol=1e-9)
     assert any("cp1252" in text for text in recording.notices)
-    assert_allclose(as_table(taken("s.csv", samples.interleaved(TABLE).encode("utf-16")))[1], TABLE, atol=1e-9)
+    assert_allclose(
+        as_table(taken("s.csv", samples.interleaved(TABLE).encode("utf-16")))[1], TABLE, atol=1e-9
+    )
 
 
 def test_headings_over_pairs_of_columns_and_arrows():
@@ -69,8 +75,12 @@ def test_forward_follows_the_first_run_and_up_does_not():
     text = "Target (mm);Forward 1 (um);Reverse 1 (um)\n0;1;2\n10;3;4\n"
     turned = taken("s.csv", text, axis="X", first=-1)
     assert_allclose(turned.approach("X")[turned.columns["run"] == 1], -1)
-    assert any("first direction is not in the file" in t for t in taken("s.csv", text, axis="X").notices)
-    fixed = taken("s.csv", text.replace("Forward", "Up").replace("Reverse", "Down"), axis="X", first=-1)
+    assert any(
+        "first direction is not in the file" in t for t in taken("s.csv", text, axis="X").notices
+    )
+    fixed = taken(
+        "s.csv", text.replace("Forward", "Up").replace("Reverse", "Down"), axis="X", first=-1
+    )
     assert_allclose(fixed.approach("X")[fixed.columns["run"] == 1], 1)
     assert any("--first and --bidirectional are not used" in t for t in fixed.notices)
 
@@ -93,16 +103,25 @@ def test_an_empty_cell_is_a_missing_reading():
     text[6] = ";".join(cells)
     recording = taken("s.csv", "\n".join(text))
     assert len(recording) == TABLE.size - 1
-    assert [(f.line, f.column, f.message) for f in recording.faults] == [(7, "Up 2 (µm)", "the reading is missing")]
+    assert [(f.line, f.column, f.message) for f in recording.faults] == [
+        (7, "Up 2 (µm)", "the reading is missing")
+    ]
 
 
 def test_thousands_are_told_from_decimal_commas():
     """1,234 alone may be either: it is read with a decimal comma, and said; with a point beside it the file is refused."""
-    recording = taken("s.csv", "Target (mm);Up 1 (um);Down 1 (um)\n0;1,234;2,345\n10;3,456;4,567\n", axis="X")
+    recording = taken(
+        "s.csv", "Target (mm);Up 1 (um);Down 1 (um)\n0;1,234;2,345\n10;3,456;4,567\n", axis="X"
+    )
     assert_allclose(as_table(recording, "X")[1], [[1.234, 3.456], [2.345, 4.567]])
     assert any("1,234 is read as 1.234" in t for t in recording.notices)
     with pytest.raises(RecordingError, match="decimal commas and points are mixed"):
-        taken("s.csv", "Target (mm);Up 1 (um);Down 1 (um)\n0.5;1,234;2,345\n", "iso-spreadsheet", axis="X")
+        taken(
+            "s.csv",
+            "Target (mm);Up 1 (um);Down 1 (um)\n0.5;1,234;2,345\n",
+            "iso-spreadsheet",
+            axis="X",
+        )
 
 
 def test_positions_in_inch():
@@ -125,16 +144,25 @@ def test_the_air_and_the_averages_of_a_laser_table():
 def test_a_rotary_axis_in_arcsec():
     text = samples.laser_table(TABLE, unit="arcsec").replace("Z Axis", "Theta")
     recording = taken("c.txt", text, axis="C")
-    assert recording.axes == ("C",) and recording.head["component"] == "ECC" and recording.sensitive == {"Z": 1.0}
+    assert (
+        recording.axes == ("C",)
+        and recording.head["component"] == "ECC"
+        and recording.sensitive == {"Z": 1.0}
+    )
     assert_allclose(as_table(recording, "C")[1], TABLE * np.pi / 0.648, rtol=1e-9)
     with pytest.raises(RecordingError, match="about which axis"):
         taken("z.txt", samples.laser_table(TABLE, unit="arcsec"))
-    assert taken("z.txt", samples.laser_table(TABLE, unit="arcsec"), component="EBZ").sensitive == {"Y": 1.0}
+    assert taken("z.txt", samples.laser_table(TABLE, unit="arcsec"), component="EBZ").sensitive == {
+        "Y": 1.0
+    }
 
 
 def test_several_components_in_one_file():
     yaw = samples.readings(4, seed=2)
-    data = source("set.csv", samples.canonical({"EZZ": (TABLE, "um"), "EBZ": (yaw, "arcsec"), "EXZ": (yaw, "mm")}))
+    data = source(
+        "set.csv",
+        samples.canonical({"EZZ": (TABLE, "um"), "EBZ": (yaw, "arcsec"), "EXZ": (yaw, "mm")}),
+    )
     every = read_all(data)
     assert [r.head["component"] for r in every] == ["EZZ", "EBZ", "EXZ"]
     assert_allclose(as_table(every[0])[1], TABLE, atol=1e-9)

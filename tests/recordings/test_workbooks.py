@@ -17,7 +17,12 @@ MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
 OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 LONG = [["Target (mm)", "Run", "Direction", "Deviation (µm)", "Time"]]
 START = 45429.4381944444444  # 17 May 2024, 10:31, as a spreadsheet counts days
-ROWS = [(1, "+", (0, 100, 200.1)), (1, "-", (200.1, 100, 0)), (2, "+", (0, 100, 200.1)), (2, "-", (200.1, 100, 0))]
+ROWS = [
+    (1, "+", (0, 100, 200.1)),
+    (1, "-", (200.1, 100, 0)),
+    (2, "+", (0, 100, 200.1)),
+    (2, "-", (200.1, 100, 0)),
+]
 FLAT = [(run, way, q) for run, way, qs in ROWS for q in qs]
 
 
@@ -41,11 +46,18 @@ def workbook(sheets: dict[str, list[list]], time: int = -1, **other: str) -> byt
             f'<row r="{r}">' + "".join(cell(f"{chr(65 + j)}{r}", v, strings, j == time) for j, v in enumerate(row) if v is not None) + "</row>"
             for r, row in enumerate(rows, 1) if row
         ]  # fmt: skip
-        parts[f"xl/worksheets/sheet{k}.xml"] = f"<worksheet {MAIN}><sheetData>{''.join(lines)}</sheetData></worksheet>"
-    names = "".join(f'<sheet name="{n}" sheetId="{k}" r:id="r{k}"/>' for k, n in enumerate(sheets, 1))
-    parts["xl/workbook.xml"] = f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>'
+        parts[f"xl/worksheets/sheet{k}.xml"] = (
+            f"<worksheet {MAIN}><sheetData>{''.join(lines)}</sheetData></worksheet>"
+        )
+    names = "".join(
+        f'<sheet name="{n}" sheetId="{k}" r:id="r{k}"/>' for k, n in enumerate(sheets, 1)
+    )
+    parts["xl/workbook.xml"] = (
+        f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>'
+    )
     relations = "".join(
-        f'<Relationship Id="r{k}" Target="worksheets/sheet{k}.xml"/>' for k in range(1, len(sheets) + 1)
+        f'<Relationship Id="r{k}" Target="worksheets/sheet{k}.xml"/>'
+        for k in range(1, len(sheets) + 1)
     )
     parts["xl/_rels/workbook.xml.rels"] = f"<Relationships>{relations}</Relationships>"
     items = "".join(f"<si><t>{escape(s)}</t></si>" for s in strings)
@@ -62,13 +74,18 @@ def workbook(sheets: dict[str, list[list]], time: int = -1, **other: str) -> byt
 
 
 def long_sheet() -> list[list]:
-    rows = [[q, run, way, value(run, way, q), START + 7.5 * k / 86400] for k, (run, way, q) in enumerate(FLAT)]
+    rows = [
+        [q, run, way, value(run, way, q), START + 7.5 * k / 86400]
+        for k, (run, way, q) in enumerate(FLAT)
+    ]
     return [["machine", "mill 7"], [], *LONG, *rows]
 
 
 def test_a_long_sheet_with_dates():
     """Order and times as in the sheet; binary fractions come back as the decimals that were typed."""
-    got = read(Source("z.xlsx", workbook({"Z": long_sheet()}, time=4)), options=ReadingOptions(axis="Z"))
+    got = read(
+        Source("z.xlsx", workbook({"Z": long_sheet()}, time=4)), options=ReadingOptions(axis="Z")
+    )
     assert got.reading == approx([value(*row) * 1e-3 for row in FLAT], abs=1e-12)
     assert got.position("Z").tolist() == [q for *_, q in FLAT]
     assert got.approach("Z").tolist() == [1.0 if way == "+" else -1.0 for _, way, _ in FLAT]
@@ -77,8 +94,14 @@ def test_a_long_sheet_with_dates():
 
 
 def test_of_several_sheets_one_is_named():
-    wide = [["Position [mm]", "Up 1 [µm]", "Down 1 [µm]"], *([q, 0.02 * q, 0.02 * q - 1] for q in (0, 50, 100))]
-    source = Source("all.xlsx", workbook({"Z": long_sheet(), "notes": [["nothing", "here"]], "X axis": wide}, time=4))
+    wide = [
+        ["Position [mm]", "Up 1 [µm]", "Down 1 [µm]"],
+        *([q, 0.02 * q, 0.02 * q - 1] for q in (0, 50, 100)),
+    ]
+    source = Source(
+        "all.xlsx",
+        workbook({"Z": long_sheet(), "notes": [["nothing", "here"]], "X axis": wide}, time=4),
+    )
     got = read(source, options=ReadingOptions(axis="X", sheet="X axis"))
     assert format_of(source, ReadingOptions(sheet="X axis")) == "iso-spreadsheet"
     assert got.reading == approx([0, 1e-3, 2e-3, 1e-3, 0, -1e-3], abs=1e-12)
@@ -137,7 +160,11 @@ def test_a_halscope_log_is_a_trace(text):
 
 def test_pins_are_named_and_inches_are_said():
     source = Source("scope.log", LOG.encode())
-    pins = {"Y_cmd_mm": "joint.0.pos-cmd", "Y_act_mm": "joint.0.pos-fb", "spindle_rpm": "spindle.0.on"}
+    pins = {
+        "Y_cmd_mm": "joint.0.pos-cmd",
+        "Y_act_mm": "joint.0.pos-fb",
+        "spindle_rpm": "spindle.0.on",
+    }
     got = read(source, options=ReadingOptions(columns=pins, unit="inch"))
     assert got.columns["Y_cmd_mm"][0] == approx(25.4) and got.columns["spindle_rpm"][0] == 1.0
     assert not got.notices
@@ -164,9 +191,16 @@ def test_what_a_halscope_log_leaves_open_is_asked(options, says):
 @pytest.mark.parametrize("clock", [False, True])
 def test_a_long_table_keeps_the_order_of_the_axis(clock):
     """Both directions in one run: without times its rows were interleaved, with an ISO time they were refused."""
-    lines = ['Target (mm);Run;Direction;Pitch (");Time' if clock else 'Target (mm);Run;Direction;Pitch (")']
+    lines = [
+        'Target (mm);Run;Direction;Pitch (");Time'
+        if clock
+        else 'Target (mm);Run;Direction;Pitch (")'
+    ]
     for k, (run, way, q) in enumerate(FLAT):
-        lines.append(f"{q};{run};{way};{value(run, way, q)}" + (f";2024-05-17T10:31:{k:02d}" if clock else ""))
+        lines.append(
+            f"{q};{run};{way};{value(run, way, q)}"
+            + (f";2024-05-17T10:31:{k:02d}" if clock else "")
+        )
     source = Source("long.csv", "\n".join(lines).replace(".", ",").encode())
     got = read(source, options=ReadingOptions(component="EAZ"))
     assert got.position("Z").tolist() == [q for *_, q in FLAT]
@@ -179,7 +213,9 @@ def test_a_long_table_keeps_the_order_of_the_axis(clock):
 def test_a_table_in_another_order_is_brought_into_that_of_the_axis():
     """Sorted by target, each row with its run and direction: run by run, there before back."""
     rows = sorted(FLAT, key=lambda row: (row[0], row[2], row[1]))
-    text = "Target (mm),Run,Direction,Deviation (um)\n" + "\n".join(f"{q},{r},{w},{value(r, w, q)}" for r, w, q in rows)
+    text = "Target (mm),Run,Direction,Deviation (um)\n" + "\n".join(
+        f"{q},{r},{w},{value(r, w, q)}" for r, w, q in rows
+    )
     got = read(Source("sorted.csv", text.encode()), options=ReadingOptions(axis="Z"))
     assert got.position("Z").tolist() == [q for *_, q in FLAT]
     assert got.reading == approx([value(*row) * 1e-3 for row in FLAT])

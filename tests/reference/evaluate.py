@@ -59,7 +59,9 @@ class Report:
     output_motions: int = 0
     take_ups: int = 0
     unmeasured: list = field(default_factory=list)  # nominal lines with unknown coordinates
-    feed_changes: list = field(default_factory=list)  # (nominal line, output line, nominal feed, output feed)
+    feed_changes: list = field(
+        default_factory=list
+    )  # (nominal line, output line, nominal feed, output feed)
     outside_travel: list = field(default_factory=list)  # (output line, axis, mm)
 
 
@@ -154,7 +156,9 @@ class Motion:
             angle, radius = block.polar(t)
             growth = block.polar(1)[1] - block.polar(0)[1]
             for axis, unit, normal in zip(
-                block.plane_axes, (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+                block.plane_axes,
+                (math.cos(angle), math.sin(angle)),
+                (-math.sin(angle), math.cos(angle)),
             ):
                 slope[self.axes.index(axis)] = growth * unit + radius * block.sweep * normal
         return slope
@@ -166,18 +170,25 @@ class Motion:
         guesses = [0.0]
         if self.block.kind == "arc":
             angle, _ = self.block.polar(0)
-            u, v = (point[self.axes.index(axis)] - c for axis, c in zip(self.block.plane_axes, self.block.centre))
+            u, v = (
+                point[self.axes.index(axis)] - c
+                for axis, c in zip(self.block.plane_axes, self.block.centre)
+            )
             turn = 2 * math.pi / abs(self.block.sweep)
             first = (math.atan2(v, u) - angle) / self.block.sweep % turn - turn
             guesses = [first + k * turn for k in range(math.floor(1.0 / turn) + 3)]
             # Beyond an end the end itself is nearest, so a guess is worth what it is when held there.
-            guesses = sorted(guesses, key=lambda t: abs(t - hint))[:2] if hint is not None else guesses
+            guesses = (
+                sorted(guesses, key=lambda t: abs(t - hint))[:2] if hint is not None else guesses
+            )
         best = None
         for t in guesses:
             t = min(max(t, 0.0), 1.0)
             for _ in range(30):
                 slope, before = self._slope(t), t
-                t = min(max(t - float((self.at(t) - point) @ slope) / float(slope @ slope), 0.0), 1.0)
+                t = min(
+                    max(t - float((self.at(t) - point) @ slope) / float(slope @ slope), 0.0), 1.0
+                )
                 if abs(t - before) * self.length < 1e-9:
                     break
             distance = float(np.linalg.norm(self.at(t) - point))
@@ -214,7 +225,10 @@ class Judge:
 
     def execute(self, blocks):
         """A whole program in its order: from now on `approach` knows its blocks."""
-        slides = [Slide(axis, self.machine.hysteresis + self.machine.axes[axis].least_increment) for axis in self.axes]
+        slides = [
+            Slide(axis, self.machine.hysteresis + self.machine.axes[axis].least_increment)
+            for axis in self.axes
+        ]
         for block, _ in self.motions(blocks)[0]:
             self.sides[id(block)] = {slide.axis: slide.along(block) for slide in slides}
 
@@ -229,7 +243,10 @@ class Judge:
         """(n,) mm: the actual point at t of a block, in the machine's axes, tool taken off, to be laid against slides."""
         clamp = self.clamp if clamp is None else clamp
         command = block.end if t == 1.0 else block.point(t)
-        point = self.machine.actual(command, self.approach(block, t), clamp=clamp, margin=margin) - self.machine.tool
+        point = (
+            self.machine.actual(command, self.approach(block, t), clamp=clamp, margin=margin)
+            - self.machine.tool
+        )
         return point[self.columns]
 
     # Alignment -------------------------------------------------------------------------------------------------
@@ -332,7 +349,10 @@ class Judge:
             if path:
                 result.path_mm = max(result.path_mm, distance)
             if distance > result.largest_mm or result.where is None:
-                result.largest_mm, result.where = max(distance, result.largest_mm), (block.line, dict(command))
+                result.largest_mm, result.where = (
+                    max(distance, result.largest_mm),
+                    (block.line, dict(command)),
+                )
 
         last = pieces[-1]
         if motion.known and motion.block.kind != "rapid":
@@ -350,7 +370,9 @@ class Judge:
         count(result.end_mm, last, last.end, path=False)
         if motion.known and motion.block.kind == "rapid":
             result.take_ups = sum(b.known and b.length <= self.take_up for b in pieces[:-1])
-        tool_point = self.machine.actual(last.end, self.approach(last), clamp=self.clamp, margin=margin)
+        tool_point = self.machine.actual(
+            last.end, self.approach(last), clamp=self.clamp, margin=margin
+        )
         end_points.append((motion.block.line, self.machine.nominal(motion.block.end), tool_point))
 
     def measure_piece(self, motion, block, t, pieces, margin, count, result):
@@ -416,16 +438,28 @@ def feed_changes(motion, pieces, judge):
     """(nominal line, output line, nominal feed, output feed) where a cutting piece has another feed."""
     if motion.block.kind not in ("feed", "arc"):
         return []
-    cutting = [b for b in pieces if len(pieces) == 1 or not b.known or b.length > judge.take_up or b is pieces[-1]]
+    cutting = [
+        b
+        for b in pieces
+        if len(pieces) == 1 or not b.known or b.length > judge.take_up or b is pieces[-1]
+    ]
     wanted = (motion.block.feed_mode, motion.block.feed)
-    if motion.block.feed_mode == "G93" and motion.block.feed and all(b.feed and b.feed_mode == "G93" for b in pieces):
+    if (
+        motion.block.feed_mode == "G93"
+        and motion.block.feed
+        and all(b.feed and b.feed_mode == "G93" for b in pieces)
+    ):
         whole = 1.0 / sum(1.0 / b.feed for b in pieces)  # the times of the pieces add up
         return (
             []
             if abs(whole / motion.block.feed - 1.0) < 0.01
             else [(motion.block.line, pieces[0].line, wanted[1], whole)]
         )
-    return [(motion.block.line, b.line, wanted[1], b.feed) for b in cutting if (b.feed_mode, b.feed) != wanted]
+    return [
+        (motion.block.line, b.line, wanted[1], b.feed)
+        for b in cutting
+        if (b.feed_mode, b.feed) != wanted
+    ]
 
 
 def residual(
@@ -459,7 +493,10 @@ def residual(
         block_delete=block_delete,
         start=start,
     )
-    nominal, output = run(nominal_text, dialect, **settings), run(compensated_text, dialect, **settings)
+    nominal, output = (
+        run(nominal_text, dialect, **settings),
+        run(compensated_text, dialect, **settings),
+    )
 
     motions = judge.nominal(nominal)
     judge.execute(nominal)
@@ -471,7 +508,8 @@ def residual(
     _, wanted_marks = judge.motions(nominal)
     if marks != wanted_marks:
         at = next(
-            (k for k, (a, b) in enumerate(zip(marks, wanted_marks)) if a != b), min(len(marks), len(wanted_marks))
+            (k for k, (a, b) in enumerate(zip(marks, wanted_marks)) if a != b),
+            min(len(marks), len(wanted_marks)),
         )
         raise Misaligned(
             f"blocks that do not move: the nominal program has {wanted_marks[at : at + 3]}, "
@@ -480,13 +518,17 @@ def residual(
     if len(outputs) < sum(not motion.empty for motion in motions):
         raise Misaligned(f"{len(motions)} nominal motions, only {len(outputs)} in the output")
     groups = judge.align(motions, outputs) if motions or outputs else []
-    report = Report(0.0, None, uncompensated, uncompensated_where, [], [], len(motions), len(outputs))
+    report = Report(
+        0.0, None, uncompensated, uncompensated_where, [], [], len(motions), len(outputs)
+    )
     for motion, pieces in zip(motions, groups):
         if not pieces and not motion.empty:
             raise Misaligned(f"nominal line {motion.block.line} has no motion in the output")
         codes = sorted(code for block in pieces for code in block.codes)
         if pieces and codes != sorted(motion.block.codes):
-            raise Misaligned(f"nominal line {motion.block.line} has {motion.block.codes}, its pieces {codes}")
+            raise Misaligned(
+                f"nominal line {motion.block.line} has {motion.block.codes}, its pieces {codes}"
+            )
         check_lengths(motion, pieces, judge)
         report.feed_changes += feed_changes(motion, pieces, judge)
     report.by_block, report.end_points, report.unmeasured = judged(judge, motions, groups, near)

@@ -90,7 +90,9 @@ class Block:
             raise NotUnderstood(f"line {self.line}: the path is not known")
         if t in (0, 1):
             return dict(self.start if t == 0 else self.end)
-        place = {axis: self.start[axis] + (self.end[axis] - self.start[axis]) * t for axis in self.start}
+        place = {
+            axis: self.start[axis] + (self.end[axis] - self.start[axis]) * t for axis in self.start
+        }
         if self.kind == "arc":
             angle, radius = self.polar(t)
             first, second = self.plane_axes
@@ -105,7 +107,9 @@ class Block:
             return None
         if self.kind != "arc":
             return math.hypot(*(self.end[axis] - self.start[axis] for axis in self.start))
-        rest = [self.end[axis] - self.start[axis] for axis in self.start if axis not in self.plane_axes]
+        rest = [
+            self.end[axis] - self.start[axis] for axis in self.start if axis not in self.plane_axes
+        ]
         r0, r1 = self.polar(0)[1], self.polar(1)[1]
         return math.hypot((r0 + r1) / 2 * self.sweep, r1 - r0, *rest)
 
@@ -205,9 +209,13 @@ class Control:
     def __init__(self, dialect, axes, diameter, offsets, start):
         self.dialect, self.axes = dialect, list(axes)
         self.offsets = {
-            name: {axis: Fraction(str(value)) for axis, value in entry.items()} for name, entry in offsets.items()
+            name: {axis: Fraction(str(value)) for axis, value in entry.items()}
+            for name, entry in offsets.items()
         }
-        self.position = {axis: None if start.get(axis) is None else Fraction(str(start[axis])) for axis in self.axes}
+        self.position = {
+            axis: None if start.get(axis) is None else Fraction(str(start[axis]))
+            for axis in self.axes
+        }
         self.diameter = set(diameter)
         self.motion, self.feed, self.feed_mode = None, None, "G94"
         self.plane = "G17" if dialect == "linuxcnc" else "G18"
@@ -221,7 +229,9 @@ class Control:
             if letter == "G":
                 codes.append(code_name(value, place))
             elif letter in "MST":
-                if letter == "M" and (value.denominator != 1 or not 0 <= value < 1000 or value in REFUSED_M):
+                if letter == "M" and (
+                    value.denominator != 1 or not 0 <= value < 1000 or value in REFUSED_M
+                ):
                     raise NotUnderstood(f"{place}: {text} is not supported")
                 extra.append(letter + (str(value) if value.denominator == 1 else str(float(value))))
             elif letter in values:
@@ -269,7 +279,9 @@ class Control:
 
     def _modes(self, codes, values, extra, place):
         self.feed_mode_changed = False
-        for code in sorted(codes, key=lambda code: code != "G80"):  # another motion code on its line outlives it
+        for code in sorted(
+            codes, key=lambda code: code != "G80"
+        ):  # another motion code on its line outlives it
             if code in ("G20", "G21"):
                 self.unit = INCH if code == "G20" else Fraction(1)
             elif code in ("G7", "G8"):
@@ -296,7 +308,9 @@ class Control:
                 values.pop("Q", None)
             elif code == "G96" and self.dialect == "linuxcnc":
                 values.pop("D", None)
-            elif code == "G92" and (not any(c[0] == "S" for c in extra) or self._targets(dict(values), place)):
+            elif code == "G92" and (
+                not any(c[0] == "S" for c in extra) or self._targets(dict(values), place)
+            ):
                 raise NotUnderstood(f"{place}: G92 is supported with S alone")
 
     def _dwell(self, values, place):
@@ -316,7 +330,10 @@ class Control:
         targets = {}
         for axis in self.axes:
             if axis in values:
-                targets[axis] = ("by" if self.incremental else "at", self._length(axis, values.pop(axis)))
+                targets[axis] = (
+                    "by" if self.incremental else "at",
+                    self._length(axis, values.pop(axis)),
+                )
         if self.dialect == "fanuc-lathe":
             for letter, axis in INCREMENT_OF.items():
                 if letter in values and axis in self.axes:
@@ -376,7 +393,9 @@ class Control:
         sign = 1 if self.motion == "G3" else -1
         if "R" in centre:
             if len(centre) > 1:
-                raise NotUnderstood(f"{place}: R and {' '.join(sorted(set(centre) - {'R'}))} in one block")
+                raise NotUnderstood(
+                    f"{place}: R and {' '.join(sorted(set(centre) - {'R'}))} in one block"
+                )
             block.centre, sweep = arc_by_radius(ends, float(centre["R"] * self.unit), sign, place)
         else:
             block.centre, sweep = self._arc_by_centre(ends, centre, sign, place)

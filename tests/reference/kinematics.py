@@ -48,7 +48,11 @@ class Link:
                 point = point + way
             errors = self._errors(point, scale)
             return nominal @ errors if self.side == "tool" else errors @ nominal
-        about = translation(self.centre) @ rotation(np.radians(self.q) * TURN[self.letter]) @ translation(-self.centre)
+        about = (
+            translation(self.centre)
+            @ rotation(np.radians(self.q) * TURN[self.letter])
+            @ translation(-self.centre)
+        )
         beside = (
             translation(scale * self.shift)
             @ translation(self.centre)
@@ -60,7 +64,9 @@ class Link:
         return errors @ nominal if self.side == "tool" else nominal @ errors
 
     def _errors(self, point: np.ndarray, scale: float) -> np.ndarray:
-        return translation(point + scale * self.d) @ rotation(scale * self.eps) @ translation(-point)
+        return (
+            translation(point + scale * self.d) @ rotation(scale * self.eps) @ translation(-point)
+        )
 
 
 def tip(links: list[Link], tool: np.ndarray, scale: float) -> np.ndarray:

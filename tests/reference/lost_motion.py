@@ -31,7 +31,9 @@ from .evaluate import KINDS, Judge, Misaligned, check_lengths
 from .interpreter import run
 from .machine import ROTATIONS, TRANSLATIONS, UM, UNIT, rotation
 
-SHORTEST_TAKE_UP = 0.02  # mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
+SHORTEST_TAKE_UP = (
+    0.02  # mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
+)
 NEWTON = 6  # steps; the foot of a point on an arc converges by (distance / radius) a step
 NEVER = 1e3  # mm: the distance of a point from a motion whose ends nobody knows
 
@@ -148,7 +150,9 @@ def places(block, axes, t):
     place = start + np.outer(t, end - start)
     if block.kind == "arc":
         angle, radius = polar(block, t)
-        for axis, centre, unit in zip(block.plane_axes, block.centre, (np.cos(angle), np.sin(angle))):
+        for axis, centre, unit in zip(
+            block.plane_axes, block.centre, (np.cos(angle), np.sin(angle))
+        ):
             place[:, axes.index(axis)] = centre + radius * unit
         place[t == 0.0], place[t == 1.0] = start, end
     return place
@@ -188,9 +192,15 @@ def foot(block, axes, points):
     if block.kind != "arc":
         square = float(slope @ slope)
         start = np.array([block.start[axis] for axis in axes])
-        t = np.clip((points - start) @ slope / square, 0.0, 1.0) if square else np.zeros(len(points))
+        t = (
+            np.clip((points - start) @ slope / square, 0.0, 1.0)
+            if square
+            else np.zeros(len(points))
+        )
         return t, np.linalg.norm(places(block, axes, t) - points, axis=1)
-    u, v = (points[:, axes.index(axis)] - centre for axis, centre in zip(block.plane_axes, block.centre))
+    u, v = (
+        points[:, axes.index(axis)] - centre for axis, centre in zip(block.plane_axes, block.centre)
+    )
     turn = 2 * math.pi / abs(block.sweep)
     first = (np.arctan2(v, u) - block.polar(0)[0]) / block.sweep % turn - turn
     best, least = np.zeros(len(points)), np.full(len(points), np.inf)
@@ -234,10 +244,14 @@ class Execution:
         if not block.known:
             return np.ones(1)
         steps = max(math.ceil(block.length * density), 6) if block.length else 1
-        return np.unique([*(np.arange(1, steps + 1) / steps), *(t for t in turns_at(block) if t > 0.0)])
+        return np.unique(
+            [*(np.arange(1, steps + 1) / steps), *(t for t in turns_at(block) if t > 0.0)]
+        )
 
     def _end(self, block):
-        return np.array([[math.nan if block.end[axis] is None else block.end[axis] for axis in self.axes]])
+        return np.array(
+            [[math.nan if block.end[axis] is None else block.end[axis] for axis in self.axes]]
+        )
 
 
 class Follower(Judge):
@@ -248,7 +262,11 @@ class Follower(Judge):
         self.execution = Execution(outputs, machine, density)
         self.number = {id(block): j for j, block in enumerate(outputs)}
         part = self.execution.part
-        self.ends = self.execution.actual[[piece.stop - 1 for piece in part]] if part else np.zeros((0, len(self.axes)))
+        self.ends = (
+            self.execution.actual[[piece.stop - 1 for piece in part]]
+            if part
+            else np.zeros((0, len(self.axes)))
+        )
         middle = [(piece.start + piece.stop - 1) // 2 for piece in part]
         self.middles = self.execution.actual[middle] if part else self.ends
         self.cache = {}
@@ -277,7 +295,9 @@ class Follower(Judge):
     def price(self, motion, block):
         """As in `evaluate`: what it costs to call a block a piece of a motion, mm²; None when it cannot be one."""
         short = block.kind in ("rapid", "feed") and block.known and block.length <= self.take_up
-        if block.kind not in KINDS[motion.block.kind] and not (short and motion.block.kind != "machine"):
+        if block.kind not in KINDS[motion.block.kind] and not (
+            short and motion.block.kind != "machine"
+        ):
             return None
         if not motion.known:
             return self.closing(motion, block)
@@ -297,7 +317,10 @@ class Follower(Judge):
         def largest(distances, line, what):
             k = int(np.argmax(distances))
             if report.where is None or distances[k] > report.largest_mm:
-                report.largest_mm, report.where = float(distances[k]), (motion.block.line, line, what)
+                report.largest_mm, report.where = (
+                    float(distances[k]),
+                    (motion.block.line, line, what),
+                )
 
         if motion.known and motion.block.kind != "rapid":
             t = 0.0
@@ -305,14 +328,22 @@ class Follower(Judge):
                 part = self.execution.part[self.number[id(block)]]
                 feet, distances = foot(motion.block, self.axes, self.execution.actual[part])
                 advance = (feet[-1] - t) * motion.length
-                if len(pieces) > 1 and block.length <= self.take_up and abs(advance) <= block.length / 2:
+                if (
+                    len(pieces) > 1
+                    and block.length <= self.take_up
+                    and abs(advance) <= block.length / 2
+                ):
                     report.take_ups += 1
                     largest(distances[-1:], block.line, "the end of a take-up")
                     continue
                 t = feet[-1]
                 largest(distances, block.line, "on the path")
                 counted.append(
-                    (distances, block.length * np.diff(self.execution.t[self.number[id(block)]], prepend=0.0))
+                    (
+                        distances,
+                        block.length
+                        * np.diff(self.execution.t[self.number[id(block)]], prepend=0.0),
+                    )
                 )
         end = np.array([motion.block.end[axis] for axis in self.axes])
         reached = self.ends[self.number[id(pieces[-1])]]

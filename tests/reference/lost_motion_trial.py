@@ -42,7 +42,9 @@ class Outcome:
     play_um: float
     bound: float  # tolerance + hysteresis
     failure: str = ""  # why there is no output, or why it can not be judged
-    refused: str = ""  # what --verify said against its own output; it was then judged without --verify
+    refused: str = (
+        ""  # what --verify said against its own output; it was then judged without --verify
+    )
     said: float | None = None  # by --verify
     largest: float = 0.0
     where: tuple | None = None
@@ -57,7 +59,10 @@ class Outcome:
 
 def gcomp(*arguments):
     """(exit status, standard error) of the command line."""
-    with contextlib.redirect_stderr(io.StringIO()) as complaint, contextlib.redirect_stdout(io.StringIO()):
+    with (
+        contextlib.redirect_stderr(io.StringIO()) as complaint,
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
         status = main([str(argument) for argument in arguments])
     return status, complaint.getvalue()
 
@@ -102,14 +107,23 @@ def trial(job):
     folder, number, programs, mode = job
     drawn = draw_machine(folder, number)
     return [
-        outcome(drawn.folder, drawn.dialect, draw_program(drawn, k), Outcome(number, k, drawn.play_um, 0.0), mode)
+        outcome(
+            drawn.folder,
+            drawn.dialect,
+            draw_program(drawn, k),
+            Outcome(number, k, drawn.play_um, 0.0),
+            mode,
+        )
         for k in programs
     ]
 
 
 def trials(programs, mode, workers=2):
     """[Outcome] of all machines."""
-    with tempfile.TemporaryDirectory() as folder, multiprocessing.get_context("spawn").Pool(workers) as pool:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        multiprocessing.get_context("spawn").Pool(workers) as pool,
+    ):
         jobs = [(folder, number, range(programs), mode) for number in range(len(CHAINS))]
         found = [each for some in pool.imap(trial, jobs) for each in some]
         pool.close()  # workers that are stopped instead complain: gcomp has its own answer to that signal
@@ -143,7 +157,9 @@ class Figures:
     largest: float
     within: float  # share of the path's length within the bound
     beyond: int  # programs whose largest exceeds twice the bound
-    least_said: float  # the least of what --verify says - what the judge finds; nan: it says nothing
+    least_said: (
+        float  # the least of what --verify says - what the judge finds; nan: it says nothing
+    )
     most_said: float
     growth: float  # blocks written for each block
 
@@ -152,7 +168,8 @@ def figures(outcomes):
     """Figures of the outcomes that were judged."""
     judged = [each for each in outcomes if not each.failure]
     distances, weights = (
-        np.concatenate([np.zeros(0), *(getattr(each, name) for each in judged)]) for name in ("distances", "weights")
+        np.concatenate([np.zeros(0), *(getattr(each, name) for each in judged)])
+        for name in ("distances", "weights")
     )
     within = sum(each.weights[each.distances <= each.bound].sum() for each in judged)
     said = [each.said - each.largest for each in judged if each.said is not None]
@@ -178,7 +195,9 @@ def row(name, outcomes):
     return f"{name:>10} {f.programs:8} {left} {100 * f.within:8.2f} {f.beyond:7} {said} {f.growth:7.2f}"
 
 
-HEAD = "      play programs     rms     p95     p99     max within % >2bound  verify - judge  growth"
+HEAD = (
+    "      play programs     rms     p95     p99     max within % >2bound  verify - judge  growth"
+)
 
 
 def say(outcomes, single):
@@ -192,7 +211,9 @@ def say(outcomes, single):
             print(f"{each}: not judged: {each.failure}")
         elif each.refused:
             print(f"{each}: {each.refused}")
-    worst = max((each for each in outcomes if not each.failure), key=lambda each: each.largest / each.bound)
+    worst = max(
+        (each for each in outcomes if not each.failure), key=lambda each: each.largest / each.bound
+    )
     line, output, what = worst.where
     print(
         f"worst: {worst}, {worst.largest / UM:.2f} um, nominal line {line}, output line {output}, {what}; "
@@ -201,9 +222,15 @@ def say(outcomes, single):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="gcomp on random machines with play on every axis, judged")
-    parser.add_argument("--programs", type=int, default=10, metavar="N", help="for each of the 30 machines (10)")
-    parser.add_argument("--mode", choices=("step", "ramp"), default="step", help="gcomp's --reversal")
+    parser = argparse.ArgumentParser(
+        description="gcomp on random machines with play on every axis, judged"
+    )
+    parser.add_argument(
+        "--programs", type=int, default=10, metavar="N", help="for each of the 30 machines (10)"
+    )
+    parser.add_argument(
+        "--mode", choices=("step", "ramp"), default="step", help="gcomp's --reversal"
+    )
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
     options = parser.parse_args()
     say(trials(options.programs, options.mode, options.workers), example(options.mode))

@@ -21,7 +21,11 @@ from pathlib import Path
 
 import numpy as np
 
-UNIT = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
+UNIT = {
+    "X": np.array([1.0, 0.0, 0.0]),
+    "Y": np.array([0.0, 1.0, 0.0]),
+    "Z": np.array([0.0, 0.0, 1.0]),
+}
 TRANSLATIONS, ROTATIONS = "XYZ", "ABC"
 UM = 1e-3  # mm
 URAD = 1e-6  # rad
@@ -110,7 +114,9 @@ def with_lost_motion(components, axis, nodes, size):
 class Axis:
     """One moving axis: its table, where it was measured, its lean, and on which side of the bed it is."""
 
-    def __init__(self, name, side, nodes, components, measured_at, lean, travel, least_increment, play_mm=0.0):
+    def __init__(
+        self, name, side, nodes, components, measured_at, lean, travel, least_increment, play_mm=0.0
+    ):
         self.name, self.side = name, side
         self.nodes, self.components = nodes, components
         self.measured_at, self.lean = measured_at, lean
@@ -121,10 +127,14 @@ class Axis:
         """Component E<direction><axis> at a slide position, in mm or rad; linear between nodes, held past the ends."""
         first, last = self.nodes[0], self.nodes[-1]
         if not clamp and not first - margin <= position <= last + margin:
-            raise ValueError(f"{self.name} = {position} mm is outside its table, {first} to {last} mm")
+            raise ValueError(
+                f"{self.name} = {position} mm is outside its table, {first} to {last} mm"
+            )
         if direction not in self.components:
             return 0.0
-        forward, reverse = (self._interpolated(column, position) for column in self.components[direction])
+        forward, reverse = (
+            self._interpolated(column, position) for column in self.components[direction]
+        )
         return (forward + reverse) / 2.0 + approach * (forward - reverse) / 2.0
 
     def _interpolated(self, column, position):
@@ -182,13 +192,23 @@ class Machine:
         if links[0] != "w" or links[-1] != "t" or links.count("b") != 1:
             raise ValueError(f"{folder}: chain {facts['chain']} does not run from w over b to t")
         names = [link for link in links[1:-1] if link != "b"]
-        if len(set(names)) != len(names) or set(names) - set("XYZ") or set(names) != set(facts["axes"]):
-            raise ValueError(f"{folder}: chain {facts['chain']} and axes {sorted(facts['axes'])} do not fit")
+        if (
+            len(set(names)) != len(names)
+            or set(names) - set("XYZ")
+            or set(names) != set(facts["axes"])
+        ):
+            raise ValueError(
+                f"{folder}: chain {facts['chain']} and axes {sorted(facts['axes'])} do not fit"
+            )
         bed = links.index("b")
         lean = {name: np.zeros(3) for name in names}
         for name, value in facts.get("squareness", {}).items():
             match = re.fullmatch("([ABC])0([XYZ])", name)
-            if not match or match[2] not in lean or ROTATIONS.index(match[1]) == TRANSLATIONS.index(match[2]):
+            if (
+                not match
+                or match[2] not in lean
+                or ROTATIONS.index(match[1]) == TRANSLATIONS.index(match[2])
+            ):
                 raise ValueError(f"{folder}: no such squareness: {name}")
             lean[match[2]][ROTATIONS.index(match[1])] += value * URAD
         for effect in facts.get("effect", []):
@@ -203,7 +223,11 @@ class Machine:
             if measured_at == "stood":
                 after = links[links.index(name) + 1 :]
                 point = np.array([v if axis in after else 0.0 for axis, v in zip("XYZ", point)])
-            play = [lost_motion(effect, folder) for effect in facts.get("effect", []) if effect.get("axis") == name]
+            play = [
+                lost_motion(effect, folder)
+                for effect in facts.get("effect", [])
+                if effect.get("axis") == name
+            ]
             axes[name] = Axis(
                 name,
                 side,

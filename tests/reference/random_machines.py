@@ -22,7 +22,9 @@ TRAVEL = (-30.0, 330.0)
 ROOM = (10.0, 290.0)  # mm, where programs go
 LATHES = ("w-b-Z-X-t", "w-Z-b-X-t", "w-b-X-Z-t", "w-b-Z-X-t", "w-X-b-Z-t", "w-X-Z-b-t")
 MILLS = [
-    "-".join(["w", *order[:bed], "b", *order[bed:], "t"]) for order in itertools.permutations("XYZ") for bed in range(4)
+    "-".join(["w", *order[:bed], "b", *order[bed:], "t"])
+    for order in itertools.permutations("XYZ")
+    for bed in range(4)
 ]
 CHAINS = [chain for six in range(6) for chain in (LATHES[six], *MILLS[six::6])]
 TWO_WAY = 0.05  # part of the play by which a straightness (µm) and an angle (µrad) depend on the direction
@@ -69,11 +71,16 @@ def axis_table(rng, axis, play_um):
     table = {"nodes": nodes}
     for direction in (*TRANSLATIONS, *ROTATIONS):
         unit, largest = (
-            ("um", rng.uniform(3.0, 20.0)) if direction in TRANSLATIONS else ("urad", rng.uniform(5.0, 50.0))
+            ("um", rng.uniform(3.0, 20.0))
+            if direction in TRANSLATIONS
+            else ("urad", rng.uniform(5.0, 50.0))
         )
         name, value = f"E{direction}{axis}_{unit}", wave(rng, nodes, largest)
         if play_um and name in two_way:
-            table[name + "_fwd"], table[name + "_rev"] = value + two_way[name], value - two_way[name]
+            table[name + "_fwd"], table[name + "_rev"] = (
+                value + two_way[name],
+                value - two_way[name],
+            )
         else:
             table[name] = value
     return {name: np.round(value, 3) for name, value in table.items()}
@@ -96,7 +103,8 @@ def draw_machine(folder, number, play_um=None):
         chain,
         {axis: axis_table(rng, axis, play if by == "tables" else 0.0) for axis in axes},
         measured_at={
-            axis: {after: round(rng.uniform(*ROOM)) for after in axes[k + 1 :]} for k, axis in enumerate(axes)
+            axis: {after: round(rng.uniform(*ROOM)) for after in axes[k + 1 :]}
+            for k, axis in enumerate(axes)
         },
         squareness={name: round(rng.uniform(-400.0, 400.0), 1) for name in lean},
         tool={axis: round(rng.uniform(-80.0, 80.0), 1) for axis in axes},
@@ -109,7 +117,15 @@ def draw_machine(folder, number, play_um=None):
         with open(folder / "machine.toml", "a") as file:
             for axis in axes:
                 file.write(f'\n[[effect]]\nname = "backlash"\naxis = "{axis}"\nsize_um = {play}\n')
-    return Drawn(number, folder, chain, play, by, "fanuc-lathe" if fanuc else "linuxcnc", ("X",) if fanuc else ())
+    return Drawn(
+        number,
+        folder,
+        chain,
+        play,
+        by,
+        "fanuc-lathe" if fanuc else "linuxcnc",
+        ("X",) if fanuc else (),
+    )
 
 
 # Programs -------------------------------------------------------------------------------------------------------------
@@ -168,7 +184,9 @@ class Writer:
         """A motion to `goal`, ticks; axes that are not named rest."""
         words = [code]
         for axis, value in goal.items():
-            words.append(self.word(axis, value - self.at[axis] if self.incremental else value, axis))
+            words.append(
+                self.word(axis, value - self.at[axis] if self.incremental else value, axis)
+            )
             self.at[axis] = value
         words += extra
         if feed or (code != "G0" and self.rng.random() < 0.1):
@@ -199,7 +217,10 @@ class Writer:
         end = centre
         if abs(sweep) < 2 * math.pi:
             way = math.atan2(-j, -i) + sweep
-            end = tuple(round(c + math.hypot(i, j) * part) for c, part in zip(centre, (math.cos(way), math.sin(way))))
+            end = tuple(
+                round(c + math.hypot(i, j) * part)
+                for c, part in zip(centre, (math.cos(way), math.sin(way)))
+            )
         goal = dict(zip((first, second), end)) if abs(sweep) < 2 * math.pi else {}
         goal |= along or {}
         extra = [self.word(CENTRE_LETTER[first], i), self.word(CENTRE_LETTER[second], j)]
@@ -224,7 +245,11 @@ class Writer:
                 self.arc(self.rng.uniform(2, 40), self.sweep())
             else:
                 self.line(
-                    {axis: self.near(axis, 1, 120) for axis in others if self.rng.random() < 0.75 or axis == others[0]}
+                    {
+                        axis: self.near(axis, 1, 120)
+                        for axis in others
+                        if self.rng.random() < 0.75 or axis == others[0]
+                    }
                 )
         self.line({rest: self.near(rest, 2, 30)}, "G0")
 

@@ -51,9 +51,14 @@ def write_machine(
             + "".join(",".join(repr(float(v)) for v in row) + "\n" for row in rows)
             + "# end\n"
         )
-    text.append("[squareness]\n" + "\n".join(f"{key} = {float(value)!r}" for key, value in squareness.items()))
+    text.append(
+        "[squareness]\n"
+        + "\n".join(f"{key} = {float(value)!r}" for key, value in squareness.items())
+    )
     text.append("[tool]\n" + "\n".join(f"{key} = {float(value)!r}" for key, value in tool.items()))
-    text.append("[offsets]\n" + "\n".join(f"{key} = {inline(value)}" for key, value in offsets.items()))
+    text.append(
+        "[offsets]\n" + "\n".join(f"{key} = {inline(value)}" for key, value in offsets.items())
+    )
     text.append(f'[limits]\noutside = "{outside}"')
     (folder / "machine.toml").write_text("\n".join(text) + "\n")
     return folder
@@ -74,11 +79,22 @@ def flat(axes, low=-500.0, high=500.0, **columns):
 def seed_machine(folder, **settings):
     z = list(csv.DictReader(open(SEED / "table_6_1_studer_s36_z_axis.csv")))
     x = list(csv.DictReader(open(SEED / "table_6_2_studer_s36_x_axis.csv")))
-    tables = {"Z": {"nodes": [float(r["z_mm"]) for r in z]}, "X": {"nodes": [float(r["x_mm"]) for r in x]}}
+    tables = {
+        "Z": {"nodes": [float(r["z_mm"]) for r in z]},
+        "X": {"nodes": [float(r["x_mm"]) for r in x]},
+    }
     for ours, theirs in (("fwd", "forward"), ("rev", "reverse")):
         tables["Z"][f"EZZ_um_{ours}"] = [1000 * float(r[f"dzz_{theirs}_mm"]) for r in z]
         tables["Z"][f"EXZ_um_{ours}"] = [1000 * float(r[f"dxz_{theirs}_mm"]) for r in z]
         tables["Z"][f"EBZ_urad_{ours}"] = [1000 * float(r[f"eyz_{theirs}"]) for r in z]
         tables["X"][f"EXX_um_{ours}"] = [1000 * float(r[f"dxx_{theirs}_mm"]) for r in x]
         tables["X"][f"EZX_um_{ours}"] = [1000 * float(r[f"dzx_{theirs}_mm"]) for r in x]
-    return make(folder, "w-b-Z-X-t", tables, squareness={"B0X": S}, control="fanuc-lathe", diameter=["X"], **settings)
+    return make(
+        folder,
+        "w-b-Z-X-t",
+        tables,
+        squareness={"B0X": S},
+        control="fanuc-lathe",
+        diameter=["X"],
+        **settings,
+    )

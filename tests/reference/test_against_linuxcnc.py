@@ -33,10 +33,14 @@ NOT_SPOKEN = {"rotary_axes", "work_offsets_extended", "dwell_and_axis_words"}
 def settings_of(keywords):
     parameters = keywords.get("parameters") or {}
     offsets = {
-        f"G5{4 + k}": {axis: parameters.get(5221 + 20 * k + i, 0.0) for i, axis in enumerate("XYZ")} for k in range(6)
+        f"G5{4 + k}": {axis: parameters.get(5221 + 20 * k + i, 0.0) for i, axis in enumerate("XYZ")}
+        for k in range(6)
     }
     return dict(
-        axes="XYZ", offsets=offsets, block_delete=keywords.get("block_delete", False), start=dict.fromkeys("XYZ", 0.0)
+        axes="XYZ",
+        offsets=offsets,
+        block_delete=keywords.get("block_delete", False),
+        start=dict.fromkeys("XYZ", 0.0),
     ), parameters
 
 
@@ -45,7 +49,8 @@ def told():
     programs = [oracle.PROGRAMS / f"{name}.ngc" for name in SPOKEN]
     loaded = [oracle.load(path) for path in programs]
     return {
-        path.stem: (*entry, answer) for path, entry, answer in zip(programs, loaded, oracle.motions_of_many(loaded))
+        path.stem: (*entry, answer)
+        for path, entry, answer in zip(programs, loaded, oracle.motions_of_many(loaded))
     }
 
 
@@ -78,4 +83,7 @@ def test_the_same_motions(told, name):
         if block.kind == "arc":
             assert LETTERS[block.plane] == motion.plane
             assert math.dist(block.centre, motion.centre) < 1e-6
-            assert math.copysign(math.ceil(abs(block.sweep) / (2 * math.pi) - 1e-9), block.sweep) == motion.turns
+            assert (
+                math.copysign(math.ceil(abs(block.sweep) / (2 * math.pi) - 1e-9), block.sweep)
+                == motion.turns
+            )

@@ -50,12 +50,15 @@ M2
 
 def corrected(name: str, text: str, tolerance: float) -> str:
     machine = places.load(str(ROOT / "machines" / name))
-    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, {}), Options(tolerance=tolerance))
+    filter_ = Filter(
+        machine, dialects.load("linuxcnc"), setup_of(machine, {}), Options(tolerance=tolerance)
+    )
     return b"".join([filter_.feed(text.encode()), filter_.finish()]).decode()
 
 
 @pytest.mark.parametrize(
-    "text", [MILL.split("G18")[0] + "\nM2\n", (ROOT / "sample_programs" / "pocket_mill.ngc").read_text()]
+    "text",
+    [MILL.split("G18")[0] + "\nM2\n", (ROOT / "sample_programs" / "pocket_mill.ngc").read_text()],
 )
 def test_a_mill_with_all_21_components_cuts_within_tolerance(text):
     """The reference machine turns every axis by exact transforms: products of two errors are left in."""
@@ -80,15 +83,23 @@ def test_a_mill_with_50_um_errors(tmp_path):
         if file.suffix == ".csv":
             lines = text.splitlines()
             rows = [line.split(",") for line in lines[2:]]
-            lines[2:] = [",".join([row[0], *(f"{2 * float(v):.2f}" for v in row[1:])]) for row in rows]
+            lines[2:] = [
+                ",".join([row[0], *(f"{2 * float(v):.2f}" for v in row[1:])]) for row in rows
+            ]
             text = "\n".join(lines) + "\n"
         (tmp_path / file.name).write_text(text)
     machine = places.load(str(tmp_path))
-    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, {}), Options(tolerance=0.001))
+    filter_ = Filter(
+        machine, dialects.load("linuxcnc"), setup_of(machine, {}), Options(tolerance=0.001)
+    )
     text = MILL.split("G18")[0] + "\nM2\n"
     output = b"".join([filter_.feed(text.encode()), filter_.finish()]).decode()
     report = residual(
-        text, output, "linuxcnc", ReferenceMachine.load(tmp_path), offsets={"G54": {"X": 0, "Y": 0, "Z": -250.0}}
+        text,
+        output,
+        "linuxcnc",
+        ReferenceMachine.load(tmp_path),
+        offsets={"G54": {"X": 0, "Y": 0, "Z": -250.0}},
     )
     assert report.uncompensated_mm > 0.05
     assert report.largest_mm < 0.001 + 0.0005 + machine.bounds.second_order
@@ -105,9 +116,18 @@ class FiveAxis:
         self.links = [x for x in facts["chain"].split("-") if x in "XYZABC"]
         self.bed = facts["chain"].split("-").index("b") - 1
         self.tool = np.array([facts["tool"].get(x, 0.0) for x in "XYZ"])
-        self.centre = {x: np.array([facts["axes"][x].get("centre", {}).get(y, 0.0) for y in "XYZ"]) for x in self.links}
-        self.lean = {x: np.array([facts["squareness"].get(f"{r}0{x}", 0.0) * URAD for r in "ABC"]) for x in self.links}
-        self.shift = {x: np.array([facts["location"].get(f"{d}0{x}_um", 0.0) * UM for d in "XYZ"]) for x in self.links}
+        self.centre = {
+            x: np.array([facts["axes"][x].get("centre", {}).get(y, 0.0) for y in "XYZ"])
+            for x in self.links
+        }
+        self.lean = {
+            x: np.array([facts["squareness"].get(f"{r}0{x}", 0.0) * URAD for r in "ABC"])
+            for x in self.links
+        }
+        self.shift = {
+            x: np.array([facts["location"].get(f"{d}0{x}_um", 0.0) * UM for d in "XYZ"])
+            for x in self.links
+        }
         self.table = {x: self._table(folder / f"{x}.csv", x) for x in self.links}
 
     @staticmethod
@@ -209,4 +229,6 @@ def test_a_rotary_axis_nobody_has_placed_is_asked_for():
 
 def test_an_arc_while_a_rotary_axis_turns_is_refused():
     with pytest.raises(ProgramError, match="an arc while C A turns"):
-        corrected("example-five-axis", "G21 G90 G54 G17\nG0 X0 Y0 Z0 A0 C0\nG2 X20 I10 C45 F100\n", 0.001)
+        corrected(
+            "example-five-axis", "G21 G90 G54 G17\nG0 X0 Y0 Z0 A0 C0\nG2 X20 I10 C45 F100\n", 0.001
+        )

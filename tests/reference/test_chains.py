@@ -15,7 +15,9 @@ from postproc.machine.tables import AxisTable
 from tests.reference.kinematics import Link, tip
 
 ORDERS = list(itertools.permutations("XYZ"))
-LINEAR = ["-".join(["w", *order[:bed], "b", *order[bed:], "t"]) for order in ORDERS for bed in range(4)]
+LINEAR = [
+    "-".join(["w", *order[:bed], "b", *order[bed:], "t"]) for order in ORDERS for bed in range(4)
+]
 FIVE_AXIS = [
     "w-C-A-b-X-Y-Z-t", "w-C-B-b-Y-X-Z-t", "w-C-A-Y-b-X-Z-t", "w-X-Y-b-Z-C-B-t", "w-b-X-Y-Z-C-A-t", "w-C-X-b-Y-Z-B-t",
     "w-B-b-Z-X-t", "w-b-Z-X-B-t", "w-A-b-X-Y-Z-t", "w-C-Z-b-X-Y-A-t", "w-C-b-X-Z-t",
@@ -41,7 +43,10 @@ def random_machine(rng, chain_text, scale=1.0):
         optic = str(rng.choice(["", "tool", "workpiece"])) if linear else ""
         nodes = np.array([-400.0, 400.0])
         table = AxisTable(
-            letter, nodes, np.repeat(scale * errors[:, None], 2, axis=1), np.repeat(scale * errors[:, None], 2, axis=1)
+            letter,
+            nodes,
+            np.repeat(scale * errors[:, None], 2, axis=1),
+            np.repeat(scale * errors[:, None], 2, axis=1),
         )
         location = np.concatenate([scale * shift, np.zeros(3)])
         axes[letter] = Axis(letter, (-400.0, 400.0), 1e-4, measured, table, optic, centre, location)
@@ -49,7 +54,20 @@ def random_machine(rng, chain_text, scale=1.0):
         q = float(rng.uniform(-300, 300) if linear else rng.uniform(-170, 170))
         carried = chain.axes[chain.axes.index(letter) + 1 :]  # where any other stood is no arm
         counts = np.where([x in carried for x in XYZ], measured, 0.0)
-        links.append(Link(letter, chain.side(letter), q, errors[:3], errors[3:], shift, lean, counts, centre, optic))
+        links.append(
+            Link(
+                letter,
+                chain.side(letter),
+                q,
+                errors[:3],
+                errors[3:],
+                shift,
+                lean,
+                counts,
+                centre,
+                optic,
+            )
+        )
     links.sort(key=lambda link: chain.axes.index(link.letter))
     return Machine("m", "", "linuxcnc", chain, axes, square=square, tool=tool), links
 
@@ -60,7 +78,9 @@ def along_slides(machine, links, moves):
     for link in links:
         if link.letter in XYZ:
             there = [replace(x, q=x.q + 1.0) if x.letter == link.letter else x for x in links]
-            gone += (tip(there, machine.tool, 0.0) - tip(links, machine.tool, 0.0)) * moves[XYZ.index(link.letter)]
+            gone += (tip(there, machine.tool, 0.0) - tip(links, machine.tool, 0.0)) * moves[
+                XYZ.index(link.letter)
+            ]
     return gone
 
 
@@ -95,7 +115,9 @@ def test_first_order_terms_are_those_of_the_transforms(chain):
         else:  # what no slide can reach is left: the rest stands across all of them
             rest = slope - along_slides(machine, links, moves)
             for x in (x for x in machine.letters if x in XYZ):
-                assert rest @ along_slides(machine, links, np.eye(3)[XYZ.index(x)]) == pytest.approx(0.0, abs=1e-9)
+                assert rest @ along_slides(
+                    machine, links, np.eye(3)[XYZ.index(x)]
+                ) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("chain", LINEAR + FIVE_AXIS)

@@ -40,20 +40,31 @@ def test_a_shift_is_found_and_its_opposite_heals_it(tmp_path):
     nominal = "G0 X10 Z0\nG1 Z50 F100\nG1 X40 Z80\n"
     report = residual(nominal, "G0 X9.99 Z0\nG1 Z50 F100\nG1 X39.99 Z80\n", "linuxcnc", machine)
     assert report.largest_mm < NANOMETRE and report.uncompensated_mm == approx(0.010, abs=NANOMETRE)
-    assert report.end_points[2][1] == approx([45.0, 0.0, 80.0]) and report.end_points[2][2] == approx([45.0, 0.0, 80.0])
-    half = residual(nominal, "G0 X9.99 Z0\nG1 X9.993 Z50 F100\nG1 X39.99 Z80\n", "linuxcnc", machine)
+    assert report.end_points[2][1] == approx([45.0, 0.0, 80.0]) and report.end_points[2][
+        2
+    ] == approx([45.0, 0.0, 80.0])
+    half = residual(
+        nominal, "G0 X9.99 Z0\nG1 X9.993 Z50 F100\nG1 X39.99 Z80\n", "linuxcnc", machine
+    )
     assert half.largest_mm == approx(0.003, abs=NANOMETRE) and half.where[:2] == (2, 2)
     assert half.by_block[1].end_mm == approx(0.003, abs=NANOMETRE)
 
 
 def test_pieces_cut_by_hand_at_a_kink(tmp_path):
     """EZX: 0 at X = 0, 20 µm at X = 10, 0 at X = 30. Uncut 20 µm are left; cut at the kink, nothing."""
-    tables = {"X": {"nodes": [0.0, 10.0, 30.0], "EZX_um": [0.0, 20.0, 0.0]}, "Z": {"nodes": [-10.0, 10.0]}}
+    tables = {
+        "X": {"nodes": [0.0, 10.0, 30.0], "EZX_um": [0.0, 20.0, 0.0]},
+        "Z": {"nodes": [-10.0, 10.0]},
+    }
     machine = make(tmp_path, "w-b-Z-X-t", tables)
     nominal = "G0 X0 Z0\nG1 X30 F100\nG0 Z5\n"
     uncut = residual(nominal, nominal, "linuxcnc", machine, samples_per_mm=50)
-    assert uncut.largest_mm == approx(0.020, abs=3e-5) and uncut.where[2]["X"] == approx(10.0, abs=0.05)
-    cut = residual(nominal, "G0 X0 Z0\n(cut)\nG1 X10 Z-0.02 F100\nX30 Z0\nG0 Z5\n", "linuxcnc", machine)
+    assert uncut.largest_mm == approx(0.020, abs=3e-5) and uncut.where[2]["X"] == approx(
+        10.0, abs=0.05
+    )
+    cut = residual(
+        nominal, "G0 X0 Z0\n(cut)\nG1 X10 Z-0.02 F100\nX30 Z0\nG0 Z5\n", "linuxcnc", machine
+    )
     assert cut.largest_mm < NANOMETRE and cut.by_block[1].output_lines == [3, 4]
     assert cut.uncompensated_mm == approx(0.020, abs=5e-4)
 
@@ -76,7 +87,9 @@ def test_a_take_up_counts_by_its_end_alone(tmp_path):
     # The first move comes from nowhere known: the mean, 4 µm.
     assert report.by_block[0].end_mm == approx(0.004, abs=NANOMETRE)
     assert max(r.largest_mm for r in report.by_block[1:]) < NANOMETRE
-    without = residual(nominal, "G0 X0 Z0\nG0 X10\nG1 X30 F100\nZ20\nX9.992\nZ0\n", "linuxcnc", machine)
+    without = residual(
+        nominal, "G0 X0 Z0\nG0 X10\nG1 X30 F100\nZ20\nX9.992\nZ0\n", "linuxcnc", machine
+    )
     assert without.take_ups == 0 and without.by_block[4].largest_mm == approx(0.0, abs=NANOMETRE)
 
 
@@ -97,7 +110,9 @@ def test_a_take_up_inside_an_arc_lies_at_the_reversal(tmp_path):
 def test_the_side_is_that_of_the_commanded_motion_though_the_axis_rests(tmp_path, x, um):
     """X came from below, and creeps along with Z: behind 1 µm and an increment it stands 8 µm high."""
     nominal = "G0 X0 Z0\nG1 X10 F100\nG1 Z20\n"
-    report = residual(nominal, f"G0 X0 Z0\nG1 X10 F100\nG1 X{x} Z20\n", "linuxcnc", two_way(tmp_path))
+    report = residual(
+        nominal, f"G0 X0 Z0\nG1 X10 F100\nG1 X{x} Z20\n", "linuxcnc", two_way(tmp_path)
+    )
     assert report.by_block[2].end_mm == approx(um / 1000, abs=NANOMETRE)
     # The nominal program itself never turns X.
     assert max(block.largest_mm for block in report.by_block[1:2]) < NANOMETRE
@@ -132,9 +147,18 @@ def test_an_arc_turns_its_axis_behind_its_quadrant(tmp_path):
     judge = Judge(machine, 1.0, False, 0.5, 0.5)
     judge.execute([arc])
     turned = 0.5 + math.acos(1 - 0.0011 / 10) / math.pi
-    moved = math.acos(1 - 0.0011 / 10) / math.pi  # of Y from its first place: there it begins along X
-    assert [judge.approach(arc, t)["X"] for t in (1e-3, 0.5, turned - 1e-6, turned + 1e-6, 1.0)] == [1, 1, 1, -1, -1]
-    assert [judge.approach(arc, t)["Y"] for t in (0.0, moved - 1e-6, moved + 1e-6, 1.0)] == [0, 0, 1, 1]
+    moved = (
+        math.acos(1 - 0.0011 / 10) / math.pi
+    )  # of Y from its first place: there it begins along X
+    assert [
+        judge.approach(arc, t)["X"] for t in (1e-3, 0.5, turned - 1e-6, turned + 1e-6, 1.0)
+    ] == [1, 1, 1, -1, -1]
+    assert [judge.approach(arc, t)["Y"] for t in (0.0, moved - 1e-6, moved + 1e-6, 1.0)] == [
+        0,
+        0,
+        1,
+        1,
+    ]
 
 
 def test_a_circle_in_four_pieces_and_two_circles_one_after_the_other(tmp_path):
@@ -142,24 +166,38 @@ def test_a_circle_in_four_pieces_and_two_circles_one_after_the_other(tmp_path):
     nominal = "G0 X10 Y0\nG3 I-10 F100\nG3 I-10\n"
     four = "G3 X-0.005 Y10 I-10\nX-10.005 Y0 J-10\nX-0.005 Y-10 I10\nX9.995 Y0 J10\n"
     report = residual(nominal, "G0 X9.995 Y0 F100\n" + four + four, "linuxcnc", machine)
-    assert [len(r.output_lines) for r in report.by_block] == [1, 4, 4] and report.largest_mm < NANOMETRE
-    assert residual(nominal, "G0 X9.995 Y0 F100\nG3 I-10\nG3 I-10\n", "linuxcnc", machine).largest_mm < NANOMETRE
+    assert [len(r.output_lines) for r in report.by_block] == [
+        1,
+        4,
+        4,
+    ] and report.largest_mm < NANOMETRE
+    assert (
+        residual(nominal, "G0 X9.995 Y0 F100\nG3 I-10\nG3 I-10\n", "linuxcnc", machine).largest_mm
+        < NANOMETRE
+    )
 
 
 def test_a_circle_that_became_a_sliver_is_found(tmp_path):
     machine = make(tmp_path, "w-X-b-Y-t", flat("XY"))
     with pytest.raises(Misaligned, match="62.83"):
-        residual("G0 X10 Y0\nG3 I-10 F100\n", "G0 X10 Y0\nG3 X10 Y0.001 I-10 F100\n", "linuxcnc", machine)
+        residual(
+            "G0 X10 Y0\nG3 I-10 F100\n", "G0 X10 Y0\nG3 X10 Y0.001 I-10 F100\n", "linuxcnc", machine
+        )
 
 
 def test_an_arc_in_chords_is_measured_by_its_sagitta(tmp_path):
     """Chords of 10 degrees on R = 10: 10 (1 - cos 5 degrees) = 38.05 µm."""
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX"))
     chords = "".join(
-        f"G1 Z{10 * math.cos(a):.9f} X{10 * math.sin(a):.9f}\n" for a in (math.radians(10 * k) for k in range(1, 10))
+        f"G1 Z{10 * math.cos(a):.9f} X{10 * math.sin(a):.9f}\n"
+        for a in (math.radians(10 * k) for k in range(1, 10))
     )
     report = residual(
-        "G18 G0 X0 Z10\nG3 X10 Z0 K-10 F100\n", "G18 G0 X0 Z10 F100\n" + chords, "linuxcnc", machine, samples_per_mm=200
+        "G18 G0 X0 Z10\nG3 X10 Z0 K-10 F100\n",
+        "G18 G0 X0 Z10 F100\n" + chords,
+        "linuxcnc",
+        machine,
+        samples_per_mm=200,
     )
     assert report.largest_mm == approx(10 * (1 - math.cos(math.radians(5))), rel=1e-3)
     assert len(report.by_block[1].output_lines) == 9
@@ -175,7 +213,9 @@ def test_many_short_motions_keep_their_partners(tmp_path):
     lines.insert(60, f"G1 X{(x + x1) / 2:.6f} Z{(z + z1) / 2 - 0.065:.6f} F100\n")
     report = residual(nominal, "G0 X0 Z-0.065\n" + "".join(lines), "linuxcnc", machine)
     assert [len(r.output_lines) for r in report.by_block] == [1] + [1] * 60 + [2] + [1] * 59
-    assert report.largest_mm < 2 * NANOMETRE and report.uncompensated_mm == approx(0.065, abs=NANOMETRE)
+    assert report.largest_mm < 2 * NANOMETRE and report.uncompensated_mm == approx(
+        0.065, abs=NANOMETRE
+    )
 
 
 @pytest.mark.parametrize(
@@ -203,7 +243,9 @@ def test_outside_the_tables_travel_and_feeds_are_reported(tmp_path):
     outside = "G0 X0 Z0\nG1 X55 F100\n"
     with pytest.raises(ValueError, match="X = 5.* mm is outside"):
         residual(outside, outside, "linuxcnc", machine)
-    report = residual(outside, "G0 X-0.01 Z0\nG1 X20 F90\nX54.99\n", "linuxcnc", machine, clamp=True)
+    report = residual(
+        outside, "G0 X-0.01 Z0\nG1 X20 F90\nX54.99\n", "linuxcnc", machine, clamp=True
+    )
     assert report.outside_travel == [(1, "X", -0.01)] and report.largest_mm < NANOMETRE
     assert report.feed_changes == [(2, 2, 100.0, 90.0), (2, 3, 100.0, 90.0)]
 

@@ -30,7 +30,11 @@ def test_lines_words_comments_and_blanks():
     text = "%\n(a ; comment) n10 g 0 x - 1 0 . 5 z+.5 ; G1 X99\n\n"
     text += "; only a comment\n/N20 G1 X2 F50 (mid) Z3.\nM2\nX7\n%\nX8"
     blocks = run(text, "linuxcnc", axes="XZ")
-    assert [(b.line, b.number, b.kind) for b in blocks] == [(2, 0, "rapid"), (5, 1, "feed"), (6, 2, "none")]
+    assert [(b.line, b.number, b.kind) for b in blocks] == [
+        (2, 0, "rapid"),
+        (5, 1, "feed"),
+        (6, 2, "none"),
+    ]
     assert blocks[0].end == {"X": -10.5, "Z": 0.5} and blocks[1].end == {"X": 2.0, "Z": 3.0}
     assert blocks[1].feed == 50.0 and blocks[2].codes == ("M2",)
     assert [b.line for b in run(text, "linuxcnc", axes="XZ", block_delete=True)] == [2, 6]
@@ -52,12 +56,19 @@ def test_a_lathe_semicolon_ends_a_block_and_a_block_may_share_its_line():
     assert blocks[2].end == {"X": 18.0, "Z": 0.0}
     assert [b.dwell for b in blocks[3:6]] == [1.5, 0.25, 2.0]
     assert blocks[6].end == {"X": 19.0, "Z": 0.0}
-    assert len(run(text, "fanuc-lathe", axes="ZX", diameter="X", block_delete=True)) == 7  # "; M30" is another block
+    assert (
+        len(run(text, "fanuc-lathe", axes="ZX", diameter="X", block_delete=True)) == 7
+    )  # "; M30" is another block
 
 
 def test_inches_and_diameters():
     assert ends("G20 G0 X2 Z1", diameter="X") == [(25.4, 25.4)]
-    assert ends("G7 G0 X2 Z1\nG91 X2\nG8 X2\nG90 X2") == [(1.0, 1.0), (2.0, 1.0), (4.0, 1.0), (2.0, 1.0)]
+    assert ends("G7 G0 X2 Z1\nG91 X2\nG8 X2\nG90 X2") == [
+        (1.0, 1.0),
+        (2.0, 1.0),
+        (4.0, 1.0),
+        (2.0, 1.0),
+    ]
     blocks = run("G20 G94 F10 G0 X0 Z0\nG93 G1 X1 F2\nG95 G1 X2 F.01", "linuxcnc", axes="XZ")
     assert [(b.feed_mode, b.feed) for b in blocks] == [("G94", 254.0), ("G93", 2.0), ("G95", 0.254)]
 
@@ -91,15 +102,22 @@ def test_offsets_machine_coordinates_and_home():
 
 
 @pytest.mark.parametrize(
-    "plane, first, second, letters", [("G17", "X", "Y", "IJ"), ("G18", "Z", "X", "KI"), ("G19", "Y", "Z", "JK")]
+    "plane, first, second, letters",
+    [("G17", "X", "Y", "IJ"), ("G18", "Z", "X", "KI"), ("G19", "Y", "Z", "JK")],
 )
 def test_counterclockwise_is_from_the_first_axis_to_the_second(plane, first, second, letters):
     """From (10, 0) about (0, 0) to (0, 10): a quarter with G3, three with G2."""
     text = f"G0 X0 Y0 Z0\nG0 {first}10\n{plane} %s {first}0 {second}10 {letters[0]}-10 F100"
     quarter = run(text % "G3", "linuxcnc", axes="XYZ")[-1]
     rest = run(text % "G2", "linuxcnc", axes="XYZ")[-1]
-    assert (quarter.plane, quarter.centre, quarter.plane_axes) == (plane, (0.0, 0.0), (first, second))
-    assert quarter.sweep == approx(math.pi / 2, abs=1e-15) and rest.sweep == approx(-1.5 * math.pi, abs=1e-15)
+    assert (quarter.plane, quarter.centre, quarter.plane_axes) == (
+        plane,
+        (0.0, 0.0),
+        (first, second),
+    )
+    assert quarter.sweep == approx(math.pi / 2, abs=1e-15) and rest.sweep == approx(
+        -1.5 * math.pi, abs=1e-15
+    )
     assert quarter.length == approx(5 * math.pi) and rest.length == approx(15 * math.pi)
     middle = quarter.point(0.5)
     assert (middle[first], middle[second]) == approx((10 * math.sqrt(0.5), 10 * math.sqrt(0.5)))

@@ -8,7 +8,15 @@ from pytest import approx
 
 from .evaluate import Misaligned
 from .interpreter import run
-from .lost_motion import Execution, follow, places, side_of_play, tool_points, turns_at, weighted_quantile
+from .lost_motion import (
+    Execution,
+    follow,
+    places,
+    side_of_play,
+    tool_points,
+    turns_at,
+    weighted_quantile,
+)
 from .machine import Machine
 from .samples import NANOMETRE, flat, make, write_machine
 from .test_machine import chains, random_tables
@@ -32,7 +40,9 @@ def with_effect(tmp_path, text, tables=None, **settings):
 
 
 def executed(machine, text, density=2.0):
-    blocks = [block for block in run(text, "linuxcnc", axes=list(machine.axes)) if block.kind != "none"]
+    blocks = [
+        block for block in run(text, "linuxcnc", axes=list(machine.axes)) if block.kind != "none"
+    ]
     return Execution(blocks, machine, density)
 
 
@@ -56,14 +66,16 @@ def test_without_play_the_last_commanded_motion_decides():
 def test_a_line_to_and_fro(tmp_path):
     """Behind by half the play: 99.98 on the way up, 20.02 on the way down; at the first place the nut is in the middle."""
     machine = with_play(tmp_path)
-    assert ends(machine, "G0 X0 Y0 Z0\nG1 X100 F100\nG1 X20\nG1 X20.03\nG1 X20.08\n")[:, 0] == approx(
-        [0.0, 99.98, 20.02, 20.02, 20.06], abs=1e-9
-    )
+    assert ends(machine, "G0 X0 Y0 Z0\nG1 X100 F100\nG1 X20\nG1 X20.03\nG1 X20.08\n")[
+        :, 0
+    ] == approx([0.0, 99.98, 20.02, 20.02, 20.06], abs=1e-9)
     nominal = "G0 X0 Y0 Z0\nG1 X100 F100\nG1 X20\n"
     report = follow(nominal, nominal, "linuxcnc", machine)
     assert report.largest_mm == approx(LAG, abs=NANOMETRE) and report.where[2] == "the end point"
     # On a straight line only the ends are off.
-    assert report.rms < 0.001 and report.weights.sum() == approx(180.0) and report.share(0.001) > 0.98
+    assert (
+        report.rms < 0.001 and report.weights.sum() == approx(180.0) and report.share(0.001) > 0.98
+    )
 
 
 def test_a_resting_axis_that_is_crept_back_inside_its_play_does_not_move(tmp_path):
@@ -89,9 +101,15 @@ def test_a_take_up_removes_the_play(tmp_path):
     assert report.largest_mm < NANOMETRE and report.take_ups == 2
     assert report.weights.sum() == approx(100.02 + 80.0 + 10.0 + 10.0)
     short = follow(nominal, output.replace("X20.02", "X20.005"), "linuxcnc", machine)
-    assert short.take_ups == 2 and short.largest_mm < NANOMETRE  # what is missing is taken up along the way
+    assert (
+        short.take_ups == 2 and short.largest_mm < NANOMETRE
+    )  # what is missing is taken up along the way
     far = follow(nominal, output.replace("G1 X20.02", "G1 Y10.02 X20.02"), "linuxcnc", machine)
-    assert far.largest_mm == approx(0.02, abs=NANOMETRE) and far.where == (5, 6, "the end of a take-up")
+    assert far.largest_mm == approx(0.02, abs=NANOMETRE) and far.where == (
+        5,
+        6,
+        "the end of a take-up",
+    )
 
 
 def circle(machine, text, line):
@@ -130,12 +148,18 @@ def test_a_circle_with_its_take_ups(tmp_path):
     # X is off by 20 µm all the way, radially 20 cos: rms 20/sqrt 2, over half of the way up to 20 cos 45 degrees.
     # The line counts as 0, so half of the whole path is where asin(u) 2/pi = (1/2 - line) / circle.
     line, round_it = (length / (20 + 40 * math.pi) for length in (20, 40 * math.pi))
-    assert plain.quantile(0.5) == approx(LAG * math.sin((0.5 - line) / round_it * math.pi / 2), rel=0.03)
+    assert plain.quantile(0.5) == approx(
+        LAG * math.sin((0.5 - line) / round_it * math.pi / 2), rel=0.03
+    )
 
 
 def test_the_quantile_counts_path_and_not_samples():
     distances, weights = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
-    assert [weighted_quantile(distances, weights, part) for part in (0.5, 0.85, 0.95)] == [1.0, 2.0, 3.0]
+    assert [weighted_quantile(distances, weights, part) for part in (0.5, 0.85, 0.95)] == [
+        1.0,
+        2.0,
+        3.0,
+    ]
 
 
 def test_an_arc_is_followed_along_its_way(tmp_path):
@@ -152,17 +176,23 @@ def test_play_that_grows_along_the_table(tmp_path):
     tables = flat("XYZ", 0.0, 100.0)
     tables["X"].update(EXX_um_fwd=[0.0, -20.0], EXX_um_rev=[0.0, 20.0])
     machine = make(tmp_path, "w-X-Y-b-Z-t", tables)
-    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx([0.0, 49.99, 25.005], abs=1e-9)
+    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx(
+        [0.0, 49.99, 25.005], abs=1e-9
+    )
 
 
 def test_an_effect_is_lost_motion_and_adds_to_the_tables(tmp_path):
     machine = with_effect(tmp_path / "alone", "size_um = 40.0")
-    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx([0.0, 49.98, 25.02], abs=1e-9)
+    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx(
+        [0.0, 49.98, 25.02], abs=1e-9
+    )
     tables = flat("XYZ", EXX_um=3.0)
     tables["X"].update(EXX_um_fwd=[-5.0, -5.0], EXX_um_rev=[5.0, 5.0])
     del tables["X"]["EXX_um"]
     machine = with_effect(tmp_path / "both", "size_um = 40.0", tables)
-    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx([0.0, 49.975, 25.025], abs=1e-9)
+    assert ends(machine, "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X25\n")[:, 0] == approx(
+        [0.0, 49.975, 25.025], abs=1e-9
+    )
 
 
 def test_pre_travel_is_taken_up_over_its_own_way(tmp_path):
@@ -200,7 +230,9 @@ def test_a_rapid_counts_by_its_end_alone(tmp_path):
 def test_after_a_return_to_reference_nobody_knows_the_side(tmp_path):
     machine = with_play(tmp_path)
     text = "G0 X0 Y0 Z0\nG1 X50 F100\nG28 X0\nG0 X10\nG1 X20\n"
-    assert ends(machine, text)[:, 0] == approx([0.0, 49.98, math.nan, 10.0, 19.98], abs=1e-9, nan_ok=True)
+    assert ends(machine, text)[:, 0] == approx(
+        [0.0, 49.98, math.nan, 10.0, 19.98], abs=1e-9, nan_ok=True
+    )
     assert follow(text, text, "linuxcnc", machine).largest_mm == approx(LAG, abs=NANOMETRE)
 
 
@@ -208,7 +240,11 @@ def test_a_program_that_does_something_else_is_refused(tmp_path):
     machine = with_play(tmp_path)
     nominal = "G0 X0 Y0 Z0\nG1 X10 F100\nM8\nX20\nY10\n"
     follow(nominal, nominal, "linuxcnc", machine)
-    for output in ("G0 X0 Y0 Z0\nG1 X10 F100\nM8\nX20\n", nominal.replace("M8", "M9"), nominal.replace("X20", "X21")):
+    for output in (
+        "G0 X0 Y0 Z0\nG1 X10 F100\nM8\nX20\n",
+        nominal.replace("M8", "M9"),
+        nominal.replace("X20", "X21"),
+    ):
         with pytest.raises(Misaligned):
             follow(nominal, output, "linuxcnc", machine)
 
@@ -224,4 +260,6 @@ def test_many_points_at_once_are_the_same_as_one_at_a_time(tmp_path, chain):
     command, side = rng.uniform(-290, 290, (40, 3)), rng.integers(-2, 3, (40, 3)) / 2
     together = tool_points(machine, command, side)
     for row, s, point in zip(command, side, together):
-        assert machine.actual(dict(zip(names, row)), dict(zip(names, s))) == approx(point, abs=1e-10)
+        assert machine.actual(dict(zip(names, row)), dict(zip(names, s))) == approx(
+            point, abs=1e-10
+        )

@@ -7,7 +7,16 @@ import pytest
 
 from .interpreter import run
 from .lost_motion import follow, play_of, tool_points
-from .lost_motion_trial import EXAMPLE, TOLERANCE, Outcome, example, figures, outcome, trials, verified
+from .lost_motion_trial import (
+    EXAMPLE,
+    TOLERANCE,
+    Outcome,
+    example,
+    figures,
+    outcome,
+    trials,
+    verified,
+)
 from .machine import UM, Machine
 from .random_machines import CHAINS, PLAYS_UM, draw_machine, draw_program
 
@@ -41,8 +50,14 @@ def test_99_percent_of_the_path_lie_within_tolerance_and_hysteresis(outcomes, pl
 def test_nothing_is_farther_off_than_twice_that(outcomes):
     """Straightness and angle that were measured both ways differ by 5 % of the play: by so much the sides of some axes shift
     others while they are taken up, which no order of take-ups can avoid. At 40 um it is more than there is room for."""
-    shift = {each.play_um: 0.05 * each.play_um * UM if each.play_um == 40 else 0.0 for each in outcomes}
-    beyond = [f"{o}: {o.largest / UM:.2f} um" for o in outcomes if o.largest > 2 * o.bound + shift[o.play_um]]
+    shift = {
+        each.play_um: 0.05 * each.play_um * UM if each.play_um == 40 else 0.0 for each in outcomes
+    }
+    beyond = [
+        f"{o}: {o.largest / UM:.2f} um"
+        for o in outcomes
+        if o.largest > 2 * o.bound + shift[o.play_um]
+    ]
     assert beyond == []
     assert sum(o.largest > 2 * o.bound for o in outcomes) <= 1
 
@@ -60,7 +75,9 @@ def test_verify_accepts_what_was_written(outcomes):
 def test_an_axis_that_rests_on_the_nominal_path_is_not_left_inside_its_play(mode, request):
     """Y leans by 400 um/m; X, with 40 um of play, is turned back by the correction of Y's lean alone."""
     left = request.getfixturevalue(mode)
-    assert not left.failure and left.largest <= 2 * left.bound and left.said >= left.largest - 0.1 * UM
+    assert (
+        not left.failure and left.largest <= 2 * left.bound and left.said >= left.largest - 0.1 * UM
+    )
 
 
 # That the targets can be met ------------------------------------------------------------------------------------------
@@ -71,9 +88,13 @@ def inverse(text, drawn, machine, step=3.0, sagitta=0.2 * UM):
     and take-ups before them where a slide's wanted position (what its nut does) has turned back by more than the
     hysteresis."""
     names = list(machine.axes)
-    blocks = run(text, drawn.dialect, axes=names, diameter=machine.diameter, offsets=machine.offsets)
+    blocks = run(
+        text, drawn.dialect, axes=names, diameter=machine.diameter, offsets=machine.offsets
+    )
     columns = ["XYZ".index(name) for name in names]
-    half = lambda c: np.array([play_of(axis, c[k : k + 1])[0] / 2 for k, axis in enumerate(machine.axes.values())])
+    half = lambda c: np.array(
+        [play_of(axis, c[k : k + 1])[0] / 2 for k, axis in enumerate(machine.axes.values())]
+    )
 
     def slides(point, side):
         c = point.copy()
@@ -89,16 +110,22 @@ def inverse(text, drawn, machine, step=3.0, sagitta=0.2 * UM):
     lines, side, farthest, before = [text.splitlines()[0]], np.zeros(len(names)), None, None
     for block in (block for block in blocks if block.kind != "none"):
         code = "G0" if block.kind == "rapid" else "G1"
-        chord = min(step, math.sqrt(8 * sagitta * block.polar(0)[1])) if block.kind == "arc" else step
+        chord = (
+            min(step, math.sqrt(8 * sagitta * block.polar(0)[1])) if block.kind == "arc" else step
+        )
         count = 1 if not block.known or code == "G0" else max(math.ceil(block.length / chord), 1)
         for t in np.arange(1, count + 1) / count:
-            point = np.array([(block.point(t) if block.known else block.end)[name] for name in names])
+            point = np.array(
+                [(block.point(t) if block.known else block.end)[name] for name in names]
+            )
             c = slides(point, side)
             nut = c - side * half(c)
             if farthest is None:
                 farthest = nut
             moved = np.sign(nut - farthest)
-            turned = np.where(side == 0, np.abs(nut - farthest) > 0, (farthest - nut) * side > machine.hysteresis)
+            turned = np.where(
+                side == 0, np.abs(nut - farthest) > 0, (farthest - nut) * side > machine.hysteresis
+            )
             if turned.any():
                 side = np.where(turned, moved, side)
                 line(code, slides(before, side))
@@ -127,7 +154,9 @@ def test_the_targets_can_be_met(tmp_path, number):
 def test_without_play_the_tolerance_is_kept(tmp_path, number):
     """So what else the machines and programs hold is no reason for what is left with play."""
     drawn = draw_machine(tmp_path, number, play_um=0.0)
-    left = outcome(drawn.folder, drawn.dialect, draw_program(drawn, 0), Outcome(number, 0, 0.0, 0.0), "step")
+    left = outcome(
+        drawn.folder, drawn.dialect, draw_program(drawn, 0), Outcome(number, 0, 0.0, 0.0), "step"
+    )
     # 0.1 um of rounding on each axis, and what is of second order in the machine.
     assert not left.failure and not left.refused and left.largest < 0.5 * UM + 0.1 * UM
     assert left.said == pytest.approx(left.largest, abs=0.15 * UM)
@@ -140,12 +169,16 @@ def test_the_machines_have_what_they_should(tmp_path):
         machine = Machine.load(drawn.folder, measured_at="stood")
         for name, axis in machine.axes.items():
             forward, reverse = (np.array(column) for column in axis.components[name])
-            assert reverse - forward == pytest.approx(np.full(len(axis.nodes), drawn.play_um * UM), rel=0.16)
+            assert reverse - forward == pytest.approx(
+                np.full(len(axis.nodes), drawn.play_um * UM), rel=0.16
+            )
             assert set(axis.components) == set("XYZABC")
             assert np.abs(forward + reverse).max() / 2 < 20.001 * UM
             assert max(np.abs(axis.components[c]).max() for c in "ABC") < 52e-6
             assert 0.0 <= np.abs(axis.lean).max() <= 400e-6
-    assert sorted({len(chain.split("-")) - 3 for chain in CHAINS}) == [2, 3] and len(set(CHAINS)) == 29
+    assert (
+        sorted({len(chain.split("-")) - 3 for chain in CHAINS}) == [2, 3] and len(set(CHAINS)) == 29
+    )
 
 
 def test_the_programs_hold_every_kind_of_motion(tmp_path):
@@ -155,7 +188,9 @@ def test_the_programs_hold_every_kind_of_motion(tmp_path):
         for k in range(4):
             text = draw_program(drawn, k)
             assert text == draw_program(drawn, k)
-            blocks = run(text, drawn.dialect, axes=drawn.axes, diameter=drawn.diameter, offsets={"G54": {}})
+            blocks = run(
+                text, drawn.dialect, axes=drawn.axes, diameter=drawn.diameter, offsets={"G54": {}}
+            )
             kinds |= {block.kind for block in blocks}
             planes |= {block.plane for block in blocks}
             lengths.append(len(blocks))

@@ -18,9 +18,13 @@ def test_a_machine_without_errors_does_what_it_is_told(tmp_path):
 
 
 def test_a_constant_shift_is_that_shift_everywhere(tmp_path):
-    machine = make(tmp_path, "w-Y-b-X-Z-t", flat("XYZ", EXX_um=3.0, EZX_um=-2.0, EYY_um=7.0, EXZ_um=1.0))
+    machine = make(
+        tmp_path, "w-Y-b-X-Z-t", flat("XYZ", EXX_um=3.0, EZX_um=-2.0, EYY_um=7.0, EXZ_um=1.0)
+    )
     for command in ({"X": 0, "Y": 0, "Z": 0}, {"X": 41.7, "Y": -3.3, "Z": 210.0}):
-        assert machine.deviation(command, {"X": 1, "Y": -1, "Z": 0}) == approx([0.004, 0.007, -0.002], abs=1e-12)
+        assert machine.deviation(command, {"X": 1, "Y": -1, "Z": 0}) == approx(
+            [0.004, 0.007, -0.002], abs=1e-12
+        )
 
 
 @pytest.mark.parametrize("approach, um", [(1, 8.0), (-1, 2.0), (0, 5.0)])
@@ -28,11 +32,16 @@ def test_each_direction_has_its_column_and_the_mean_holds_before(tmp_path, appro
     tables = flat("ZX")
     tables["X"].update(EXX_um_fwd=[8.0, 8.0], EXX_um_rev=[2.0, 2.0])
     machine = make(tmp_path, "w-b-Z-X-t", tables)
-    assert machine.deviation({"X": 10, "Z": 10}, {"X": approach, "Z": -approach})[0] == approx(um / 1000, abs=1e-12)
+    assert machine.deviation({"X": 10, "Z": 10}, {"X": approach, "Z": -approach})[0] == approx(
+        um / 1000, abs=1e-12
+    )
 
 
 def test_between_nodes_linear_and_outside_refused_or_held(tmp_path):
-    tables = {"X": {"nodes": [0.0, 10.0, 30.0], "EXX_um": [0.0, 4.0, -4.0]}, "Z": {"nodes": [0.0, 100.0]}}
+    tables = {
+        "X": {"nodes": [0.0, 10.0, 30.0], "EXX_um": [0.0, 4.0, -4.0]},
+        "Z": {"nodes": [0.0, 100.0]},
+    }
     machine = make(tmp_path, "w-b-Z-X-t", tables)
     at = lambda x, **how: 1000 * machine.deviation({"X": x, "Z": 50}, {}, **how)[0]
     assert [at(2.5), at(10), at(25), at(30)] == approx([1.0, 4.0, -2.0, -4.0], abs=NANOMETRE)
@@ -45,10 +54,18 @@ def test_between_nodes_linear_and_outside_refused_or_held(tmp_path):
 def test_pure_yaw_is_an_exact_rotation_about_the_measured_point(tmp_path):
     """0.1 rad of Z yaw, tool 200 mm out in X and 30 in Z, measured at X = 50: (150, 30) turns about Y."""
     machine = make(
-        tmp_path, "w-b-Z-X-t", flat("ZX", EBZ_urad=1e5), tool={"X": 120.0, "Z": 30.0}, measured_at={"Z": {"X": 50.0}}
+        tmp_path,
+        "w-b-Z-X-t",
+        flat("ZX", EBZ_urad=1e5),
+        tool={"X": 120.0, "Z": 30.0},
+        measured_at={"Z": {"X": 50.0}},
     )
     x, z, b = 150.0, 30.0, 0.1
-    hand = [50.0 + x * math.cos(b) + z * math.sin(b), 0.0, 400.0 - x * math.sin(b) + z * math.cos(b)]
+    hand = [
+        50.0 + x * math.cos(b) + z * math.sin(b),
+        0.0,
+        400.0 - x * math.sin(b) + z * math.cos(b),
+    ]
     assert machine.actual({"X": 80.0, "Z": 400.0}, {}) == approx(hand, abs=1e-11)
 
 
@@ -62,7 +79,12 @@ def test_a_yawing_table_turns_about_itself_own_travel_included(tmp_path):
 
 @pytest.mark.parametrize(
     "name, axis, moves",
-    [("C0Y", "Y", (-1, 0, 0)), ("B0Z", "Z", (1, 0, 0)), ("A0Z", "Z", (0, -1, 0)), ("B0X", "X", (0, 0, -1))],
+    [
+        ("C0Y", "Y", (-1, 0, 0)),
+        ("B0Z", "Z", (1, 0, 0)),
+        ("A0Z", "Z", (0, -1, 0)),
+        ("B0X", "X", (0, 0, -1)),
+    ],
 )
 def test_squareness_leans_the_axis_as_the_notation_map_says(tmp_path, name, axis, moves):
     machine = make(tmp_path, "w-X-b-Y-Z-t", flat("XYZ"), squareness={name: 100.0})
@@ -91,7 +113,9 @@ def test_the_grinder_with_a_tool_and_a_measured_point(tmp_path):
     """e_Z = ... - b (x + tool.X - measured_at.X), e_X = ... + b tool.Z."""
     machine = seed_machine(tmp_path, tool={"X": 20.0, "Z": -150.0}, measured_at={"Z": {"X": 70.0}})
     e = machine.deviation({"X": 100, "Z": 300}, {"X": 1, "Z": 1})
-    assert e[2] == approx(-0.0023 - 0.0368 + 0.0382352941 + 5.0e-6 * (100 + 20 - 70), abs=SECOND_ORDER)
+    assert e[2] == approx(
+        -0.0023 - 0.0368 + 0.0382352941 + 5.0e-6 * (100 + 20 - 70), abs=SECOND_ORDER
+    )
     assert e[0] == approx(0.0086 + 0.0011 + -5.0e-6 * -150, abs=SECOND_ORDER)
 
 
@@ -143,7 +167,8 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
         for scale in (1.0, 0.5):
             scaled = {
                 axis: {
-                    name: [v * (1.0 if name == "nodes" else scale) for v in column] for name, column in table.items()
+                    name: [v * (1.0 if name == "nodes" else scale) for v in column]
+                    for name, column in table.items()
                 }
                 for axis, table in tables.items()
             }
@@ -167,9 +192,13 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
                 eps = 1e-6 * np.array([value["A"], value["B"], value["C"]])
                 # The tool's side leaves its own travel out, the workpiece's side has it in.
                 carried = names[k + 1 :] if k >= bed else names[k:]
-                r = np.array([tool[a] for a in "XYZ"]) + sum((q[a] * unit[a] for a in carried), np.zeros(3))
+                r = np.array([tool[a] for a in "XYZ"]) + sum(
+                    (q[a] * unit[a] for a in carried), np.zeros(3)
+                )
                 m = np.array([measured_at[axis][a] if a in names[k + 1 :] else 0.0 for a in "XYZ"])
-                total += d + np.cross(eps, r - m) + np.cross(scale * lean[axis], q[axis] * unit[axis])
+                total += (
+                    d + np.cross(eps, r - m) + np.cross(scale * lean[axis], q[axis] * unit[axis])
+                )
             left.append(np.abs(machine.deviation(q, {}) - total).max())
         # 3 x 100 µrad (and the lean) turn 600 mm once more, and 3 x 87 µm: 6e-4 * (6e-4 * 1000 + 0.3) mm
         assert left[0] < 5e-4, "larger than second order"
@@ -178,7 +207,13 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
 
 def test_measured_at_of_an_axis_that_gives_no_arm(tmp_path):
     """w-b-Z-X-t: Z is below X, so where Z stood while X was measured is no arm, if the numbers are positions."""
-    point = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}}, literal="point")
+    point = make(
+        tmp_path,
+        "w-b-Z-X-t",
+        flat("ZX", EBX_urad=100.0),
+        measured_at={"X": {"Z": 250.0}},
+        literal="point",
+    )
     stood = make(tmp_path, "w-b-Z-X-t", flat("ZX", EBX_urad=100.0), measured_at={"X": {"Z": 250.0}})
     assert point.deviation({"X": 0, "Z": 0}, {})[0] == approx(-0.025, abs=2e-6)
     assert stood.deviation({"X": 0, "Z": 0}, {})[0] == 0.0
@@ -192,8 +227,14 @@ def test_measured_at_of_an_axis_that_gives_no_arm(tmp_path):
         (dict(squareness={"B0B": 1.0}), "no such squareness"),
         (dict(squareness={"A0X": 1.0}), "no such squareness"),
         (dict(tool={"W": 1.0}), "names"),
-        (dict(tables={"X": {"nodes": [0, 1], "EXX_urad": [0, 0]}, "Z": {"nodes": [0, 1]}}), "no such column"),
-        (dict(tables={"X": {"nodes": [0, 1], "EXX_um_fwd": [0, 0]}, "Z": {"nodes": [0, 1]}}), "_fwd and _rev"),
+        (
+            dict(tables={"X": {"nodes": [0, 1], "EXX_urad": [0, 0]}, "Z": {"nodes": [0, 1]}}),
+            "no such column",
+        ),
+        (
+            dict(tables={"X": {"nodes": [0, 1], "EXX_um_fwd": [0, 0]}, "Z": {"nodes": [0, 1]}}),
+            "_fwd and _rev",
+        ),
         (dict(tables={"X": {"nodes": [1, 0]}, "Z": {"nodes": [0, 1]}}), "must ascend"),
     ],
 )

@@ -53,7 +53,9 @@ class Truth:
         for k, x in enumerate(self.axes):
             nodes, mean, half = self.table[x]
             turn = (sense or {}).get(x, 0.0)
-            value = np.array([np.interp(pose[x], nodes, m + turn * h) for m, h in zip(mean, half, strict=True)])
+            value = np.array(
+                [np.interp(pose[x], nodes, m + turn * h) for m, h in zip(mean, half, strict=True)]
+            )
             found.append(Link(x, "workpiece" if k < carried else "tool", pose[x], value[:3], value[3:],
                               self.shift[x], self.lean[x], np.zeros(3), self.centre[x]))  # fmt: skip
         return found
@@ -62,7 +64,9 @@ class Truth:
         """(3,) mm of the tip in the part."""
         return tip(self.links(pose), self.tool - [0, 0, length], 0.0)
 
-    def actual(self, pose: dict[str, float], length: float, sense: dict[str, float] | None = None) -> np.ndarray:
+    def actual(
+        self, pose: dict[str, float], length: float, sense: dict[str, float] | None = None
+    ) -> np.ndarray:
         """(3,) mm of the tip in the part, with every error."""
         return tip(self.links(pose, sense), self.tool - [0, 0, length], 1.0)
 
@@ -77,28 +81,58 @@ class Truth:
         """How far the tool turns at least, whichever way, rad per rad of the rotary axes together."""
         step = 0.01
         ways = [
-            (self.axis({**pose, x: pose[x] + step}, 0.0) - self.axis(pose, 0.0)) / np.radians(step) for x in self.rotary
+            (self.axis({**pose, x: pose[x] + step}, 0.0) - self.axis(pose, 0.0)) / np.radians(step)
+            for x in self.rotary
         ]
         return float(np.linalg.svd(np.stack(ways), compute_uv=False)[-1])
 
-    def slides(self, place: np.ndarray, angles: dict[str, float], length: float) -> dict[str, float]:
+    def slides(
+        self, place: np.ndarray, angles: dict[str, float], length: float
+    ) -> dict[str, float]:
         """The pose in which the nominal control holds the tip at `place` (3,) mm of the part."""
         rest = {**dict.fromkeys("XYZ", 0.0), **angles}
         zero = self.nominal(rest, length)
         ways = np.stack([self.nominal({**rest, x: 1.0}, length) - zero for x in "XYZ"], axis=1)
-        return {**rest, **dict(zip("XYZ", np.linalg.solve(ways, place - zero).tolist(), strict=True))}
+        return {
+            **rest,
+            **dict(zip("XYZ", np.linalg.solve(ways, place - zero).tolist(), strict=True)),
+        }
 
     def write(self, folder: Path, control: str = "linuxcnc", more: str = "") -> Path:
         """The folder gcomp-machine/1."""
-        lines = ['format = "gcomp-machine/1"', 'name = "random"', f'control = "{control}"', f'chain = "{self.chain}"']
+        lines = [
+            'format = "gcomp-machine/1"',
+            'name = "random"',
+            f'control = "{control}"',
+            f'chain = "{self.chain}"',
+        ]
         for x in self.axes:
             low, high = self.travel[x]
-            lines += [f"[axes.{x}]", f"travel = [{low}, {high}]", "least_increment = 0.0001", f'table = "{x}.csv"']
+            lines += [
+                f"[axes.{x}]",
+                f"travel = [{low}, {high}]",
+                "least_increment = 0.0001",
+                f'table = "{x}.csv"',
+            ]
             if x in TURN:
-                centre = ", ".join(f"{d} = {float(self.centre[x][i])!r}" for i, d in enumerate("XYZ") if i != TURN[x])
+                centre = ", ".join(
+                    f"{d} = {float(self.centre[x][i])!r}"
+                    for i, d in enumerate("XYZ")
+                    if i != TURN[x]
+                )
                 lines.append(f"centre = {{ {centre} }}")
-        square = [f"{'ABC'[i]}0{x} = {float(v[i] / URAD)!r}" for x, v in self.lean.items() for i in range(3) if v[i]]
-        shift = [f"{'XYZ'[i]}0{x}_um = {float(v[i] / UM)!r}" for x, v in self.shift.items() for i in range(3) if v[i]]
+        square = [
+            f"{'ABC'[i]}0{x} = {float(v[i] / URAD)!r}"
+            for x, v in self.lean.items()
+            for i in range(3)
+            if v[i]
+        ]
+        shift = [
+            f"{'XYZ'[i]}0{x}_um = {float(v[i] / UM)!r}"
+            for x, v in self.shift.items()
+            for i in range(3)
+            if v[i]
+        ]
         lines += ["[squareness]", *square, "[location]", *shift, "[tool]"]
         lines += [f"{d} = {float(self.tool[i])!r}" for i, d in enumerate("XYZ")]
         lines += ["[offsets]", "G54 = { X = 0.0, Y = 0.0, Z = 0.0 }", more]
@@ -118,12 +152,17 @@ class Truth:
                 else:
                     columns.append((name, mean[k] / scale[k]))
             rows = [",".join([f"{x}_{unit}", *(n for n, _ in columns)])]
-            rows += [",".join([repr(float(n)), *(repr(float(c[i])) for _, c in columns)]) for i, n in enumerate(nodes)]
+            rows += [
+                ",".join([repr(float(n)), *(repr(float(c[i])) for _, c in columns)])
+                for i, n in enumerate(nodes)
+            ]
             (folder / f"{x}.csv").write_text("\n".join(rows) + "\n")
         return folder
 
 
-def random_truth(rng: np.random.Generator, chain: str, play: float = 0.0, size: float = 1.0) -> Truth:
+def random_truth(
+    rng: np.random.Generator, chain: str, play: float = 0.0, size: float = 1.0
+) -> Truth:
     """A machine of this chain: 15 um and 20 urad of errors, `play` mm of lost motion in every slide."""
     axes = [x for x in chain.split("-") if x in "XYZABC"]
     carried = axes[: chain.split("-").index("b") - 1]
@@ -134,7 +173,9 @@ def random_truth(rng: np.random.Generator, chain: str, play: float = 0.0, size: 
         travel[x] = (-400.0, 400.0) if turning else (-900.0, 900.0)
         count = 33 if turning else 19
         nodes = np.linspace(*travel[x], count)
-        mean = np.concatenate([rng.normal(0, 5 * UM * size, (3, count)), rng.normal(0, 7 * URAD * size, (3, count))])
+        mean = np.concatenate(
+            [rng.normal(0, 5 * UM * size, (3, count)), rng.normal(0, 7 * URAD * size, (3, count))]
+        )
         smooth = np.array([0.25, 0.5, 0.25])
         mean = np.stack([np.convolve(np.pad(m, 1, "edge"), smooth, "valid") for m in mean])
         half = np.zeros_like(mean)
@@ -143,7 +184,11 @@ def random_truth(rng: np.random.Generator, chain: str, play: float = 0.0, size: 
         table[x] = nodes, mean, half
         own = TURN[x] if turning else "XYZ".index(x)
         lean[x] = np.where(np.arange(3) == own, 0.0, rng.normal(0, 15 * URAD * size, 3))
-        shift[x] = np.where(np.arange(3) == own, 0.0, rng.normal(0, 8 * UM * size, 3)) if turning else np.zeros(3)
+        shift[x] = (
+            np.where(np.arange(3) == own, 0.0, rng.normal(0, 8 * UM * size, 3))
+            if turning
+            else np.zeros(3)
+        )
         where = (
             rng.uniform(-60, 60, 3).round(2)
             if x in carried
@@ -153,7 +198,9 @@ def random_truth(rng: np.random.Generator, chain: str, play: float = 0.0, size: 
     return Truth(chain, tool, centre, table, lean, shift, travel)
 
 
-def random_program(rng: np.random.Generator, rotary: list[str], on: str, off: str, blocks: int = 4) -> str:
+def random_program(
+    rng: np.random.Generator, rotary: list[str], on: str, off: str, blocks: int = 4
+) -> str:
     """Feeds with rotary axes, under the tool point."""
     zero = " ".join(f"{x}0." for x in rotary)
     lines = ["G90 G54 G17", f"G0 X0. Y0. Z50. {zero}", *on.splitlines(), "G0 X0. Y0. Z50."]
@@ -161,7 +208,11 @@ def random_program(rng: np.random.Generator, rotary: list[str], on: str, off: st
         words = [f"{x}{rng.uniform(-60, 60):.3f}" for x in "XYZ"]
         words += [f"{x}{rng.uniform(-75, 75):.3f}" for x in rotary]
         drop = set(rng.choice(len(words), int(rng.integers(0, 3)), replace=False).tolist())
-        lines.append("G1 " + " ".join(w for i, w in enumerate(words) if i not in drop) + (" F500." if not k else ""))
+        lines.append(
+            "G1 "
+            + " ".join(w for i, w in enumerate(words) if i not in drop)
+            + (" F500." if not k else "")
+        )
     numbered = [f"N{10 * (k + 1)} {line}" for k, line in enumerate([*lines, off, "M30"])]
     return "\n".join(numbered) + "\n"
 
@@ -199,7 +250,13 @@ class Judged:
 
 
 def judge(
-    truth: Truth, nominal: str, output: str, on: str, off: str, length: float = 0.0, turned: bool = False
+    truth: Truth,
+    nominal: str,
+    output: str,
+    on: str,
+    off: str,
+    length: float = 0.0,
+    turned: bool = False,
 ) -> Judged:
     """Run the output on the erroneous machine, with the control's own nominal kinematics, and measure it against the nominal
     program's tip path in the part. Each output block is sampled; how far the nominal program is follows from the rotary
@@ -220,7 +277,9 @@ def judge(
 
 def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned: bool) -> None:
     """One place `at` of the output, against the nominal stroke from low to high."""
-    pose = truth.slides(np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length)
+    pose = truth.slides(
+        np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length
+    )
     tip = truth.actual(pose, length)
     t = _progress(low, high, at, tip - truth.tool, [] if turned else truth.rotary)
     should = {x: low[x] + (high[x] - low[x]) * t for x in low}
@@ -228,7 +287,9 @@ def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned:
     right = truth.slides(place, {x: should[x] for x in truth.rotary}, length)
     axis = truth.axis(right, 0.0)
     result.tip = max(result.tip, float(np.linalg.norm(tip - place)))
-    result.tip_before = max(result.tip_before, float(np.linalg.norm(truth.actual(right, length) - place)))
+    result.tip_before = max(
+        result.tip_before, float(np.linalg.norm(truth.actual(right, length) - place))
+    )
     if truth.reaches(right) < 0.1:
         return  # near a pole, where the rotary axes can not turn the tool any way
     way = max(float(np.linalg.norm([high[x] - low[x] for x in "XYZ"])), 0.001)
@@ -237,7 +298,9 @@ def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned:
     off = truth.axis(pose, 1.0) - axis  # where the tip is behind on its path the tool may be so too
     off = off - turn * np.clip(off @ turn / max(turn @ turn, 1e-30), -1, 1)
     result.lean = max(result.lean, float(np.linalg.norm(off)))
-    result.lean_before = max(result.lean_before, float(np.linalg.norm(np.cross(truth.axis(right, 1.0), axis))))
+    result.lean_before = max(
+        result.lean_before, float(np.linalg.norm(np.cross(truth.axis(right, 1.0), axis)))
+    )
 
 
 def _progress(low, high, at, tip: np.ndarray, rotary) -> float:
@@ -263,7 +326,9 @@ def played(truth: Truth, nominal: str, output: str, on: str, off: str, length: f
             stands[x] = min(max(stands.get(x, pose[x]), pose[x] - half), pose[x] + half)
 
     def held(at: dict[str, float]) -> dict[str, float]:
-        return truth.slides(np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length)
+        return truth.slides(
+            np.array([at[x] for x in "XYZ"]) + truth.tool, {x: at[x] for x in truth.rotary}, length
+        )
 
     for (on0, _, begin, _), (on1, feed, end, number) in pairwise([(False, False, {}, 0), *written]):
         if not (on0 and on1):

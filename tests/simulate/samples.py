@@ -30,18 +30,30 @@ def exact(letters: str = "XYZ", reach: float = 1000.0, diameter: tuple[str, ...]
     axes = {x: Axis(x, (-reach, reach), 0.001, np.zeros(3)) for x in letters}
     chain = parse("w-b-" + "-".join(letters) + "-t")
     return Machine(
-        "exact", "", "linuxcnc", chain, axes, diameter=diameter, offsets={"G54": dict.fromkeys(letters, 0.0)}
+        "exact",
+        "",
+        "linuxcnc",
+        chain,
+        axes,
+        diameter=diameter,
+        offsets={"G54": dict.fromkeys(letters, 0.0)},
     )
 
 
-def limits(machine: Machine, velocity: float = 100.0, acceleration: float = 1000.0, jerk: float = np.inf) -> Limits:
+def limits(
+    machine: Machine, velocity: float = 100.0, acceleration: float = 1000.0, jerk: float = np.inf
+) -> Limits:
     """mm/s, mm/s2, mm/s3, the same for every axis."""
     n = len(machine.axes)
     return Limits(np.full(n, velocity), np.full(n, acceleration), np.full(n, jerk))
 
 
 def timed(
-    text: str | bytes, machine: Machine, conditions: Conditions = STRICT, bounds: Limits | None = None, parts: int = 1
+    text: str | bytes,
+    machine: Machine,
+    conditions: Conditions = STRICT,
+    bounds: Limits | None = None,
+    parts: int = 1,
 ) -> Timeline:
     """A program in time; it is read in the machine's own dialect."""
     dialect = dialects.load(machine.control)
@@ -77,4 +89,6 @@ def read(instrument: str, reality: Reality, noise: Noise = Noise(), **given: str
 
 def without_tables(machine: Machine) -> Machine:
     """The machine with nothing left but its axes."""
-    return replace(machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=())
+    return replace(
+        machine, axes={x: a.bare for x, a in machine.axes.items()}, square={}, effects=()
+    )

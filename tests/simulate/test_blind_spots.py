@@ -18,7 +18,9 @@ from .samples import MILL, STUDER, exact, read, real, timed
 def found(test: str, machine, dialect: str, **more: str):
     own = experiments.write(test, replace(machine, control=dialect), dialect)
     return read(
-        own.instrument, real(timed(own.text, replace(machine, control=dialect), Conditions())), **own.settings | more
+        own.instrument,
+        real(timed(own.text, replace(machine, control=dialect), Conditions())),
+        **own.settings | more,
     )
 
 
@@ -32,11 +34,16 @@ def test_close_targets_come_to_every_phase_of_any_screw_over_three_turns(lead):
 
 def test_every_target_of_every_line_is_taken_at_both_ends_of_every_other_axis():
     rows = found("arms:Y,runs=2", MILL, "linuxcnc")
-    lines = {(x, z) for x, z in zip(rows.position("X").tolist(), rows.position("Z").tolist(), strict=True)}
+    lines = {
+        (x, z)
+        for x, z in zip(rows.position("X").tolist(), rows.position("Z").tolist(), strict=True)
+    }
     ends = [sorted({line[i] for line in lines}) for i in (0, 1)]
     assert len(lines) == 3 and all(len(e) == 2 and e[1] - e[0] > 20 for e in ends)
     targets = {
-        line: np.unique(rows.position("Y")[(rows.position("X") == line[0]) & (rows.position("Z") == line[1])])
+        line: np.unique(
+            rows.position("Y")[(rows.position("X") == line[0]) & (rows.position("Z") == line[1])]
+        )
         for line in lines
     }
     assert all(t == approx(next(iter(targets.values()))) for t in targets.values())
@@ -62,4 +69,6 @@ def test_a_ballbar_may_go_at_a_second_feed():
 def test_controls_that_wait_and_remark_in_their_own_way_stop_at_the_same_targets(dialect):
     machine = replace(MILL, offsets={})
     wanted = found("positioning:Y,runs=1", machine, "linuxcnc")
-    assert found("positioning:Y,runs=1", machine, dialect).position("Y") == approx(wanted.position("Y"), abs=1e-3)
+    assert found("positioning:Y,runs=1", machine, dialect).position("Y") == approx(
+        wanted.position("Y"), abs=1e-3
+    )

@@ -20,7 +20,11 @@ STUDER = str(ROOT / "machines" / "studer-s36")
 
 def gcomp(*arguments: str, data: bytes = b"") -> subprocess.CompletedProcess:
     return subprocess.run(
-        [sys.executable, "-m", "postproc", *arguments], input=data, capture_output=True, cwd=ROOT, env=os.environ
+        [sys.executable, "-m", "postproc", *arguments],
+        input=data,
+        capture_output=True,
+        cwd=ROOT,
+        env=os.environ,
     )
 
 
@@ -45,7 +49,18 @@ def test_a_test_of_its_own_and_its_program(tmp_path, capfd):
     found = recording(out)
     assert found.kind == "targets" and found.head["seed"] == 7 and found.u == approx(0.5e-3)
     again = tmp_path / "again.csv"
-    more = ["--machine", STUDER, "--instrument", "laser", "--set", "along=Z", "--set", "dwell=3", "-o", str(again)]
+    more = [
+        "--machine",
+        STUDER,
+        "--instrument",
+        "laser",
+        "--set",
+        "along=Z",
+        "--set",
+        "dwell=3",
+        "-o",
+        str(again),
+    ]
     assert run(capfd, str(program), "--noise", "0.5", "--seed", "7", *more)[0] == 0
     assert recording(again).reading == approx(found.reading, abs=1e-9)
 
@@ -55,14 +70,48 @@ def test_a_corrected_program_leaves_next_to_nothing(tmp_path, capfd):
     nominal, corrected = tmp_path / "n.nc", tmp_path / "c.nc"
     out = tmp_path / "r.csv"
     test = "positioning:Z,step=30,even=1,runs=1,at_X=85"
-    assert run(capfd, "--test", test, "--machine", STUDER, "--program-out", str(nominal), "-o", str(out))[0] == 0
+    assert (
+        run(
+            capfd,
+            "--test",
+            test,
+            "--machine",
+            STUDER,
+            "--program-out",
+            str(nominal),
+            "-o",
+            str(out),
+        )[0]
+        == 0
+    )
     before = recording(out)
     assert (
-        main(["compensate", "--machine", STUDER, "--outside", "clamp", str(nominal), "-o", str(corrected), "--quiet"])
+        main(
+            [
+                "compensate",
+                "--machine",
+                STUDER,
+                "--outside",
+                "clamp",
+                str(nominal),
+                "-o",
+                str(corrected),
+                "--quiet",
+            ]
+        )
         == 0
     )
     status, _, said = run(
-        capfd, str(corrected), "--machine", STUDER, "--instrument", "laser", "--set", "along=Z", "-o", str(out)
+        capfd,
+        str(corrected),
+        "--machine",
+        STUDER,
+        "--instrument",
+        "laser",
+        "--set",
+        "along=Z",
+        "-o",
+        str(out),
     )
     assert status == 0 and "this program is corrected" in said
     after = recording(out)
@@ -72,7 +121,14 @@ def test_a_corrected_program_leaves_next_to_nothing(tmp_path, capfd):
 
 def test_more_effects_fewer_columns(tmp_path, capfd):
     out = tmp_path / "r.csv"
-    common = ["--test", "positioning:X,runs=1", "--machine", "perfect", "--test", "positioning:X,runs=1,step=50"]
+    common = [
+        "--test",
+        "positioning:X,runs=1",
+        "--machine",
+        "perfect",
+        "--test",
+        "positioning:X,runs=1,step=50",
+    ]
     machine = tmp_path / "m"
     machine.mkdir()
     (machine / "machine.toml").write_text(
@@ -86,14 +142,18 @@ def test_more_effects_fewer_columns(tmp_path, capfd):
     )  # fmt: skip
     assert status == 0 and "states no" not in said
     found = recording(out)
-    assert found.reading * 1e3 == approx(0.01 * found.position("X") - 4 * found.approach("X"), abs=1e-3)
+    assert found.reading * 1e3 == approx(
+        0.01 * found.position("X") - 4 * found.approach("X"), abs=1e-3
+    )
     assert not any(c.startswith("T_") for c in found.columns) and "force_X_N" in found.columns
     assert found.head["with"] == ["backlash:X:size_um=8", "scale:X:ppm=10"]
 
 
 def test_cycles_are_simulated_when_they_are_written_out(tmp_path, capfd):
     program = tmp_path / "holes.ngc"
-    program.write_text("G21 G90 G94 G54 G17\nG0 X0 Y0 Z5\nG82 X10 Y10 Z-5 R1 P2 F300\nX20\nG80\nM2\n")
+    program.write_text(
+        "G21 G90 G94 G54 G17\nG0 X0 Y0 Z5\nG82 X10 Y10 Z-5 R1 P2 F300\nX20\nG80\nM2\n"
+    )
     common = [
         str(program),
         "--machine",
@@ -133,7 +193,11 @@ def test_it_works_in_a_pipe():
         "simulate", "-", "--machine", "studer-s36", "--instrument", "log", "--set", "rate=10", "--quiet",
         data=b"G21 G90 G54\nG1 X0 Z0 F1000\nX20. Z30.\n",
     )  # fmt: skip
-    assert done.returncode == 0 and done.stdout.startswith(b'# format = "gcomp-recording/1"') and not done.stderr
+    assert (
+        done.returncode == 0
+        and done.stdout.startswith(b'# format = "gcomp-recording/1"')
+        and not done.stderr
+    )
 
 
 @pytest.mark.parametrize(
@@ -156,7 +220,9 @@ def test_it_works_in_a_pipe():
         (["x.nc", "--program-out", "p.nc", "--instrument", "log"], "of a --test"),
     ],
 )  # fmt: skip
-def test_what_makes_no_sense_is_refused_with_a_way_out(arguments, message, tmp_path, capfd, monkeypatch):
+def test_what_makes_no_sense_is_refused_with_a_way_out(
+    arguments, message, tmp_path, capfd, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.nc").write_text("G21 G90 G54\nG1 X0 Z0 F1000\nX20. Z30.\n")
     (tmp_path / "far.nc").write_text("G21 G90 G54\nG1 X0 Z0 F1000\nX200. Z900.\n")

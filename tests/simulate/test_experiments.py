@@ -29,7 +29,12 @@ CONTROLS = (
 @pytest.mark.parametrize("test", EVERY)
 @pytest.mark.parametrize(
     ("machine", "axes", "controls"),
-    [(MILL, "ZX", CONTROLS[0]), (MILL, "YZ", CONTROLS[0]), (LATHE, "ZX", CONTROLS[1]), (STUDER, "XZ", CONTROLS[1])],
+    [
+        (MILL, "ZX", CONTROLS[0]),
+        (MILL, "YZ", CONTROLS[0]),
+        (LATHE, "ZX", CONTROLS[1]),
+        (STUDER, "XZ", CONTROLS[1]),
+    ],
 )
 def test_every_control_runs_every_test_alike_and_inside_the_travel(test, machine, axes, controls):
     test, length = test.format(*axes), None
@@ -41,7 +46,9 @@ def test_every_control_runs_every_test_alike_and_inside_the_travel(test, machine
         t = timed(own.text, site, Conditions())
         assert t.outside() is None
         found = read(
-            own.instrument, real(t), **(own.settings | ({"rate": "20"} if own.instrument in ("log", "ballbar") else {}))
+            own.instrument,
+            real(t),
+            **(own.settings | ({"rate": "20"} if own.instrument in ("log", "ballbar") else {})),
         )
         assert len(found) > 5
         length = length or t.path.length.sum()
@@ -52,14 +59,20 @@ def test_positioning_takes_all_targets_from_both_sides_in_every_run():
     own = experiments.write("positioning:Z,runs=3,dwell=2", STUDER, "fanuc-lathe")
     found = read("laser", real(timed(own.text, STUDER, Conditions())), **own.settings)
     for run in (1, 2, 3):
-        up, down = (found.position("Z")[(found.columns["run"] == run) & (found.approach("Z") == s)] for s in (1, -1))
+        up, down = (
+            found.position("Z")[(found.columns["run"] == run) & (found.approach("Z") == s)]
+            for s in (1, -1)
+        )
         assert up == approx(down[::-1]) and len(up) == 17 and (np.diff(up) > 0).all()
         assert up[0] == 0.0 and up[-1] == 510.0
     assert set(found.approach("X")) == {1.0}  # the resting axis has come from one side
 
 
 def test_targets_are_no_multiples_of_a_pitch_unless_even_steps_are_wanted():
-    loose, even = experiments.targets(0.0, 500.0, 25.0, False), experiments.targets(0.0, 500.0, 25.0, True)
+    loose, even = (
+        experiments.targets(0.0, 500.0, 25.0, False),
+        experiments.targets(0.0, 500.0, 25.0, True),
+    )
     assert even.tolist() == list(np.arange(0.0, 501.0, 25.0))
     assert len(loose) == 21 and np.ptp(loose % 10.0) > 8.0
     assert np.abs(loose - even).max() <= 25 / 4 and (np.diff(loose) > 25 / 2 - 1e-9).all()
@@ -68,7 +81,12 @@ def test_targets_are_no_multiples_of_a_pitch_unless_even_steps_are_wanted():
 def test_a_ballbar_goes_round_in_both_senses():
     own = experiments.write("ballbar:XY,radius=100,feed=1500,runs=2", MILL, "linuxcnc")
     found = read("ballbar", real(timed(own.text, MILL, Conditions())), **own.settings)
-    assert [int(found.columns["sense"][found.columns["run"] == r][0]) for r in (1, 2, 3, 4)] == [1, -1, 1, -1]
+    assert [int(found.columns["sense"][found.columns["run"] == r][0]) for r in (1, 2, 3, 4)] == [
+        1,
+        -1,
+        1,
+        -1,
+    ]
     assert found.head["radius_mm"] == 100 and found.head["feed_mm_min"] == 1500
 
 

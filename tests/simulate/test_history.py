@@ -55,9 +55,15 @@ def test_going_back_by_less_than_the_play_is_no_turn():
     text = "G0 X0\nG1 X100 F600\nG1 X99.99\nG4 P1\nG1 X50\nM2\n"
     at = np.array([10.5])
     for play, side in ((0.0, -1), (0.02, -1), (60.0, 1)):
-        assert timed(text, MILL, Conditions(play=play), limits(MILL, 1e3, 1e8)).state(at).approach["X"] == side
+        assert (
+            timed(text, MILL, Conditions(play=play), limits(MILL, 1e3, 1e8)).state(at).approach["X"]
+            == side
+        )
     short = text.replace("G1 X50", "G1 X150")
-    assert timed(short, MILL, Conditions(play=0.02), limits(MILL, 1e3, 1e8)).state(at).approach["X"] == 1
+    assert (
+        timed(short, MILL, Conditions(play=0.02), limits(MILL, 1e3, 1e8)).state(at).approach["X"]
+        == 1
+    )
 
 
 def test_a_screw_warms_with_its_travel_and_cools_at_rest():
@@ -68,7 +74,9 @@ def test_a_screw_warms_with_its_travel_and_cools_at_rest():
     time = np.array([0.0, 3600.0, t.duration])
     s = t.state(time, t.plan.at(time)[0])
     top = 4 * (1 - np.exp(-2))
-    assert s.channels["T_screw_X_C"] - 20 == approx([0.0, top, top * np.exp(-1)], rel=1e-3, abs=1e-9)
+    assert s.channels["T_screw_X_C"] - 20 == approx(
+        [0.0, top, top * np.exp(-1)], rel=1e-3, abs=1e-9
+    )
     assert s.channels["T_screw_Y_C"] == approx([20.0] * 3)
 
 

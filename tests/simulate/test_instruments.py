@@ -16,7 +16,11 @@ from postproc.simulate.timeline import Conditions
 
 from .samples import MILL, STRICT, STUDER, exact, read, real, timed
 
-RESTS = "G0 X0 Z0\n" + "".join(f"G1 X{5 * (i % 7)} Z{i % 30} F2000\nG4 P2\n" for i in range(2000)) + "M2\n"
+RESTS = (
+    "G0 X0 Z0\n"
+    + "".join(f"G1 X{5 * (i % 7)} Z{i % 30} F2000\nG4 P2\n" for i in range(2000))
+    + "M2\n"
+)
 LONG = timed("G0 X0\nG1 X100 F600\nM2\n", exact(), STRICT)
 
 
@@ -32,7 +36,9 @@ def test_noise_has_the_stated_deviation(tails):
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_one_others():
-    one, same, other = (write(read("log", real(LONG), Noise(size=1.0, seed=s), rate="50")) for s in (1, 1, 2))
+    one, same, other = (
+        write(read("log", real(LONG), Noise(size=1.0, seed=s), rate="50")) for s in (1, 1, 2)
+    )
     assert one == same != other
 
 
@@ -52,11 +58,16 @@ def test_resolution_and_zero():
     t = timed(RESTS, exact("XZ"), Conditions())
     found = read("laser", real(t), Noise(size=1.0, resolution=0.5, zero=100.0), along="X")
     reading = found.columns["reading_um"]
-    assert reading / 0.5 == approx(np.round(reading / 0.5)) and reading.mean() == approx(100.0, abs=0.2)
+    assert reading / 0.5 == approx(np.round(reading / 0.5)) and reading.mean() == approx(
+        100.0, abs=0.2
+    )
     assert found.head["zero_um"] == {"reading_um": 100.0} and found.head["resolution_um"] == 0.5
     first = read("log", real(LONG), Noise(zero="first"))
     assert first.columns["X_act_mm"][0] == first.position("X")[0]
-    drawn = [read("log", real(LONG), Noise(zero="random", seed=s)).head["zero_um"]["X_act_mm"] for s in range(40)]
+    drawn = [
+        read("log", real(LONG), Noise(zero="random", seed=s)).head["zero_um"]["X_act_mm"]
+        for s in range(40)
+    ]
     assert len(set(drawn)) == 40 and np.std(drawn) == approx(3.0, rel=0.4)
 
 
@@ -70,7 +81,9 @@ def test_resolution_and_zero():
 )  # fmt: skip
 def test_a_recording_reads_back_as_it_was(instrument, text, given):
     text = "G21 G90 G94 G54\nG0 Z-100\n" + text.replace("Z", "Z-1")
-    found = read(instrument, real(timed(text, MILL, Conditions())), Noise(size=0.3, seed=1), **given)
+    found = read(
+        instrument, real(timed(text, MILL, Conditions())), Noise(size=0.3, seed=1), **given
+    )
     again = read_contract(Source("r.csv", write(found).encode()), ReadingOptions())
     assert again.kind == found.kind and list(again.columns) == list(found.columns)
     for name, column in found.columns.items():
@@ -82,13 +95,22 @@ def test_a_recording_reads_back_as_it_was(instrument, text, given):
 
 def test_runs_are_passages_there_and_back():
     body = (
-        "G0 X-1\n" + ("G1 X0 F6000\nG4 P2\nG1 X50\nG4 P2\nG1 X51\nG1 X50\nG4 P2\nG1 X0\nG4 P2\nG1 X-1\n" * 3) + "M2\n"
+        "G0 X-1\n"
+        + ("G1 X0 F6000\nG4 P2\nG1 X50\nG4 P2\nG1 X51\nG1 X50\nG4 P2\nG1 X0\nG4 P2\nG1 X-1\n" * 3)
+        + "M2\n"
     )
     found = read("laser", real(timed(body, exact(), STRICT)))
     assert found.columns["run"].tolist() == [1] * 4 + [2] * 4 + [3] * 4
     assert found.columns["approach_X"].tolist() == [1, 1, -1, -1] * 3
     one_way = "G0 X-1\n" + ("G1 X0 F6000\nG4 P2\nG1 X50\nG4 P2\nG1 X-1\n" * 3) + "M2\n"
-    assert read("laser", real(timed(one_way, exact(), STRICT))).columns["run"].tolist() == [1, 1, 2, 2, 3, 3]
+    assert read("laser", real(timed(one_way, exact(), STRICT))).columns["run"].tolist() == [
+        1,
+        1,
+        2,
+        2,
+        3,
+        3,
+    ]
 
 
 def test_overrun_can_be_left_out_and_short_rests_are_no_captures():
@@ -122,7 +144,15 @@ def test_a_circle_that_is_not_there_is_not_measured():
 
 
 def test_every_instrument_says_what_it_is_and_an_unknown_one_is_answered_with_the_names():
-    assert instruments.names() == ["angle", "ballbar", "laser", "log", "probe", "straightness", "tracker"]
+    assert instruments.names() == [
+        "angle",
+        "ballbar",
+        "laser",
+        "log",
+        "probe",
+        "straightness",
+        "tracker",
+    ]
     for name in instruments.names():
         module = instruments.load(name)
         assert module.TITLE and module.SETTINGS and callable(module.measure)

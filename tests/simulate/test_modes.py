@@ -25,7 +25,9 @@ def trapezoid(smooth: int = 1) -> np.ndarray:
     """mm/s2: jumps of 800 at 1 s, -800 at 1.4 s, -500 at 3 s and 500 at 3.5 s; told from places, they take a while."""
     a = np.zeros(2500)
     a[500:700], a[1500:1750] = 800.0, -500.0
-    return np.convolve(np.pad(a, smooth, mode="edge"), np.ones(smooth) / smooth, "same")[smooth:-smooth]
+    return np.convolve(np.pad(a, smooth, mode="edge"), np.ones(smooth) / smooth, "same")[
+        smooth:-smooth
+    ]
 
 
 @pytest.mark.parametrize("smooth", [1, 15])
@@ -87,12 +89,20 @@ def test_a_resonance_that_noise_drives_is_a_band():
 def test_many_passages_have_one_wave_each():
     at = state(np.zeros(2600), passages=13)
     assert len(vibration.columns(at, "X", F, passages=1.0, band=1.0)) == 2 * 13
-    assert len(vibration.columns(state(np.zeros(2600), passages=3), "X", F, passages=1.0, band=1.0)) == 10 * 3
+    assert (
+        len(vibration.columns(state(np.zeros(2600), passages=3), "X", F, passages=1.0, band=1.0))
+        == 10 * 3
+    )
 
 
-@pytest.mark.parametrize("shape", [{"passages": 1.0, "band": 1.0}, {"passages": 0.0, "damping": 0.03}])
+@pytest.mark.parametrize(
+    "shape", [{"passages": 1.0, "band": 1.0}, {"passages": 0.0, "damping": 0.03}]
+)
 def test_shapes_name_their_parameters(shape):
-    assert any(s == {"frequency_hz": F} | shape for s in vibration.richer({"frequency_hz": F, "passages": 1.0}))
+    assert any(
+        s == {"frequency_hz": F} | shape
+        for s in vibration.richer({"frequency_hz": F, "passages": 1.0})
+    )
     at = state(trapezoid())
     columns = vibration.columns(at, "X", F, **shape)
     value = np.zeros(len(columns))

@@ -26,10 +26,18 @@ def load(path: Path):
 def place(tmp_path_factory):
     """The grinder's diagonal and its Z, nominal and corrected by its own map, without noise."""
     place = tmp_path_factory.mktemp("nominal")
-    for test in ("diagonal:XZ,runs=2", "positioning:Z,runs=2", "straightness:Z,runs=2", "ballbar:XZ,runs=1"):
+    for test in (
+        "diagonal:XZ,runs=2",
+        "positioning:Z,runs=2",
+        "straightness:Z,runs=2",
+        "ballbar:XZ,runs=1",
+    ):
         name = test[:4]
         simulate = ("simulate", "--machine", "studer-s36", "--quiet", "--test", test)
-        assert gcomp(*simulate, "--program-out", place / f"{name}.nc", "-o", place / f"{name}1.csv") == 0
+        assert (
+            gcomp(*simulate, "--program-out", place / f"{name}.nc", "-o", place / f"{name}1.csv")
+            == 0
+        )
         words = (place / f"{name}.nc", "--machine", "studer-s36", "--outside", "clamp", "--quiet")
         assert gcomp("compensate", *words, "-o", place / f"{name}_c.nc") == 0
     lines = (place / "posi.nc").read_text().splitlines(keepends=True)
@@ -39,11 +47,21 @@ def place(tmp_path_factory):
 
 
 def again(place: Path, name: str, instrument: str, *more) -> int:
-    words = ("simulate", place / f"{name}_c.nc", "--machine", "studer-s36", "--instrument", instrument, "--quiet")
+    words = (
+        "simulate",
+        place / f"{name}_c.nc",
+        "--machine",
+        "studer-s36",
+        "--instrument",
+        instrument,
+        "--quiet",
+    )
     return gcomp(*words, "--nominal", place / f"{name}.nc", "-o", place / f"{name}2.csv", *more)
 
 
-@pytest.mark.parametrize("name, instrument", [("diag", "laser"), ("posi", "laser"), ("stra", "straightness")])
+@pytest.mark.parametrize(
+    "name, instrument", [("diag", "laser"), ("posi", "laser"), ("stra", "straightness")]
+)
 def test_a_corrected_line_reads_nothing_on_the_nominal_targets(place, name, instrument):
     """The tool stands within the tolerance (0.5 um) of every target, an axis that rests within its
     hysteresis (1 um); targets, sides of approach, runs and direction are the nominal ones."""
@@ -62,7 +80,17 @@ def test_against_the_commanded_targets_it_differs_by_the_correction(place):
     """actual - nominal = (actual - commanded) + (commanded - nominal), along the beam."""
     assert again(place, "posi", "laser") == 0
     out = place / "commanded.csv"
-    words = ("simulate", place / "posi_c.nc", "--machine", "studer-s36", "--instrument", "laser", "--quiet", "-o", out)
+    words = (
+        "simulate",
+        place / "posi_c.nc",
+        "--machine",
+        "studer-s36",
+        "--instrument",
+        "laser",
+        "--quiet",
+        "-o",
+        out,
+    )
     assert gcomp(*words) == 0
     nominal, commanded = load(place / "posi2.csv"), load(out)
     shift = commanded.position("Z") - nominal.position("Z")
@@ -77,7 +105,9 @@ def test_diagnose_judges_it_beside_a_machine_without_errors(place, capsys):
     told = capsys.readouterr()
     assert told.out.startswith("Nothing is left out")
     assert "what is found is what the map of studer-s36 left" in told.err
-    assert gcomp("diagnose", place / "diag1.csv", place / "diag2.csv", "--machine", "studer-s36") == 2
+    assert (
+        gcomp("diagnose", place / "diag1.csv", place / "diag2.csv", "--machine", "studer-s36") == 2
+    )
     assert "diagnose each state by itself" in capsys.readouterr().err
 
 
@@ -87,12 +117,25 @@ def test_diagnose_judges_it_beside_a_machine_without_errors(place, capsys):
         ("posi.nc", "posi.nc", "laser", "this one has no mark of it"),
         ("posi_c.nc", "posi_c.nc", "laser", "is corrected too"),
         ("posi_c.nc", "diag.nc", "laser", "beside the nominal one in X"),
-        ("posi_c.nc", "part.nc", "laser", "the program rests at 68 targets, and the nominal one at 67"),
+        (
+            "posi_c.nc",
+            "part.nc",
+            "laser",
+            "the program rests at 68 targets, and the nominal one at 67",
+        ),
         ("ball_c.nc", "ball.nc", "ballbar", "a ballbar has no targets of its own"),
     ],
 )
 def test_what_can_not_be_paired_is_refused(place, capsys, program, nominal, instrument, says):
-    words = ("simulate", place / program, "--machine", "studer-s36", "--instrument", instrument, "--quiet")
+    words = (
+        "simulate",
+        place / program,
+        "--machine",
+        "studer-s36",
+        "--instrument",
+        instrument,
+        "--quiet",
+    )
     assert gcomp(*words, "--nominal", place / nominal, "-o", place / "x.csv") == 2
     assert says in capsys.readouterr().err
     assert not (place / "x.csv").exists()

@@ -35,17 +35,23 @@ def test_a_short_move_never_reaches_its_feed():
 
 def test_a_limited_jerk_costs_one_ramp_of_the_acceleration_more():
     """s / v + v / a + a / j = 1 + 0.1 + 0.1 for 100 mm, 100 mm/s, 1000 mm/s2, 10000 mm/s3."""
-    assert duration("G0 X0\nG1 X100 F6000\n", bounds=limits(MILL, jerk=1e4)) == approx(1.2, abs=1e-9)
+    assert duration("G0 X0\nG1 X100 F6000\n", bounds=limits(MILL, jerk=1e4)) == approx(
+        1.2, abs=1e-9
+    )
 
 
 def test_a_jerk_so_small_that_the_acceleration_is_never_reached():
     """Four equal ramps: s = 2 j t^3, t = (10 / 2000)^(1/3) for 10 mm and 1000 mm/s3."""
     bounds = limits(MILL, velocity=1e4, acceleration=1e6, jerk=1000.0)
-    assert duration("G0 X0\nG1 X10 F600000\n", bounds=bounds) == approx(4 * (10 / 2000) ** (1 / 3), abs=1e-9)
+    assert duration("G0 X0\nG1 X10 F600000\n", bounds=bounds) == approx(
+        4 * (10 / 2000) ** (1 / 3), abs=1e-9
+    )
 
 
 def test_a_dwell_takes_its_time():
-    assert duration("G0 X0\nG1 X100 F6000\nG4 P2.5\nG1 X200\n") == approx(1.1 + 2.5 + 1.1, abs=1e-12)
+    assert duration("G0 X0\nG1 X100 F6000\nG4 P2.5\nG1 X200\n") == approx(
+        1.1 + 2.5 + 1.1, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -60,7 +66,9 @@ def test_every_control_waits_as_it_writes(control, block, seconds):
     from dataclasses import replace
 
     machine = replace(exact(), control=control)
-    assert timed(f"G1 X0. F600.\n{block}\nG1 X10.\n", machine).duration == approx(1.0 + 0.01 + seconds, abs=1e-9)
+    assert timed(f"G1 X0. F600.\n{block}\nG1 X10.\n", machine).duration == approx(
+        1.0 + 0.01 + seconds, abs=1e-9
+    )
 
 
 def test_feed_is_that_of_the_path_and_every_axis_keeps_its_own_limit():
@@ -74,14 +82,22 @@ def test_feed_is_that_of_the_path_and_every_axis_keeps_its_own_limit():
 
 def test_inverse_time_inches_and_feed_per_turn():
     fast = limits(MILL, 1e4, 1e7)
-    assert duration("G0 X0\nG93\nG1 X40 F0.5\n", bounds=fast) == approx(120.0, rel=1e-4)  # half a turn of the minute
-    assert duration("G20\nG0 X0\nG1 X10 F10\n", bounds=fast) == approx(60.0, rel=1e-4)  # 10 inches a minute
-    assert duration("M3 S600\nG95\nG0 X0\nG1 X60 F0.1\n", bounds=fast) == approx(60.0, rel=1e-4)  # 600 x 0.1 mm/min
+    assert duration("G0 X0\nG93\nG1 X40 F0.5\n", bounds=fast) == approx(
+        120.0, rel=1e-4
+    )  # half a turn of the minute
+    assert duration("G20\nG0 X0\nG1 X10 F10\n", bounds=fast) == approx(
+        60.0, rel=1e-4
+    )  # 10 inches a minute
+    assert duration("M3 S600\nG95\nG0 X0\nG1 X60 F0.1\n", bounds=fast) == approx(
+        60.0, rel=1e-4
+    )  # 600 x 0.1 mm/min
 
 
 def test_look_ahead_goes_through_blocks_that_go_on_straight():
     one = duration("G0 X0\nG1 X100 F6000\n")
-    assert duration("G0 X0\n" + "".join(f"G1 X{x} F6000\n" for x in range(1, 101))) == approx(one, abs=1e-9)
+    assert duration("G0 X0\n" + "".join(f"G1 X{x} F6000\n" for x in range(1, 101))) == approx(
+        one, abs=1e-9
+    )
     smooth = limits(MILL, jerk=1e5)
     assert duration("G0 X0\nG1 X50 F6000\nG1 X100\n", bounds=smooth) == approx(
         duration("G0 X0\nG1 X100 F6000\n", bounds=smooth), abs=1e-9
@@ -107,7 +123,11 @@ def test_a_cut_corner_is_run_at_what_its_radius_allows():
 
 @pytest.mark.parametrize("size", [0.001, 0.01, 0.1, 1.0])
 def test_a_corner_is_cut_by_no_more_than_stated(size):
-    t = timed(HEAD + "G0 X0 Y0\nG1 X100 F6000\nG1 X150 Y30\nG1 X20 Y40\nM2\n", MILL, Conditions(corner=size))
+    t = timed(
+        HEAD + "G0 X0 Y0\nG1 X100 F6000\nG1 X150 Y30\nG1 X20 Y40\nM2\n",
+        MILL,
+        Conditions(corner=size),
+    )
     s = t.state(np.linspace(0.0, t.duration, 40_001))
     point = np.stack([s.position["X"], s.position["Y"]])
     for corner in ((100.0, 0.0), (150.0, 30.0)):
@@ -132,7 +152,9 @@ def test_a_spiral_is_as_long_as_a_polygon_on_it():
 
 
 SITE = programs.Site(
-    "linuxcnc", {"X": (-200.0, 200.0), "Y": (-200.0, 200.0), "Z": (-100.0, 100.0)}, offsets={"G54": {}}
+    "linuxcnc",
+    {"X": (-200.0, 200.0), "Y": (-200.0, 200.0), "Z": (-100.0, 100.0)},
+    offsets={"G54": {}},
 )
 OPTIONS = {"inverse": True, "away": False, "codes": True, "late": False}
 
@@ -142,7 +164,9 @@ def check_limits(t, bounds: Limits, smooth: bool = False) -> None:
     rng = np.random.default_rng(0)
     moments = np.concatenate([rng.uniform(0.0, t.duration, 7_000), t.plan.start])
     tick = min(1e-4, t.duration / 50)
-    first, second = (t.state(np.clip(m, 0.0, t.duration)) for m in (moments - tick / 2, moments + tick / 2))
+    first, second = (
+        t.state(np.clip(m, 0.0, t.duration)) for m in (moments - tick / 2, moments + tick / 2)
+    )
     gap = second.time - first.time
     for i, x in enumerate("XYZ"):
         v0, v1 = first.velocity[x], second.velocity[x]
@@ -157,7 +181,9 @@ def check_limits(t, bounds: Limits, smooth: bool = False) -> None:
 @given(text=programs.programs(SITE, **OPTIONS))
 @settings(max_examples=60, deadline=None)
 def test_no_limit_is_ever_exceeded(text):
-    bounds = Limits(np.array([100.0, 60.0, 20.0]), np.array([1000.0, 400.0, 200.0]), np.full(3, np.inf))
+    bounds = Limits(
+        np.array([100.0, 60.0, 20.0]), np.array([1000.0, 400.0, 200.0]), np.full(3, np.inf)
+    )
     for conditions in (STRICT, Conditions(corner=0.05, cycle=0.0)):
         try:
             t = timed(text, MILL, conditions, bounds)
@@ -170,7 +196,9 @@ def test_no_limit_is_ever_exceeded(text):
 @given(text=programs.programs(SITE, arcs=0.0, **OPTIONS))
 @settings(max_examples=40, deadline=None)
 def test_the_jerk_along_the_path_is_kept(text):
-    bounds = Limits(np.array([100.0, 60.0, 20.0]), np.array([1000.0, 400.0, 200.0]), np.array([5e3, 2e4, 1e4]))
+    bounds = Limits(
+        np.array([100.0, 60.0, 20.0]), np.array([1000.0, 400.0, 200.0]), np.array([5e3, 2e4, 1e4])
+    )
     try:
         t = timed(text, MILL, STRICT, bounds)
     except (GcompError, ProgramError):
@@ -202,14 +230,23 @@ def test_a_corner_that_is_not_cut_costs_a_step_of_one_cycle(text):
     for w in (1e-4, 2e-3):
         first, second = t.state(moments), t.state(np.minimum(moments + w, t.duration))
         for x in "XYZ":
-            assert np.abs(second.velocity[x] - first.velocity[x]).max() <= 500.0 * (1.5 * w + cycle) * (1 + 1e-6) + 1e-6
+            assert (
+                np.abs(second.velocity[x] - first.velocity[x]).max()
+                <= 500.0 * (1.5 * w + cycle) * (1 + 1e-6) + 1e-6
+            )
 
 
 def test_every_target_is_reached():
-    t = timed(HEAD + "G0 X1 Y2 Z3\nG1 X10.123 Y-4 F500\nG4 P1\nG2 X20.123 Y-4 I5 J0\nG4 P1\nM2\n", MILL, Conditions())
+    t = timed(
+        HEAD + "G0 X1 Y2 Z3\nG1 X10.123 Y-4 F500\nG4 P1\nG2 X20.123 Y-4 I5 J0\nG4 P1\nM2\n",
+        MILL,
+        Conditions(),
+    )
     rests = np.flatnonzero(np.nan_to_num(t.steps.wait[t.path.step]) > 0)
     s = t.state(t.plan.start[rests] + 0.5)
-    assert np.stack([s.position[x] for x in "XYZ"]) == approx(np.array([[10.123, 20.123], [-4, -4], [3, 3]]), abs=1e-12)
+    assert np.stack([s.position[x] for x in "XYZ"]) == approx(
+        np.array([[10.123, 20.123], [-4, -4], [3, 3]]), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize(

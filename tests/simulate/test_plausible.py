@@ -53,7 +53,9 @@ def test_limits_are_of_parameters():
     for name in effects.names():
         module = effects.load(name)
         limits = getattr(module, "PLAUSIBLE", {})
-        assert set(limits) <= set(module.PARAMETERS) and all(low < high for low, high in limits.values())
+        assert set(limits) <= set(module.PARAMETERS) and all(
+            low < high for low, high in limits.values()
+        )
 
 
 def test_a_head_grows_by_so_much_and_no_more():
@@ -64,5 +66,7 @@ def test_a_head_grows_by_so_much_and_no_more():
 
 def test_a_kelvin_moves_a_frame_by_less_than_a_day_does():
     drift = effects.load("structure_drift")
-    assert drift.sensible(size_um=20.0, tau_s=-1000.0) and not drift.sensible(size_um=200.0, tau_s=-1000.0)
+    assert drift.sensible(size_um=20.0, tau_s=-1000.0) and not drift.sensible(
+        size_um=200.0, tau_s=-1000.0
+    )
     assert drift.sensible(size_um=200.0, tau_s=8100.0)

@@ -21,7 +21,11 @@ NANOMETRE = 1e-6
 def trial(name: str, machine, *terms, bounds=None, **given):
     """A test that gcomp writes, run on a machine and read by the instrument that it is for."""
     own = experiments.write(name, machine, machine.control)
-    return read(own.instrument, real(timed(own.text, machine, Conditions(), bounds), *terms), **(own.settings | given))
+    return read(
+        own.instrument,
+        real(timed(own.text, machine, Conditions(), bounds), *terms),
+        **(own.settings | given),
+    )
 
 
 @pytest.mark.parametrize(("axis", "other", "step"), [("Z", "X", 30), ("X", "Z", 10)])
@@ -36,8 +40,13 @@ def test_a_laser_reads_the_tables_of_the_studer_by_direction(axis, other, step):
     for sign, values in ((1, table.forward[row]), (-1, table.reverse[row])):
         of = side == sign
         assert at[of].min() == table.nodes[0] and at[of].max() == table.nodes[-1]
-        assert found.reading[of] == approx(np.interp(at[of], table.nodes, values) + add, abs=1e-3 * UM)
-    assert found.columns["run"].tolist() == sorted(found.columns["run"].tolist()) and found.columns["run"].max() == 2
+        assert found.reading[of] == approx(
+            np.interp(at[of], table.nodes, values) + add, abs=1e-3 * UM
+        )
+    assert (
+        found.columns["run"].tolist() == sorted(found.columns["run"].tolist())
+        and found.columns["run"].max() == 2
+    )
 
 
 def test_straightness_and_angle_are_the_tables_too():
@@ -76,12 +85,16 @@ def test_a_ballbar_on_a_machine_with_squareness_alone():
 def test_a_ballbar_keeps_the_middle_turn_and_leaves_out_what_leads_in():
     found = trial("ballbar:XZ,radius=50,runs=1,at_X=85,at_Z=255", without_tables(STUDER))
     assert found.head["radius_mm"] == 50 and found.head["centre"] == {"X": 85.0, "Z": 255.0}
-    assert np.hypot(found.position("X") - 85, found.position("Z") - 255) == approx(50, abs=NANOMETRE)
+    assert np.hypot(found.position("X") - 85, found.position("Z") - 255) == approx(
+        50, abs=NANOMETRE
+    )
     for run, sense in ((1, 1), (2, -1)):
         of = found.columns["run"] == run
         angle = np.unwrap(np.arctan2(found.position("Z")[of] - 255, found.position("X")[of] - 85))
         assert angle[-1] - angle[0] == approx(sense * 2 * np.pi, abs=0.01)
-        assert abs(angle[0] - np.pi) % (2 * np.pi) == approx(0.0, abs=0.01)  # half a turn of overshoot is gone
+        assert abs(angle[0] - np.pi) % (2 * np.pi) == approx(
+            0.0, abs=0.01
+        )  # half a turn of overshoot is gone
     assert found.reading == approx(0.0, abs=NANOMETRE)
 
 
@@ -105,7 +118,11 @@ def test_backlash_is_a_step_at_every_reversal():
 
 def test_windup_builds_up_with_the_way_after_the_turn():
     """Dahl: -s (w / 2) (1 - 2 exp(-way / length)) over the ways of the staircase: 0.01 to 5 mm."""
-    found = trial("staircase:X,runs=1", without_tables(STUDER), term("windup", "X", size_um=10.0, length_mm=0.5))
+    found = trial(
+        "staircase:X,runs=1",
+        without_tables(STUDER),
+        term("windup", "X", size_um=10.0, length_mm=0.5),
+    )
     place, side = found.position("X"), found.approach("X")
     back = np.flatnonzero((side == -1) & (place < 85 - 1e-6) & (np.append(0, side[:-1]) == 1))
     way = 85 - place[back]
@@ -120,10 +137,18 @@ def test_windup_may_differ_along_the_travel():
     place, far = np.array([(low + high) / 2, high]), np.full(2, 99.0)
     state = effects.State({"X": place}, {"X": np.ones(2)}, {"X": (low, high)}, distance={"X": far})
     windup = effects.load("windup")
-    found = effects.deviation(windup, state, "X", size_um=10.0, length_mm=0.5, grows_um=4.0, grows=1.0)
+    found = effects.deviation(
+        windup, state, "X", size_um=10.0, length_mm=0.5, grows_um=4.0, grows=1.0
+    )
     assert found[0] * 1e3 == approx([-5.0, -7.0])
-    (_, _, nodes, forward, backward) = windup.tables("X", (low, high), size_um=10.0, length_mm=0.5, grows_um=4.0)[0]
-    assert list(nodes) == [low, high] and forward * 1e3 == approx([-3.0, -7.0]) and backward == approx(-forward)
+    (_, _, nodes, forward, backward) = windup.tables(
+        "X", (low, high), size_um=10.0, length_mm=0.5, grows_um=4.0
+    )[0]
+    assert (
+        list(nodes) == [low, high]
+        and forward * 1e3 == approx([-3.0, -7.0])
+        and backward == approx(-forward)
+    )
 
 
 def test_inertia_shows_the_acceleration():
@@ -148,7 +173,10 @@ def test_a_recording_that_begins_late_knows_the_heat_from_before():
     text = "G0 X0\n" + "G1 X100 F6000\nG1 X0\n" * 20 + "M2\n"
     t = timed(text, exact(), STRICT)
     works = real(t, term("screw_heat", "X", alpha_ppm_K=11.0, fixed_um_K=1.0, tau_s=0.0))
-    whole, half = read("log", works, rate="100"), read("log", works, **{"rate": "100", "from": "20"})
+    whole, half = (
+        read("log", works, rate="100"),
+        read("log", works, **{"rate": "100", "from": "20"}),
+    )
     n = len(half)
     assert n > 500 and half.columns["X_act_mm"] == approx(whole.columns["X_act_mm"][-n:], abs=1e-12)
 
@@ -170,10 +198,14 @@ def test_a_spindle_shifts_at_once_and_its_housing_follows():
     late = {"tau_s": 600.0, "housing_s": 600.0, "fastest_rpm": 4000.0}
     growth = term("spindle_growth", "Z", um_per_1000_rpm=0.0, housing_um=10.0, shift_um=8.0, **late)
     found = read("laser", real(t, growth), dwell="500", along="Z")
-    follows = 20 * (1 - 2 * np.exp(-1))  # 1 - (1 + t / tau) exp(-t / tau), of two equal time constants at t = tau
+    follows = 20 * (
+        1 - 2 * np.exp(-1)
+    )  # 1 - (1 + t / tau) exp(-t / tau), of two equal time constants at t = tau
     assert found.columns["reading_um"][0] == approx(follows + 8.0 / 4, rel=2e-2)
     # Off for as long again: 20 [(1 + 1) e^-1 - (1 + 2) e^-2] of the step's end, and no shift.
-    assert found.columns["reading_um"][1] == approx(20 * (2 * np.exp(-1) - 3 * np.exp(-2)), rel=2e-2)
+    assert found.columns["reading_um"][1] == approx(
+        20 * (2 * np.exp(-1) - 3 * np.exp(-2)), rel=2e-2
+    )
 
 
 def test_the_machines_own_effects_act_once_and_an_instruments_only_when_asked():
@@ -225,7 +257,9 @@ def test_features_of_parts_show_scale_and_tool():
     """50 ppm of 100 mm are 5 um; a tool 8 um too large makes a pocket 8 um larger, a boss smaller, and no distance other."""
     t = timed("G0 X0\nG1 X100 F6000\nM2\n", exact(), STRICT, parts=2)
     works = real(t, term("scale", "X", ppm=50.0), term("tool_size", "", diameter_um=8.0))
-    found = read("probe", works, features="X:100,X:pocket_size:100,X:boss_diameter:100", readings="2")
+    found = read(
+        "probe", works, features="X:100,X:pocket_size:100,X:boss_diameter:100", readings="2"
+    )
     off = (found.columns["measured_mm"] - 100) * 1e3
     for kind, um in (("centre_distance", 5.0), ("pocket_size", 13.0), ("boss_diameter", -3.0)):
         assert off[found.columns["kind"] == kind] == approx([um] * 4, abs=1e-6)
@@ -233,7 +267,9 @@ def test_features_of_parts_show_scale_and_tool():
 
 def test_slides_on_a_tool_of_other_length_swing_with_it():
     """G43.1 Z50 on the mill: the deviation of the machine with that tool, not of the bare one."""
-    t = timed("G21 G90 G94 G54\nG43.1 Z50\nG0 X100 Y50 Z0\nG1 X150 F600\nG4 P3\nM2\n", MILL, Conditions())
+    t = timed(
+        "G21 G90 G94 G54\nG43.1 Z50\nG0 X100 Y50 Z0\nG1 X150 F600\nG4 P3\nM2\n", MILL, Conditions()
+    )
     found = read("laser", real(t), along="X")
     place = np.array([[150.0], [50.0], [found.position("Z")[0]]])
     side = np.array([[found.approach(x)[0]] for x in "XYZ"])

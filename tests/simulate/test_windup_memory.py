@@ -64,7 +64,11 @@ def test_after_a_long_way_and_one_turn_it_is_dahl():
 
 @pytest.mark.parametrize(
     "turns",
-    [[-9.0, 0.0, -1.0, 0.5], [-9.0, 0.0, -1.0, -0.3, -0.8, 3.0, -5.0], [9.0, 0.0, 2.0, 0.3, 1.5, 0.5, 1.2, 0.7]],
+    [
+        [-9.0, 0.0, -1.0, 0.5],
+        [-9.0, 0.0, -1.0, -0.3, -0.8, 3.0, -5.0],
+        [9.0, 0.0, 2.0, 0.3, 1.5, 0.5, 1.2, 0.7],
+    ],
 )
 def test_it_is_a_drive_of_plays(turns):
     assert shown(state(turns)) == pytest.approx(of_plays(turns), abs=2e-3)
@@ -88,7 +92,9 @@ def test_a_branch_is_the_first_branch_at_twice_the_size():
     value, back = shown(at), np.flatnonzero(at.approach["X"] > 0)
     last = back[at.position["X"][back] > -0.6 - 1e-9][-100:]
     begin = -(-0.5 + 1 - np.exp(-0.6 / LENGTH)) * -1
-    assert value[last] == pytest.approx(begin - (1 - np.exp(-(at.position["X"][last] + 0.6) / LENGTH)), abs=1e-9)
+    assert value[last] == pytest.approx(
+        begin - (1 - np.exp(-(at.position["X"][last] + 0.6) / LENGTH)), abs=1e-9
+    )
 
 
 def test_the_last_turn_alone_is_wrong_by_much_after_a_short_way():
@@ -107,5 +113,7 @@ def test_no_more_is_remembered_than_there_is_room_for():
 def test_many_turns_take_no_time():
     place = np.tile(np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), 1000)
     begun = time.perf_counter()
-    ways = effects.remembered(place, 1.0, np.arange(50, len(place), 50), np.resize([1.0, 0.0], len(place) // 50 - 1))
+    ways = effects.remembered(
+        place, 1.0, np.arange(50, len(place), 50), np.resize([1.0, 0.0], len(place) // 50 - 1)
+    )
     assert time.perf_counter() - begun < 1.0 and len(ways) <= 3

@@ -53,7 +53,10 @@ class Faults:
 def lines_of(text: str, ends: list[tuple[float, ...]] | None = None) -> list[WireLine]:
     """Wire lines of plain text, source lines counted from 1."""
     rows = text.strip().split("\n")
-    return [WireLine(i, i, 0, row.encode(), ends[i - 1] if ends else ()) for i, row in enumerate(rows, 1)]
+    return [
+        WireLine(i, i, 0, row.encode(), ends[i - 1] if ends else ())
+        for i, row in enumerate(rows, 1)
+    ]
 
 
 def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, limit: float = 600.0, tick: float = TICK,
@@ -70,7 +73,9 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
     more = True
     while sender.outcome is None:
         if now - begun > limit:
-            raise AssertionError(f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}")
+            raise AssertionError(
+                f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}"
+            )
         while more and sender.queued < 64:
             line = next(lines, None)
             if line is None:

@@ -2,4 +2,6 @@
 
 
 def pytest_configure(config) -> None:
-    config.addinivalue_line("markers", "real: a receiver that nobody here wrote; skipped where it is not installed")
+    config.addinivalue_line(
+        "markers", "real: a receiver that nobody here wrote; skipped where it is not installed"
+    )

@@ -34,9 +34,13 @@ class GrblModel:
         self.byte = 10.0 / baud if baud else 0.0
         self.rx_size, self.blocks, self.echo, self.version = rx, blocks, echo, version
         self.options = options.format(rx=rx)
-        self.settings = {"10": "3", "13": "0", "22": "1" if homing else "0", "100": "800.000", "110": "3000.000"} | (
-            settings or {}
-        )
+        self.settings = {
+            "10": "3",
+            "13": "0",
+            "22": "1" if homing else "0",
+            "100": "800.000",
+            "110": "3000.000",
+        } | (settings or {})
         self.now = 0.0
         self.dropped = self.dropped_realtime = self.peak = 0
         self.received: list[str] = []
@@ -67,7 +71,14 @@ class GrblModel:
         self._planned = self.now
         self._pending: tuple[str, str] | None = None  # a line that waits, and for what
         self._until = 0.0
-        self.modal = {"motion": "0", "work": "G54", "units": "21", "distance": "90", "feed": "94", "plane": "17"}
+        self.modal = {
+            "motion": "0",
+            "work": "G54",
+            "units": "21",
+            "distance": "90",
+            "feed": "94",
+            "plane": "17",
+        }
         self.target = list(self.place)
         self.preset, self.length, self.rate = [0.0] * 3, 0.0, 0.0
         self._hold_done = 0.0
@@ -95,7 +106,11 @@ class GrblModel:
         while True:
             arrives = self._wire[0][0] if self._wire else float("inf")
             acts = self._next()
-            ends = self._planned + self._planner[0][0] if self._planner and self.state == RUN else float("inf")
+            ends = (
+                self._planned + self._planner[0][0]
+                if self._planner and self.state == RUN
+                else float("inf")
+            )
             when = min(arrives, acts, ends)
             if when > now:
                 break
@@ -134,7 +149,9 @@ class GrblModel:
             if self._pending and self._pending[1] == "resume":
                 self._finish(self._pending[0])
         elif value == 0x18:
-            moving = self.state in (RUN, HOME) or (self.state == HOLD and self.now < self._hold_done)
+            moving = self.state in (RUN, HOME) or (
+                self.state == HOLD and self.now < self._hold_done
+            )
             if moving:
                 self._say("ALARM:3\r\n")
             self.restart(ALARM if moving else (self.state if self.state == ALARM else IDLE))
@@ -284,7 +301,12 @@ class GrblModel:
         m_words = [int(v) for a, v in values if a == "M"]
         stores = bool({"10", "28.1", "30.1"} & set(codes))
         if (
-            (stores or "38.2" in codes or any(m in (0, 1, 2, 30, 3, 4, 5, 7, 8, 9) for m in m_words) or "4" in codes)
+            (
+                stores
+                or "38.2" in codes
+                or any(m in (0, 1, 2, 30, 3, 4, 5, 7, 8, 9) for m in m_words)
+                or "4" in codes
+            )
             and waited != "rest"
             and self._planner
         ):
@@ -318,13 +340,17 @@ class GrblModel:
             name = WORK[int(number.get("P", 1)) - 1]
             for i, axis in enumerate("XYZ" if "10" in codes else ""):
                 if axis in number:
-                    self.stored[name][i] = number[axis] if number.get("L") == 2 else self.target[i] - number[axis]
+                    self.stored[name][i] = (
+                        number[axis] if number.get("L") == 2 else self.target[i] - number[axis]
+                    )
             self._eeprom(text)
             return
         if "92" in codes:
             for i, axis in enumerate("XYZ"):
                 if axis in number:
-                    self.preset[i] = self.target[i] - self.stored[self.modal["work"]][i] - number[axis]
+                    self.preset[i] = (
+                        self.target[i] - self.stored[self.modal["work"]][i] - number[axis]
+                    )
         elif "92.1" in codes:
             self.preset = [0.0] * 3
         elif "43.1" in codes or "49" in codes:
@@ -366,7 +392,14 @@ class GrblModel:
 
     @staticmethod
     def _axes_move(codes: list[str], number: dict[str, float]) -> bool:
-        return any(a in number for a in "XYZ") and not {"10", "92", "43.1", "4", "28.1", "30.1"} & set(codes)
+        return any(a in number for a in "XYZ") and not {
+            "10",
+            "92",
+            "43.1",
+            "4",
+            "28.1",
+            "30.1",
+        } & set(codes)
 
     def _take_codes(self, codes: list[str]) -> None:
         for code in codes:
@@ -394,7 +427,9 @@ class GrblModel:
         return len(self._planner) - taken
 
     def _steps(self, place: list[float]) -> list[int]:
-        return [round(v * float(self.settings.get(str(100 + i), "800"))) for i, v in enumerate(place)]
+        return [
+            round(v * float(self.settings.get(str(100 + i), "800"))) for i, v in enumerate(place)
+        ]
 
     def _plan(self, codes: list[str], number: dict[str, float], motion: str) -> None:
         unit = 25.4 if self.modal["units"] == "20" else 1.0
@@ -408,7 +443,9 @@ class GrblModel:
             seconds = sum((a - b) ** 2 for a, b in zip(start, place)) ** 0.5 / speed * 60.0
             if self._steps(place) != self._steps(start):  # else it makes no block (planner.c)
                 self._planned = self._planned if self._planner else self.now
-                self._planner.append([seconds, seconds, start, place, len(self.ends) if place is last else 0])
+                self._planner.append(
+                    [seconds, seconds, start, place, len(self.ends) if place is last else 0]
+                )
                 self.state = RUN if self.state == IDLE else self.state
             start = place
 
@@ -417,7 +454,9 @@ class GrblModel:
         if self.state == HOME and now >= self._until:
             self.state, self.place, self.target, self.lost = IDLE, [0.0] * 3, [0.0] * 3, [0.0] * 3
         spent = now - self._planned
-        slows = self.state == HOLD and self.now < self._hold_done  # a hold takes its time, along the path
+        slows = (
+            self.state == HOLD and self.now < self._hold_done
+        )  # a hold takes its time, along the path
         if self.state == RUN or (slows and self._planner):
             while self._planner and spent >= self._planner[0][0] - 1e-12:
                 spent -= self._planner[0][0]

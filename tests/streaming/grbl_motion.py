@@ -25,7 +25,12 @@ def target(model, codes: list[str], number: dict[str, float], unit: float) -> li
 
 
 def way(
-    start: list[float], end: list[float], number: dict[str, float], motion: str, plane: str, unit: float
+    start: list[float],
+    end: list[float],
+    number: dict[str, float],
+    motion: str,
+    plane: str,
+    unit: float,
 ) -> list[list[float]]:
     """Places behind the start: the end, and before it those on an arc (G2, G3 with centre or radius; NIST RS274NGC 3.5.3)."""
     if motion not in "23" or not {"I", "J", "K", "R"} & set(number):
@@ -38,7 +43,10 @@ def way(
         side *= (-1 if motion == "2" else 1) * (1 if number["R"] > 0 else -1)
         centre = (start[a] + dx / 2 - dy * side * 1.0, start[b] + dy / 2 + dx * side * 1.0)
     else:
-        centre = (start[a] + number.get("IJK"[a], 0.0) * unit, start[b] + number.get("IJK"[b], 0.0) * unit)
+        centre = (
+            start[a] + number.get("IJK"[a], 0.0) * unit,
+            start[b] + number.get("IJK"[b], 0.0) * unit,
+        )
     radius = math.hypot(start[a] - centre[0], start[b] - centre[1])
     first = math.atan2(start[b] - centre[1], start[a] - centre[0])
     sweep = math.atan2(end[b] - centre[1], end[a] - centre[0]) - first

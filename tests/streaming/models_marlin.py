@@ -29,7 +29,12 @@ class MarlinModel(Receiver):
                  settings: tuple[str, ...] = ("M420 S0 Z0.00", "M852 I0.0000 J0.0000 K0.0000")):  # fmt: skip
         super().__init__(baud, rx)
         self.slots, self.advanced, self.own_ok, self.keepalive = slots, advanced, own_ok, keepalive
-        self.says_wait, self.temperatures, self.deaf, self.settings = says_wait, temperatures, deaf, settings
+        self.says_wait, self.temperatures, self.deaf, self.settings = (
+            says_wait,
+            temperatures,
+            deaf,
+            settings,
+        )
         self.unchecked: list[str] = []
         self.most_lines = 0
         self.moves = Moves()
@@ -167,7 +172,11 @@ class MarlinModel(Receiver):
         return re.sub(r"^N-?\d+ *", "", command).split("*")[0].rstrip()
 
     def _code(self, command: str) -> tuple[str, dict[str, float]]:
-        words = [(k, v) for k, v in WORD.findall(self._bare(command).replace(" ", "")) if v not in ("", "-", ".")]
+        words = [
+            (k, v)
+            for k, v in WORD.findall(self._bare(command).replace(" ", ""))
+            if v not in ("", "-", ".")
+        ]
         values = {k: float(v) for k, v in words if v.strip("-.")}
         first = words[0] if words else ("", "")
         code = first[0] + first[1].lstrip("0") if first[1].lstrip("0") else first[0] + "0"
@@ -187,7 +196,9 @@ class MarlinModel(Receiver):
         if self.advanced:
             number = re.match(r"N(-?\d+)", command)
             free = 15 - len(self.moves.ends)
-            words_of_ok = (f" N{number[1]}" if number else "") + f" P{max(free, 0)} B{self.slots - len(self._ring)}"
+            words_of_ok = (
+                f" N{number[1]}" if number else ""
+            ) + f" P{max(free, 0)} B{self.slots - len(self._ring)}"
         self.say(f"ok{words_of_ok}\n")
 
     def _does(self, code: str, words: dict[str, float], text: str) -> None:
@@ -199,7 +210,10 @@ class MarlinModel(Receiver):
         elif code == "G28":
             moves.place = [0.0, 0.0, 0.0]
         elif code == "G92":
-            self.zero = [self.zero[i] if x not in words else moves.place[i] - words[x] for i, x in enumerate("XYZ")]
+            self.zero = [
+                self.zero[i] if x not in words else moves.place[i] - words[x]
+                for i, x in enumerate("XYZ")
+            ]
         elif code == "M110":
             self.last_n = int(words.get("N", self.last_n))
         elif code == "M115":
@@ -211,7 +225,11 @@ class MarlinModel(Receiver):
             self.say(
                 "".join(
                     f"echo:  {line}\n"
-                    for line in ("M92 X80.00 Y80.00 Z400.00", "M203 X500.00 Y500.00 Z5.00", *self.settings)
+                    for line in (
+                        "M92 X80.00 Y80.00 Z400.00",
+                        "M203 X500.00 Y500.00 Z5.00",
+                        *self.settings,
+                    )
                 )
             )
         elif code == "M114":

@@ -15,7 +15,9 @@ WORD = re.compile(r"([A-Z])(-?\d*\.?\d*)")
 
 
 class SmoothieModel(Receiver):
-    def __init__(self, baud: int = 115200, rx: int = 256, per_line: bool = True, glued: bool = False):
+    def __init__(
+        self, baud: int = 115200, rx: int = 256, per_line: bool = True, glued: bool = False
+    ):
         super().__init__(baud, rx)
         self.per_line, self.glued = per_line, glued
         self.moves = Moves(32)
@@ -43,12 +45,21 @@ class SmoothieModel(Receiver):
     def _arrive(self, value: int) -> None:
         if value == ord("?"):
             self.moves.clear(self.now)
-            state = "Alarm" if self.halted else "Hold" if self._hold else "Run" if self.moves.ends else "Idle"
+            state = (
+                "Alarm"
+                if self.halted
+                else "Hold"
+                if self._hold
+                else "Run"
+                if self.moves.ends
+                else "Idle"
+            )
             p = self.place
             machine = ",".join(f"{v:.4f}" for v in p)
             work = ",".join(f"{v - z:.4f}" for v, z in zip(p, self.zero, strict=True))
             self.say(
-                f"<{state}|MPos:{machine}|WPos:{work}|F:4000.0,100.0>" + ("" if self.glued and self.rx else "\r\n")
+                f"<{state}|MPos:{machine}|WPos:{work}|F:4000.0,100.0>"
+                + ("" if self.glued and self.rx else "\r\n")
             )
         elif value == ord("!") and not self._hold:
             self.moves.clear(self.now)
@@ -85,7 +96,9 @@ class SmoothieModel(Receiver):
             self.say("ok\r\n")
         elif text[0] == "$" or text[0].islower():
             if text == "version":
-                self.say("Build version: edge-abc123, Build date: Jan 1 2020, MCU: LPC1769, System Clock: 120MHz\r\n")
+                self.say(
+                    "Build version: edge-abc123, Build date: Jan 1 2020, MCU: LPC1769, System Clock: 120MHz\r\n"
+                )
             else:
                 self.say(f"error:Unsupported command - {text}\r\n")
         elif text[0] in "GMTSN":
@@ -115,7 +128,9 @@ class SmoothieModel(Receiver):
                 self.say(f"rs N{self.current + 1}\r\n")
                 return
             self.current = n
-        self.executed.append("".join(k + v for k, v in re.findall(r"([A-Z]) *([-\d.]*)", text)) if numbered else text)
+        self.executed.append(
+            "".join(k + v for k, v in re.findall(r"([A-Z]) *([-\d.]*)", text)) if numbered else text
+        )
         sent = False
         while text:
             nexts = [i for i in (text.find("G", 2), text.find("M", 2)) if i > 0]

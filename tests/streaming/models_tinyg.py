@@ -52,7 +52,13 @@ class TinyGModel(Receiver):
     def __init__(self, baud: int = 115200, rx: int = 254, verbosity: int = 3, revision: int = 1, flow: bool = True, blocks: int = 28,
                  reports: bool = True, g2: bool = False):  # fmt: skip
         super().__init__(baud, rx)
-        self.verbosity, self.revision, self.flow, self.reports, self.g2 = verbosity, revision, flow, reports, g2
+        self.verbosity, self.revision, self.flow, self.reports, self.g2 = (
+            verbosity,
+            revision,
+            flow,
+            reports,
+            g2,
+        )
         self.blocks = blocks
         self.moves = Moves(blocks)
         self.work = {"g54": [0.0, 0.0, 0.0]}
@@ -202,7 +208,13 @@ class TinyGModel(Receiver):
         if name in ("g54", "g55", "g56", "g57", "g58", "g59", "g92"):
             return {name: dict(zip("xyz", self.work.get(name, [0.0] * 3), strict=True))}, 0
         if name == "sys":
-            return {"sys": {"fb": 100.26 if self.g2 else 440.20, "fv": 0.99 if self.g2 else 0.97, "hv": 8}}, 0
+            return {
+                "sys": {
+                    "fb": 100.26 if self.g2 else 440.20,
+                    "fv": 0.99 if self.g2 else 0.97,
+                    "hv": 8,
+                }
+            }, 0
         if name in ("ej", "fv", "fb"):
             return {name: {"ej": 1, "fv": 0.97, "fb": 100.26 if self.g2 else 440.20}[name]}, 0
         return {name: None}, 40

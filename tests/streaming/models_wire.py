@@ -104,7 +104,9 @@ def run(
     more = True
     while sender.outcome is None:
         if now - begun > limit:
-            raise AssertionError(f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}")
+            raise AssertionError(
+                f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}"
+            )
         while more and sender.queued < ahead:
             line = next(lines, None)
             if line is None:

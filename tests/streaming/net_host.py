@@ -15,9 +15,16 @@ class NetHost:
     """`path` is the port. wire: what the client has set of the serial line behind the server. hang_up_after: lines received."""
 
     def __init__(self, model: GrblModel, rfc2217: bool, speed: float = 1.0, hang_up_after: int = 0):
-        self.model, self.rfc2217, self.speed, self.hang_up_after = model, rfc2217, speed, hang_up_after
+        self.model, self.rfc2217, self.speed, self.hang_up_after = (
+            model,
+            rfc2217,
+            speed,
+            hang_up_after,
+        )
         self.server = socket.create_server(("127.0.0.1", 0))
-        self.path = f"{'rfc2217' if rfc2217 else 'socket'}://127.0.0.1:{self.server.getsockname()[1]}"
+        self.path = (
+            f"{'rfc2217' if rfc2217 else 'socket'}://127.0.0.1:{self.server.getsockname()[1]}"
+        )
         self.wire = SimpleNamespace(
             baudrate=9600, bytesize=8, parity="N", stopbits=1, xonxoff=False, rtscts=False, dtr=None, rts=None, cts=True, dsr=True,
             ri=False, cd=False, reset_input_buffer=lambda: None, reset_output_buffer=lambda: None,
@@ -43,14 +50,20 @@ class NetHost:
     def _serve(self, peer: socket.socket) -> None:
         from serial import rfc2217
 
-        manager = rfc2217.PortManager(self.wire, SimpleNamespace(write=peer.sendall)) if self.rfc2217 else None
+        manager = (
+            rfc2217.PortManager(self.wire, SimpleNamespace(write=peer.sendall))
+            if self.rfc2217
+            else None
+        )
         peer.settimeout(0.002)
         begun = time.monotonic()
         while not self._stop:
             data = None
             with contextlib.suppress(TimeoutError):
                 data = peer.recv(4096)
-            if data == b"" or (self.hang_up_after and len(self.model.received) >= self.hang_up_after):
+            if data == b"" or (
+                self.hang_up_after and len(self.model.received) >= self.hang_up_after
+            ):
                 return
             now = (time.monotonic() - begun) * self.speed
             self.model.write(b"".join(manager.filter(data or b"")) if manager else data or b"", now)

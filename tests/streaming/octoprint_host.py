@@ -35,7 +35,9 @@ def main(folder: Path, override: dict) -> None:
     from octoprint.settings import settings
 
     main_settings = settings(init=True, basedir=str(folder))
-    plugin_manager(init=True, plugin_folders=[], plugin_bases=[OctoPrintPlugin], plugin_entry_points=[])
+    plugin_manager(
+        init=True, plugin_folders=[], plugin_bases=[OctoPrintPlugin], plugin_entry_points=[]
+    )
     from octoprint.plugin import plugin_settings
     from octoprint.plugins.virtual_printer import VirtualPrinterPlugin
     from octoprint.plugins.virtual_printer.virtual import VirtualPrinter
@@ -82,7 +84,9 @@ def main(folder: Path, override: dict) -> None:
         if master in ready:
             rest += os.read(master, 1024)
             *lines, rest = rest.split(b"\n")
-            for line in lines:  # it looks at one line of what is written at once: the next waits for more
+            for (
+                line
+            ) in lines:  # it looks at one line of what is written at once: the next waits for more
                 data_in = line + b"\n"
                 while data_in:
                     data_in = data_in[taken(printer, data_in) :]

@@ -23,9 +23,7 @@ RECEIVERS = ROOT.parent / "shared" / "receivers"
 STEPS = 250.0  # a mm, of ee_router.bin
 RECORD = np.dtype([("cycle", "<u8"), ("at", "<i4", 3), ("pad", "<u4")])
 PATIENCE = 60.0  # s
-BEHIND = (
-    0.5  # s: a simulator that lost more against the clock, within ten seconds, was starved, and says nothing of gcomp
-)
+BEHIND = 0.5  # s: a simulator that lost more against the clock, within ten seconds, was starved, and says nothing of gcomp
 SPAN = 10.0  # s
 STAT = 0.2  # s: so often its clock is written
 
@@ -49,7 +47,18 @@ class RealGrbl:
         self._fifo, self._trace = folder / "ctl", folder / "t.bin"
         shutil.copy(RECEIVERS / eeprom, folder / "ee.bin")
         os.chmod(folder / "ee.bin", 0o644)
-        files = ("-eeprom", "ee.bin", "-trace", "t.bin", "-rx", "rx.bin", "-stat", "s.json", "-events", "ev.txt")
+        files = (
+            "-eeprom",
+            "ee.bin",
+            "-trace",
+            "t.bin",
+            "-rx",
+            "rx.bin",
+            "-stat",
+            "s.json",
+            "-events",
+            "ev.txt",
+        )
         self._command = [
             str(RECEIVERS / "grblhost"), "-elf", str(RECEIVERS / "grbl_1.1h_uno.elf"), "-link", "port", *files,
             "-ctl", "ctl", *options,
@@ -76,7 +85,9 @@ class RealGrbl:
                 seen.append((time.monotonic(), lost))
                 while seen[0][0] < seen[-1][0] - SPAN:
                     seen.popleft()
-                RealGrbl.lost = self.behind = max(self.behind, lost - min(v for _, v in seen) - STAT)
+                RealGrbl.lost = self.behind = max(
+                    self.behind, lost - min(v for _, v in seen) - STAT
+                )
             time.sleep(0.1)
 
     def __exit__(self, *_) -> None:
@@ -124,7 +135,9 @@ class RealGrbl:
             time.sleep(0.5)
 
 
-def start(folder: Path, port: str, *arguments: str, machine: str = "perfect", stdin=subprocess.DEVNULL):
+def start(
+    folder: Path, port: str, *arguments: str, machine: str = "perfect", stdin=subprocess.DEVNULL
+):
     """gcomp stream as a process."""
     return subprocess.Popen(
         [sys.executable, "-m", "postproc", "stream", "--machine", machine, "--dialect", "grbl", "--port", port,

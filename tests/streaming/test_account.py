@@ -17,7 +17,9 @@ FINE = {"100": "100", "101": "100", "102": "100"}
 
 
 def account(**how) -> Account:
-    made = Account(Controller(planner=3, segments=1, settings=FINE) if not how else Controller(**how))
+    made = Account(
+        Controller(planner=3, segments=1, settings=FINE) if not how else Controller(**how)
+    )
     made.reported(Status("idle", place=(0.0, 0.0)))
     return made
 
@@ -32,7 +34,13 @@ def test_of_the_answered_all_are_over_but_what_it_holds():
     """3 blocks, with the one that is just being taken, and 1 segment: 7 to 10 may be held, and 6 is over when 10 is answered."""
     made = account()
     take(made, *((float(i), 0.0) for i in range(1, 11)))
-    assert (made.sent_to, made.answered_to, made.executed, made.source, made.seconds) == (10, 10, 6, 6, 6.0)
+    assert (made.sent_to, made.answered_to, made.executed, made.source, made.seconds) == (
+        10,
+        10,
+        6,
+        6,
+        6.0,
+    )
 
 
 def test_lines_without_a_motion_and_motions_below_a_step_push_nothing_out():
@@ -116,5 +124,11 @@ def test_nothing_is_said_to_be_over_that_the_model_has_not_made(seed):
         seen += over > 0
         worst.extend((over, i) for i in unmade if over >= i)
 
-    run(sender, model, lines_of("\n".join(rows), ends), actions=[(t / 50, look) for t in range(1500)], limit=3000)
+    run(
+        sender,
+        model,
+        lines_of("\n".join(rows), ends),
+        actions=[(t / 50, look) for t in range(1500)],
+        limit=3000,
+    )
     assert sender.outcome.kind == "done" and not worst and seen > 5, (sender.outcome, worst[:3])

@@ -113,7 +113,12 @@ def test_ports_by_name(monkeypatch):
     usb = [SimpleNamespace(device=f"/dev/ttyUSB{i}", description="CNC", manufacturer="Maker", serial_number=f"A{i}", vid=1, hwid="x")
            for i in range(2)]  # fmt: skip
     empty = SimpleNamespace(
-        device="/dev/ttyS0", description="n/a", manufacturer=None, serial_number=None, vid=None, hwid="n/a"
+        device="/dev/ttyS0",
+        description="n/a",
+        manufacturer=None,
+        serial_number=None,
+        vid=None,
+        hwid="n/a",
     )
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [empty, *usb])
     assert ports_found.listed().splitlines()[1] == "/dev/ttyUSB1  CNC, Maker, serial number A1"

@@ -52,7 +52,9 @@ def test_A14_stop_at_random_bytes(seed):
     r = random.Random(seed)
     high = r.randint(20, 200)
     pauses = {r.randrange(2000): r.uniform(0.1, 30.0) for _ in range(6)}
-    model = DncModel(rx=high + 18, high=high, low=r.randint(0, high - 1), rate=r.uniform(50, 900), pauses=pauses)
+    model = DncModel(
+        rx=high + 18, high=high, low=r.randint(0, high - 1), rate=r.uniform(50, 900), pauses=pauses
+    )
     text = program(80, seed)
     sender, _ = job(text, model)
     finish(model)
@@ -97,14 +99,19 @@ def test_A14_only_capital_letters_of_seven_bits():
     text = program(30).lower()
     sender = Sender(Dnc())
     lines = [
-        line for line in lines_of("\n".join(sender.protocol.prepare(row.encode()).decode() for row in text.split("\n")))
+        line
+        for line in lines_of(
+            "\n".join(sender.protocol.prepare(row.encode()).decode() for row in text.split("\n"))
+        )
     ]
     run(sender, model, lines)
     finish(model)
     assert model.odd == [] and model.received == text.upper().split("\n")
 
 
-@pytest.mark.parametrize(("protocol", "end"), [(Dnc, b"\n"), (DncHaas, b"\r\n"), (DncSiemens, b"\r\n")])
+@pytest.mark.parametrize(
+    ("protocol", "end"), [(Dnc, b"\n"), (DncHaas, b"\r\n"), (DncSiemens, b"\r\n")]
+)
 def test_A14_frames_of_controls(protocol, end):
     connection = protocol()
     data = (
@@ -114,9 +121,11 @@ def test_A14_frames_of_controls(protocol, end):
     )
     assert data == b"%" + end + b"G1X1" + end + b"%" + end
     link = protocol.link
-    assert (link.bits, link.parity, link.stop) == {Dnc: (7, "E", 2), DncHaas: (7, "E", 1), DncSiemens: (8, "N", 1)}[
-        protocol
-    ]
+    assert (link.bits, link.parity, link.stop) == {
+        Dnc: (7, "E", 2),
+        DncHaas: (7, "E", 1),
+        DncSiemens: (8, "N", 1),
+    }[protocol]
     model = DncModel(begins=None if not link.waits else 1.0)
     text = program(60)
     sender, _ = job(text, model, protocol=protocol)
@@ -140,7 +149,9 @@ def test_what_the_control_says():
     protocol = Dnc()
     assert protocol.release() == 0
     assert protocol.receive(bytes((DC1,))) == [] and protocol.release() == 16
-    assert protocol.receive(bytes((DC3 | 0x80,))) == [] and protocol.release() == 0  # parity bit left in by the port
+    assert (
+        protocol.receive(bytes((DC3 | 0x80,))) == [] and protocol.release() == 0
+    )  # parity bit left in by the port
     assert protocol.receive(bytes((DC1 | 0x80,))) == [] and protocol.release() == 16
     assert protocol.receive(b"hi\r\n") == [Told("hi")]
     assert isinstance(protocol.receive(bytes((DC4,)))[0], Alarm)
@@ -158,7 +169,9 @@ def test_A10_reset_at_the_control_and_a_closed_port_end_the_job():
 
 
 def test_a_person_can_stop_a_job_that_waits():
-    sender, seconds = job(program(20), DncModel(begins=1e9), actions=[(100.0, lambda s, now: s.stop(now))])
+    sender, seconds = job(
+        program(20), DncModel(begins=1e9), actions=[(100.0, lambda s, now: s.stop(now))]
+    )
     assert (sender.outcome.kind, seconds < 102) == ("aborted", True)
 
 
@@ -183,7 +196,11 @@ def test_what_has_left_is_counted_and_what_is_waited_for_is_said():
     protocol = sender.protocol
     sender.give(lines_of("G21\nG1 X1\nG1 X22\n"))
     sender.tick(0.0)
-    assert (protocol.waits, sender.bytes_out(), sender.written()) == ("waiting for DC1", b"", (0, None))
+    assert (protocol.waits, sender.bytes_out(), sender.written()) == (
+        "waiting for DC1",
+        b"",
+        (0, None),
+    )
     sender.receive(bytes([DC1]), 0.1)
     assert (protocol.waits, sender.bytes_out()) == ("", b"%\nG21\nG1 X1\nG1 X")
     left, line = sender.written()

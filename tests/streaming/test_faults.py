@@ -26,7 +26,20 @@ QUIET = 240
 LINES = 60
 PATIENCE = 60.0  # s, after which a person at a machine that holds gives up
 SEEN = 0.02  # mm: what a part shows
-KINDS = ("nothing", "back", "late", "pause", "silent", "cut", "reset", "alarm", "small buffer", "to", "power", "stop")
+KINDS = (
+    "nothing",
+    "back",
+    "late",
+    "pause",
+    "silent",
+    "cut",
+    "reset",
+    "alarm",
+    "small buffer",
+    "to",
+    "power",
+    "stop",
+)
 
 
 def schedule(seed: int, echo: bool = True, kinds=KINDS):
@@ -39,7 +52,10 @@ def schedule(seed: int, echo: bool = True, kinds=KINDS):
     for name in names:
         if name in ("back", "to"):
             span = LINES * (35 if name == "back" and echo else 22)
-            plan = {r.randrange(span): r.choice(("drop", "flip", "double")) for _ in range(r.choice((1, 1, 2, 5)))}
+            plan = {
+                r.randrange(span): r.choice(("drop", "flip", "double"))
+                for _ in range(r.choice((1, 1, 2, 5)))
+            }
             setattr(faults, name, plan)
         elif name == "late":
             faults.lag = r.uniform(0.005, 0.5)
@@ -84,14 +100,32 @@ class Job:
     again: int = 0
 
 
-def job(seed: int, echo: bool = True, kinds=KINDS, feed: int = 6000, step: float = 1.0, still: bool = False) -> Job:
+def job(
+    seed: int,
+    echo: bool = True,
+    kinds=KINDS,
+    feed: int = 6000,
+    step: float = 1.0,
+    still: bool = False,
+) -> Job:
     """still: with lines between the motions that make no block."""
     faults, model, actions, counting, names = schedule(seed, echo, kinds)
     text, ends = zigzag(LINES, seed=seed, feed=feed, step=step, still=still)
-    text = "\n".join(f"N{i}{row}" for i, row in enumerate(text.split("\n"), 1))  # so that every line is one of a kind
+    text = "\n".join(
+        f"N{i}{row}" for i, row in enumerate(text.split("\n"), 1)
+    )  # so that every line is one of a kind
     sender = new_sender(model, counting=counting, window=128, watched=True)
     kept = [journal.head("job.nc", "", "mill", "", sender.account.holds, place=(0.0, 0.0, 0.0))]
-    run(sender, model, lines_of(text, ends), faults, limit=PATIENCE + 600, actions=actions, tick=0.004, kept=kept)
+    run(
+        sender,
+        model,
+        lines_of(text, ends),
+        faults,
+        limit=PATIENCE + 600,
+        actions=actions,
+        tick=0.004,
+        kept=kept,
+    )
     kept.append(journal.end(sender.outcome, 0.0))
     want = [row.replace(" ", "") for row in text.split("\n")]
     sent = [what.number for kind, what, _ in sender.log if kind == "sent"]
@@ -99,8 +133,12 @@ def job(seed: int, echo: bool = True, kinds=KINDS, feed: int = 6000, step: float
     counts = Counter(model.received)
     twice |= any(counts[row] > 1 for row in want)
     meant, made = distinct(ends)[1:], [p for p in distinct([ends[0], *model.ends])[1:]]
-    pairs = zip(made, meant, strict=True) if len(made) == len(meant) else [((float("inf"),), (0.0,))]
-    missed = max((abs(a - b) for one, other in pairs for a, b in zip(one, other, strict=True)), default=0.0)
+    pairs = (
+        zip(made, meant, strict=True) if len(made) == len(meant) else [((float("inf"),), (0.0,))]
+    )
+    missed = max(
+        (abs(a - b) for one, other in pairs for a, b in zip(one, other, strict=True)), default=0.0
+    )
     result = Job(sender.outcome, model.accepted == want, twice, missed, names)
     if sender.outcome.kind != "done" and model.accepted == want[: len(model.accepted)]:
         result.back, result.again = way_back(b"".join(kept), model, sender, want)
@@ -118,7 +156,9 @@ def way_back(kept: bytes, model: GrblModel, sender, want: list[str]) -> tuple[st
     moves = [i for i, row in enumerate(want[: len(model.accepted)], 1) if re.search("[XYZ]", row)]
     over = moves[model.made - 1] if model.made else 0
     left = next((i for i in moves if i > over), over + 1)
-    unmade = [row for row in moves if over < row <= past.executed and is_motion(model, moves.index(row))]
+    unmade = [
+        row for row in moves if over < row <= past.executed and is_motion(model, moves.index(row))
+    ]
     if unmade:
         return f"lines {unmade} are said to be over, and {over} is the last that is", 0
     place = dict(zip("XYZ", model.place, strict=True))
@@ -132,7 +172,9 @@ def way_back(kept: bytes, model: GrblModel, sender, want: list[str]) -> tuple[st
     begin = zero.certain(past, Live({}, {}, place, ()), ("X", "Y", "Z"), controller)
     if begin > left:
         return f"it begins with line {begin}, and line {left} is not made", 0
-    return "", sum(1 for row in moves if begin <= row <= over and is_motion(model, moves.index(row)))
+    return "", sum(
+        1 for row in moves if begin <= row <= over and is_motion(model, moves.index(row))
+    )
 
 
 def is_motion(model: GrblModel, i: int) -> bool:
@@ -166,10 +208,14 @@ def test_A20_a_thousand_schedules_never_hang_double_or_lie():
     )
     assert not lies and not doubles and not false
     assert not harm, harm[:5]
-    assert min(kinds[k] for k in ("done", "stalled", "disconnected", "reset", "alarm", "altered")) > 10
+    assert (
+        min(kinds[k] for k in ("done", "stalled", "disconnected", "reset", "alarm", "altered")) > 10
+    )
 
 
-@pytest.mark.parametrize(("feed", "step", "most"), [(6000, 1.0, 25), (1000, 1.0, 15), (1000, 5.0, 10)])
+@pytest.mark.parametrize(
+    ("feed", "step", "most"), [(6000, 1.0, 25), (1000, 1.0, 15), (1000, 5.0, 10)]
+)
 def test_A20_what_a_controller_without_echo_can_not_show(feed, step, most):
     """Bytes altered on the way to GRBL, nothing else: how many jobs end as done with another file. The path, the place where the
     machine ends up, and the count of answers, find most; the rest is why a link that alters bytes is no link for GRBL."""
@@ -179,7 +225,9 @@ def test_A20_what_a_controller_without_echo_can_not_show(feed, step, most):
         one = job(seed, echo=False, kinds=("to",), feed=feed, step=step)
         outcome, right, twice, missed = one.outcome, one.right, one.twice, one.missed
         done = outcome.kind == "done"
-        what = ("right" if right else "harmless" if missed <= SEEN else "unseen") if done else "found"
+        what = (
+            ("right" if right else "harmless" if missed <= SEEN else "unseen") if done else "found"
+        )
         seen[what if not beside(outcome) else "found on the path"] += 1
         worst += [round(missed, 3)] * (what == "unseen")
         assert not twice
@@ -201,4 +249,6 @@ def test_A20_jobs_without_faults_or_with_altered_reports_never_raise_the_path_s_
         kinds[outcome.kind] += 1
         assert not beside(outcome), (seed, outcome)
         assert right or outcome.kind != "done"
-    print(f"\n{QUIET} schedules that alter nothing on the way there: {dict(kinds)}; false alarms of the path 0")
+    print(
+        f"\n{QUIET} schedules that alter nothing on the way there: {dict(kinds)}; false alarms of the path 0"
+    )

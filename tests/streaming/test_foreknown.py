@@ -17,7 +17,9 @@ LIMITS = {"20": "1", "130": "200.000", "131": "150.000", "132": "80.000"}
 
 def job(folder, body: str, host: PtyHost, *options: str, machine=PERFECT) -> tuple[int, str]:
     (folder / "job.nc").write_text(HEAD + body)
-    status, _, err = stream(folder, host, "job.nc", "--offset", "G54=X0,Y0,Z0", *options, machine=machine)
+    status, _, err = stream(
+        folder, host, "job.nc", "--offset", "G54=X0,Y0,Z0", *options, machine=machine
+    )
     return status, err
 
 
@@ -35,7 +37,11 @@ def made(**how):
             PERFECT,
             "job.nc:3: nothing was sent: X 5.000 (machine coordinates) is beyond",
         ),
-        ("G1 X-5 F600\nG3 X-15 Y-1 I-5 J0\nG1 X-199\nM2\n", PERFECT, "job.nc:4: nothing was sent: Y"),  # the arc's top
+        (
+            "G1 X-5 F600\nG3 X-15 Y-1 I-5 J0\nG1 X-199\nM2\n",
+            PERFECT,
+            "job.nc:4: nothing was sent: Y",
+        ),  # the arc's top
         ("G1 X-5\nM2\n", PERFECT, "job.nc:3: nothing was sent: a feed (G1, G2, G3) before any F"),
         ("X-7\nG1\nF100\nX-3\nG93\nX-4 F2\nM2\n", PERFECT, ""),
         ("T2 M6\nG1 X-5 F600\nM2\n", RAW, "job.nc:3: M6 changes the tool"),
@@ -50,7 +56,11 @@ def test_travel_feeds_and_tool_changes(place, body, machine, says):  # noqa: F81
 
 @pytest.mark.parametrize(
     ("body", "says"),
-    [("G1 X199 Y-149 F900\nM2\n", ""), ("G1 X-5 F900\nM2\n", "X -5.000"), ("G1 Y5 F900\nM2\n", "Y 5.000")],
+    [
+        ("G1 X199 Y-149 F900\nM2\n", ""),
+        ("G1 X-5 F900\nM2\n", "X -5.000"),
+        ("G1 Y5 F900\nM2\n", "Y 5.000"),
+    ],
 )
 def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, says):  # noqa: F811
     """HOMING_FORCE_SET_ORIGIN: Z in $I; X homes in the negative direction ($23)."""
@@ -60,7 +70,9 @@ def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, s
     with PtyHost(made, speed=20.0) as host:
         (place / "job.nc").write_text(head + body)
         status, _, err = stream(place, host, "job.nc", "--offset", "G54=X0,Y0,Z0", machine=PERFECT)
-    assert (status, f"{says} (machine coordinates) is beyond" in err) == ((2, True) if says else (0, False)), err
+    assert (status, f"{says} (machine coordinates) is beyond" in err) == (
+        (2, True) if says else (0, False)
+    ), err
 
 
 def test_more_way_than_the_machine_has_is_told_before_the_job(place):  # noqa: F811
@@ -84,7 +96,9 @@ def test_a_tool_change_waits_for_a_person_or_is_left_out(place, how, rows):  # n
                         host.press(b"~")
 
             host.model.advance = advance
-        status, err = job(place, "M5\nT2 M6\nG1 X-5 F600\nM2\n", host, "--tool-change", how, machine=RAW)
+        status, err = job(
+            place, "M5\nT2 M6\nG1 X-5 F600\nM2\n", host, "--tool-change", how, machine=RAW
+        )
         assert status == 0, err
         assert [row for row in sent_rows(host) if "T2" in row] == rows
         assert ("the program stops here, source line 4" in err) == (how == "pause")
@@ -94,9 +108,13 @@ def test_the_controller_reads_the_program_before_it_moves(place):  # noqa: F811
     """Its own check mode: an error in the last line is known before the first motion; without one the job begins, alike."""
     body = "".join(f"G1 X-{i % 50} Y-{i % 7} F6000\n" for i in range(60))
     with PtyHost(made(), speed=4.0) as host:
-        status, err = job(place, body + "G1 X-5 H7\nM2\n", host, "--check-first", "auto", machine=RAW)
+        status, err = job(
+            place, body + "G1 X-5 H7\nM2\n", host, "--check-first", "auto", machine=RAW
+        )
         assert (
-            status == 10 and "nothing has moved: in the controller's check mode" in err and "source line 63" in err
+            status == 10
+            and "nothing has moved: in the controller's check mode" in err
+            and "source line 63" in err
         ), err
         assert not host.model.ends and host.model.state == "Idle"
     with PtyHost(made(), speed=4.0) as host:

@@ -9,7 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from postproc.streaming import protocols
-from postproc.streaming.events import Accepted, Alarm, Altered, Rejected, Restarted, Status, Stray, Told
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Rejected,
+    Restarted,
+    Status,
+    Stray,
+    Told,
+)
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols.grbl import Grbl
 from tests.streaming.bench import lines_of, new_sender, run, zigzag
@@ -43,7 +52,9 @@ def test_A2_nothing_is_dropped_and_the_buffer_is_kept_full(rx):
 
 def test_A2_lines_of_79_characters_fit():
     rows = ["G21G90G94"] + ["G1" + f"X{i % 7}.{'0' * 60}F6000".ljust(60)[:77] for i in range(60)]
-    rows = [row if i == 0 else "G1X" + f"{i % 7}." + "0" * 68 + "F600" for i, row in enumerate(rows)]
+    rows = [
+        row if i == 0 else "G1X" + f"{i % 7}." + "0" * 68 + "F600" for i, row in enumerate(rows)
+    ]
     assert max(map(len, rows)) == 77
     model = GrblModel()
     sender = new_sender(model)
@@ -111,7 +122,9 @@ def test_A4_an_answer_that_nobody_waits_for_is_no_answer():
 def test_A4_the_greeting_voids_what_was_sent():
     protocol = Grbl()
     protocol.send(1, b"G1X1")
-    assert protocol.receive(b"\r\nGrbl 1.1h ['$' for help]\r\n") == [Restarted("Grbl 1.1h ['$' for help]")]
+    assert protocol.receive(b"\r\nGrbl 1.1h ['$' for help]\r\n") == [
+        Restarted("Grbl 1.1h ['$' for help]")
+    ]
     assert protocol.outstanding() == [] and protocol.used == 0
     assert protocol.receive(b"ok\r\n") == [Stray("ok")]
 
@@ -135,7 +148,8 @@ def test_A4_a_line_that_is_echoed_otherwise_is_told():
 
 
 @pytest.mark.parametrize(
-    "line", ["G10L2P1X1", "G28.1", "G 54", "G28", "$100=250", "$X", "M30", "G30.1", "g10 l20 p0 x0", "G59"]
+    "line",
+    ["G10L2P1X1", "G28.1", "G 54", "G28", "$100=250", "$X", "M30", "G30.1", "g10 l20 p0 x0", "G59"],
 )
 def test_A6_lines_that_touch_the_EEPROM_go_alone(line):
     protocol = Grbl()
@@ -162,7 +176,14 @@ def test_A6_no_byte_is_lost_while_the_EEPROM_is_written():
         rows.append(f"G1X{chance.uniform(0, 3):.3f}Y{i * 0.01:.2f}F6000")
         if i % 9 == 0:
             rows += chance.choice(
-                [["G10L2P2X1.5"], ["G28.1"], ["G4P0.01", "$100=800"], ["G55"], ["G54"], ["G10 L20 P3 X0"]]
+                [
+                    ["G10L2P2X1.5"],
+                    ["G28.1"],
+                    ["G4P0.01", "$100=800"],
+                    ["G55"],
+                    ["G54"],
+                    ["G10 L20 P3 X0"],
+                ]
             )
     model = GrblModel()
     sender = new_sender(model)

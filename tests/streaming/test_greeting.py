@@ -18,7 +18,9 @@ from tests.streaming.grbl_model import GrblModel
 from tests.streaming.test_source import filter_
 
 
-def greet(greeting: Greeting, model: GrblModel | None, begin: float = 0.0, limit: float = 400.0) -> float:
+def greet(
+    greeting: Greeting, model: GrblModel | None, begin: float = 0.0, limit: float = 400.0
+) -> float:
     """Until it has ended; `begin`: how long the model has been on. Returns simulated s."""
     now = begin
     while not greeting.done and greeting.fault is None:
@@ -52,7 +54,11 @@ class Fluid(GrblModel):
         (GrblModel, {"rx": 255}, "GRBL 1.1", 255),
         (
             GrblModel,
-            {"rx": 1024, "version": "1.1f.20240101:]\r\n[FIRMWARE:grblHAL", "options": "VNMSL,100,{rx},3,0"},
+            {
+                "rx": 1024,
+                "version": "1.1f.20240101:]\r\n[FIRMWARE:grblHAL",
+                "options": "VNMSL,100,{rx},3,0",
+            },
             "grblHAL",
             1023,
         ),
@@ -64,7 +70,9 @@ def test_a_controller_is_found_whether_it_greets_or_not(made, how, title, window
     greeting = Greeting("auto")
     greet(greeting, model, heard_before(model) if silent else 0.0)
     assert greeting.fault is None
-    assert greeting.protocol.controller.name == title and greeting.protocol.controller.window == window
+    assert (
+        greeting.protocol.controller.name == title and greeting.protocol.controller.window == window
+    )
     assert greeting.status.state == "idle" and unfit(greeting.protocol, greeting.status) is None
     assert greeting.protocol.outstanding() == []  # the count begins at zero
     assert model.dropped == 0 and all(x.startswith("$") for x in model.received)
@@ -137,7 +145,9 @@ def test_a_controller_that_answers_no_line_is_named_by_its_state(state):
             greeting.receive(f"<{state}|MPos:0.000,0.000,0.000|FS:0,0>\r\n".encode(), now)
     said = str(greeting.fault)
     assert (
-        (f"not idle. {state.lower()}: it" in said and "gcomp control" in said) if state else "did not answer $I" in said
+        (f"not idle. {state.lower()}: it" in said and "gcomp control" in said)
+        if state
+        else "did not answer $I" in said
     )
 
 
@@ -178,9 +188,13 @@ def test_the_correction_is_that_of_where_the_part_stands():
 def test_other_zeros_than_the_controllers_are_refused():
     live = lives.read(CONTROLLER, Status("idle", place=(5.0, 6.0, -7.0)), ("X", "Y", "Z"))
     lives.conflicts(live, {"G54": {"X": -100.0, "Y": -50.0003}, "G59": {"X": 3.0}}, {"X": 5.0})
-    with pytest.raises(UsageError, match=r"G54 is stated with Y = -51 mm, and the controller has Y = -50 mm"):
+    with pytest.raises(
+        UsageError, match=r"G54 is stated with Y = -51 mm, and the controller has Y = -50 mm"
+    ):
         lives.conflicts(live, {"G54": {"Y": -51.0}}, {})
-    with pytest.raises(UsageError, match="--start says X = 4 mm, and the controller stands at X = 5 mm"):
+    with pytest.raises(
+        UsageError, match="--start says X = 4 mm, and the controller stands at X = 5 mm"
+    ):
         lives.conflicts(live, {}, {"X": 4.0})
     offsets, notices = lives.merged(live, {"G54": {"X": 0.0}, "G58": {"X": 9.0}})
     assert offsets["G54"]["X"] == -100 and offsets["G58"] == {"X": 9.0} and len(notices) == 1

@@ -20,7 +20,15 @@ pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from postproc.streaming import journal  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import MILL, PATIENCE, ROOT, model, place, program, sent_rows  # noqa: E402, F401
+from tests.streaming.test_stream_command import (
+    MILL,
+    PATIENCE,
+    ROOT,
+    model,
+    place,
+    program,
+    sent_rows,
+)  # noqa: E402, F401
 
 SOON = 0.05  # s
 TRIES = 4  # on a computer that is shared, one of so many
@@ -42,7 +50,13 @@ sys.exit(main(sys.argv[1:]))
 
 
 def begin(
-    folder, host: PtyHost, *arguments: str, code: str = "", hangup=signal.SIG_DFL, preexec_fn=None, **how
+    folder,
+    host: PtyHost,
+    *arguments: str,
+    code: str = "",
+    hangup=signal.SIG_DFL,
+    preexec_fn=None,
+    **how,
 ) -> subprocess.Popen:
     """gcomp stream, or the program `code` with the same arguments; `hangup` is what SIGHUP does to it
     when it begins, whatever that is here (the tests themselves may run under nohup)."""
@@ -53,10 +67,26 @@ def begin(
             preexec_fn()
 
     run = ["-c", code] if code else ["-m", "postproc"]
-    env = {**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    env = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "HOME": str(folder),
+        "XDG_CONFIG_HOME": str(folder),
+    }
     how = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | how
     return subprocess.Popen(
-        [sys.executable, *run, "stream", *MILL, "--port", host.path, "job.nc", "--check-first", "never", *arguments],
+        [
+            sys.executable,
+            *run,
+            "stream",
+            *MILL,
+            "--port",
+            host.path,
+            "job.nc",
+            "--check-first",
+            "never",
+            *arguments,
+        ],
         cwd=folder,
         env=env,
         preexec_fn=before,
@@ -135,7 +165,10 @@ def test_every_signal_that_could_end_it_holds_first(place, sign):  # noqa: F811
         else:  # then it ends when it stands: no alarm, the position is kept
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 130 and sign.name in err.decode(), err
-            assert [value for _, value in host.times] == [HOLD, RESET] and host.model.state == "Idle"
+            assert [value for _, value in host.times] == [
+                HOLD,
+                RESET,
+            ] and host.model.state == "Idle"
             assert whole(place, host).outcome == "aborted"
         return took
 
@@ -248,7 +281,9 @@ def test_a_full_disk(place):  # noqa: F811
             and "the journal can not be written: File too large; the job goes on" in err.decode()
         )
         data = (place / "job.nc.journal").read_bytes()
-        assert 5000 < len(data) <= 6000 and data.endswith(b"\n") and journal.read(data, "j").sent > 10
+        assert (
+            5000 < len(data) <= 6000 and data.endswith(b"\n") and journal.read(data, "j").sent > 10
+        )
         return took
 
     often(once, place)
@@ -275,7 +310,9 @@ def test_before_the_job(place, phase):  # noqa: F811
     for _ in range(TRIES):
         homing = phase == "homing"
         if not homing:
-            (place / "job.nc").write_text(program(60).replace("G0 Z20\nM30", "G1 X6\nG1 X5\n" * 60000 + "M30"))
+            (place / "job.nc").write_text(
+                program(60).replace("G0 Z20\nM30", "G1 X6\nG1 X5\n" * 60000 + "M30")
+            )
         with PtyHost(model(homing=homing)) as host:
             process = begin(place, host, *["--home"] * homing)
             until(lambda: b"$H" in host.heard if homing else b"$G" in host.heard, process)

@@ -34,7 +34,13 @@ def test_A5_on_error_ask_holds_and_waits_for_the_answer():
 
     def look(sender, now):
         seen.append(
-            (model.state, sender.state, [line.source for line, _ in sender.asks], len(model.received), sender.outcome)
+            (
+                model.state,
+                sender.state,
+                [line.source for line, _ in sender.asks],
+                len(model.received),
+                sender.outcome,
+            )
         )
 
     asked = [(t, look) for t in (8.0, 30.0)]
@@ -43,7 +49,9 @@ def test_A5_on_error_ask_holds_and_waits_for_the_answer():
     first, later, second = seen
     assert first == later and first[:3] == ("Hold", HELD, [21]) and first[4] is None
     assert second[:3] == ("Hold", HELD, [31])
-    assert sender.outcome.kind == "error" and [line.source for line, _ in sender.outcome.rejected] == [21, 31]
+    assert sender.outcome.kind == "error" and [
+        line.source for line, _ in sender.outcome.rejected
+    ] == [21, 31]
     assert model.received == BAD.split("\n") and model.place[0] == 40
 
 
@@ -54,7 +62,10 @@ def test_A5_on_error_ask_stop_ends_as_without_asking():
     plain = new_sender(other := GrblModel())
     run(plain, other, lines_of(BAD))
     assert sender.outcome.kind == "error" and model.state == "Hold" and not sender.asks
-    assert sender.outcome.message == plain.outcome.message and "source line 21" in sender.outcome.message
+    assert (
+        sender.outcome.message == plain.outcome.message
+        and "source line 21" in sender.outcome.message
+    )
     assert "it had" in sender.outcome.advice and model.accepted == other.accepted
 
 
@@ -62,7 +73,10 @@ def test_A5_the_last_line_refused_is_asked_for_before_the_end():
     model = GrblModel()
     sender = new_sender(model, on_error="ask")
     seconds = run(
-        sender, model, lines_of("G21G90G94F600\nG1X1\nG77"), actions=[(9.0, lambda s, now: s.decide(True, now))]
+        sender,
+        model,
+        lines_of("G21G90G94F600\nG1X1\nG77"),
+        actions=[(9.0, lambda s, now: s.decide(True, now))],
     )
     assert seconds > 9.0 and sender.outcome.kind == "error"
 
@@ -97,14 +111,23 @@ def test_A8_an_ordered_hold_that_the_machines_button_ends_goes_on():
         sender, model, lines_of(SLOW),
         actions=[(1.0, lambda s, now: s.hold(now)), (6.0, lambda s, now: model.write(b"~", now))],
     )  # fmt: skip
-    assert sender.outcome.kind == "done" and sender.state == RUNNING and len(said(sender, "resumed")) == 1
+    assert (
+        sender.outcome.kind == "done"
+        and sender.state == RUNNING
+        and len(said(sender, "resumed")) == 1
+    )
     assert not said(sender, "hold")
 
 
 def test_a_stop_of_the_program_is_told_as_such():
     model = GrblModel()
     sender = new_sender(model)
-    run(sender, model, lines_of("G21G90F600\nG1X1\nM0\nG1X2"), actions=[(9.0, lambda s, now: s.resume(now))])
+    run(
+        sender,
+        model,
+        lines_of("G21G90F600\nG1X1\nM0\nG1X2"),
+        actions=[(9.0, lambda s, now: s.resume(now))],
+    )
     assert sender.outcome.kind == "done"
     assert len(said(sender, "hold")) == 1 and said(sender, "hold")[0].startswith(
         "the program stops here, source line 3"
@@ -118,19 +141,28 @@ def test_A8_a_tinyg_that_is_held_at_the_machine_does_not_stall():
         text, model, protocol="tinyg",
         actions=[(1.0, lambda s, now: model.write(b"!", now)), (60.0, lambda s, now: model.write(b"~", now))],
     )  # fmt: skip
-    assert sender.outcome.kind == "done" and len(said(sender, "hold")) == len(said(sender, "resumed")) == 1
+    assert (
+        sender.outcome.kind == "done"
+        and len(said(sender, "hold")) == len(said(sender, "resumed")) == 1
+    )
 
 
 def test_the_states_of_a_hold():
     hold = Hold()
     assert (
-        hold.reported("run", 1.0) == "" and hold.reported("hold", 2.0) == FOREIGN and hold.reported("hold", 2.2) == ""
+        hold.reported("run", 1.0) == ""
+        and hold.reported("hold", 2.0) == FOREIGN
+        and hold.reported("hold", 2.2) == ""
     )
     assert hold.reported("run", 3.0) == RESUMED and not hold.foreign
     hold.order(4.0)
     assert hold.reported("run", 3.9) == ""  # asked for before the order
     assert hold.reported("run", 4.1) == AGAIN  # the order was lost
-    assert hold.reported("hold", 4.3) == "" and hold.reported("run", 4.5) == RESUMED and not hold.ordered
+    assert (
+        hold.reported("hold", 4.3) == ""
+        and hold.reported("run", 4.5) == RESUMED
+        and not hold.ordered
+    )
     hold.order(5.0)
     hold.reported("hold", 5.1)
     hold.release(6.0)
@@ -145,7 +177,11 @@ def test_every_protocol_says_what_its_hold_and_stop_do(name):
              b"set pause\r\n": "told to pause", b"set abort\r\n": "told to abort"}  # fmt: skip
     for what in ("hold", "stop"):
         data, text = protocol.urgent(what), protocol.does[what]
-        assert (named[data] in text) if data else f"no {'feed hold' if what == 'hold' else 'stop'}" in text
+        assert (
+            (named[data] in text)
+            if data
+            else f"no {'feed hold' if what == 'hold' else 'stop'}" in text
+        )
     assert stopped("why", protocol).advice == protocol.does["stop"]
 
 
@@ -172,7 +208,10 @@ def test_A8_a_stop_that_is_not_confirmed_says_so():
     assert sender.outcome is None
     for tenth in range(3, 14):
         sender.tick(tenth / 10)
-    assert sender.outcome.kind == "aborted" and "has not confirmed that within 1 s" in sender.outcome.advice
+    assert (
+        sender.outcome.kind == "aborted"
+        and "has not confirmed that within 1 s" in sender.outcome.advice
+    )
     sender = new_sender(model)
     run(sender, model, lines_of(SLOW), actions=[(1.0, lambda s, now: s.stop(now))])
     assert "Ctrl-X" in sender.outcome.advice and "not confirmed" not in sender.outcome.advice

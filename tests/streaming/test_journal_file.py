@@ -57,7 +57,10 @@ def test_A10_what_was_written_last_is_synced_at_the_end(tmp_path, slow):
     slow.go.set()
     journal = JournalFile(tmp_path / "j", b"head\n")
     synced = []
-    journal_file.os.fsync, old = lambda file: synced.append((tmp_path / "j").read_bytes()), journal_file.os.fsync
+    journal_file.os.fsync, old = (
+        lambda file: synced.append((tmp_path / "j").read_bytes()),
+        journal_file.os.fsync,
+    )
     try:
         journal.write(b"last\n")
         journal.close()
@@ -113,7 +116,9 @@ def test_nobody_waits_for_a_disk_that_hangs_in_a_write(tmp_path, monkeypatch):
     """As it may be on a network, or a stick: 20 records take no longer than one wait each."""
     go, real = threading.Event(), os.write
     journal = JournalFile(tmp_path / "j", b"head\n")
-    monkeypatch.setattr(journal_file.os, "write", lambda file, data: go.wait(60) and real(file, data))
+    monkeypatch.setattr(
+        journal_file.os, "write", lambda file, data: go.wait(60) and real(file, data)
+    )
     begun = time.monotonic()
     for i in range(20):
         journal.write(b"%d\n" % i)

@@ -7,7 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from postproc.streaming import protocols
-from postproc.streaming.events import Accepted, Alarm, Altered, Busy, Rejected, Restarted, Stray, Told, Write
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Busy,
+    Rejected,
+    Restarted,
+    Stray,
+    Told,
+    Write,
+)
 from postproc.streaming.greeting import Greeting, unfit
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols._numbered import checksum
@@ -20,7 +30,14 @@ from tests.streaming.models_wire import greet, run
 OWN = ["M110 N0", "M400", "M114"]
 
 
-def job(text: str, model: MarlinModel, faults: Faults | None = None, counting: bool = True, ends=None, **how):
+def job(
+    text: str,
+    model: MarlinModel,
+    faults: Faults | None = None,
+    counting: bool = True,
+    ends=None,
+    **how,
+):
     sender = Sender(Marlin(counting))
     seconds = run(sender, model, lines_of(text, ends), faults, **how)
     return sender, seconds
@@ -33,7 +50,12 @@ def program(model: MarlinModel) -> list[str]:
 
 def one_command_lines(n: int, seed: int = 1, feed: int = 6000) -> str:
     text, _ = zigzag(n, seed, feed)
-    return text.replace("G21G90G94", "G90").replace("G1X", "G1 X").replace("G1Y", "G1 Y").replace("G1Z", "G1 Z")
+    return (
+        text.replace("G21G90G94", "G90")
+        .replace("G1X", "G1 X")
+        .replace("G1Y", "G1 Y")
+        .replace("G1Z", "G1 Z")
+    )
 
 
 def test_checksum_is_the_xor_of_what_stands_before_the_star():
@@ -82,7 +104,9 @@ def test_A3_advanced_ok_is_faster_than_one_line_at_a_time():
 
 def flips(text: str, line: int, what: str) -> Faults:
     """A fault on a byte in the middle of a line on its way to the printer."""
-    before = sum(len(f"N{i} {row}*99\n") for i, row in enumerate(["M110 N0", *text.split("\n")[: line - 1]]))
+    before = sum(
+        len(f"N{i} {row}*99\n") for i, row in enumerate(["M110 N0", *text.split("\n")[: line - 1]])
+    )
     return Faults(to={before + 6: what})
 
 
@@ -113,7 +137,9 @@ def heard(*texts: bytes, lines: int = 3, counting: bool = True, advanced: bool =
 def test_A13_a_request_is_answered_with_the_line_and_its_own_ok_is_none():
     protocol, events = heard(b"Error:checksum mismatch, Last Line: 2\nResend: 3\nok\n", b"ok\n")
     body = b"N3 G1 X3"
-    assert [e for e in events[0] if isinstance(e, Write)] == [Write(body + b"*%d\n" % checksum(body))]
+    assert [e for e in events[0] if isinstance(e, Write)] == [
+        Write(body + b"*%d\n" % checksum(body))
+    ]
     assert not [e for e in events[0] if isinstance(e, Accepted)]
     assert events[1] == [Accepted(3)] and protocol.outstanding() == []
 
@@ -128,19 +154,29 @@ def test_A13_two_requests_for_one_line():
 
 
 @pytest.mark.parametrize(
-    "said", [b"Resend: 34497\nok\n", b"Resend: 40\n", b"rs 0\n", b"Error:checksum mismatch, Last Line: 2\nResend: 2\n"]
+    "said",
+    [
+        b"Resend: 34497\nok\n",
+        b"Resend: 40\n",
+        b"rs 0\n",
+        b"Error:checksum mismatch, Last Line: 2\nResend: 2\n",
+    ],
 )
 def test_A13_a_number_that_can_not_be_meant_is_not_followed(said):
     """OctoPrint issue 4671: 34497 was read where 134497 was asked for."""
     protocol, events = heard(said)
-    assert not [e for e in events[0] if isinstance(e, Write | Altered | Accepted)] or said == b"rs 0\n"
+    assert (
+        not [e for e in events[0] if isinstance(e, Write | Altered | Accepted)] or said == b"rs 0\n"
+    )
     assert protocol.outstanding() == [3]
 
 
 def test_A13_requests_in_a_row_are_bounded():
     _, events = heard(b"Error:checksum mismatch, Last Line: 2\nResend: 3\nok\n" * 11)
     assert len([e for e in events[0] if isinstance(e, Write)]) == 10
-    assert isinstance(events[0][-1], Told | Altered) and [e for e in events[0] if isinstance(e, Altered)]
+    assert isinstance(events[0][-1], Told | Altered) and [
+        e for e in events[0] if isinstance(e, Altered)
+    ]
 
 
 def test_A13_a_request_for_a_line_that_was_answered_ends_the_job():
@@ -150,7 +186,9 @@ def test_A13_a_request_for_a_line_that_was_answered_ends_the_job():
 
 
 def test_A13_a_request_for_the_next_line_says_that_this_one_is_there():
-    protocol, events = heard(b"Error:Line Number is not Last Line Number+1, Last Line: 3\nResend: 4\nok\n")
+    protocol, events = heard(
+        b"Error:Line Number is not Last Line Number+1, Last Line: 3\nResend: 4\nok\n"
+    )
     assert [e for e in events[0] if isinstance(e, Accepted)] == [Accepted(3)]
     assert protocol.outstanding() == [] and not [e for e in events[0] if isinstance(e, Stray)]
 
@@ -178,9 +216,9 @@ def test_A4_answers_may_be_cut_anywhere(sizes):
 def test_A12_wait_twice_sends_the_numbered_line_again():
     protocol, events = heard(b"wait\n", b"wait\n")
     assert events[0] == [] and isinstance(events[1][0], Write)
-    assert protocol.receive(b"Error:Line Number is not Last Line Number+1, Last Line: 3\nResend: 4\nok\n")[1:2] == [
-        Accepted(3)
-    ]
+    assert protocol.receive(
+        b"Error:Line Number is not Last Line Number+1, Last Line: 3\nResend: 4\nok\n"
+    )[1:2] == [Accepted(3)]
 
 
 @pytest.mark.parametrize("says_wait", [True, False])
@@ -228,7 +266,9 @@ def test_A10_a_closed_port():
 )
 def test_a_firmware_that_stops_is_an_alarm(said):
     model = MarlinModel()
-    sender, _ = job(one_command_lines(200), model, actions=[(0.5, lambda s, now: s.receive(said.encode(), now))])
+    sender, _ = job(
+        one_command_lines(200), model, actions=[(0.5, lambda s, now: s.receive(said.encode(), now))]
+    )
     assert (sender.outcome.kind, sender.outcome.exit_status) == ("alarm", 11)
     protocol = Marlin()
     assert [type(e) for e in protocol.receive(said.encode())] == [Alarm]
@@ -264,13 +304,17 @@ def test_A8_hold_sends_nothing_more_and_resume_goes_on():
 
 def test_A8_a_stop_of_the_program_goes_on_with_resume():
     model = MarlinModel()
-    sender, seconds = job("G90\nG1 X1 F600\nM0\nG1 X2", model, actions=[(30.0, lambda s, now: s.resume(now))])
+    sender, seconds = job(
+        "G90\nG1 X1 F600\nM0\nG1 X2", model, actions=[(30.0, lambda s, now: s.resume(now))]
+    )
     assert sender.outcome.kind == "done" and seconds > 30 and program(model)[-1] == "G1 X2"
 
 
 def test_A8_stop_stops_what_is_planned():
     model = MarlinModel()
-    sender, seconds = job(one_command_lines(300, feed=60), model, actions=[(2.0, lambda s, now: s.stop(now))])
+    sender, seconds = job(
+        one_command_lines(300, feed=60), model, actions=[(2.0, lambda s, now: s.stop(now))]
+    )
     assert (sender.outcome.kind, seconds < 3.5) == ("aborted", True)
     model.advance(model.now + 1)
     assert not model.moves.ends

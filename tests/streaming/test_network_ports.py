@@ -31,7 +31,11 @@ def test_A1_A16_a_job_over_a_network(place, rfc2217):  # noqa: F811
     with NetHost(model(), rfc2217, speed=4.0) as host:
         status, _, err = stream(place, None, "job.nc", "--port", host.path, "--baud", "57600")
     assert status == 0, err
-    assert sent_rows(host) == wire_rows(place) and host.model.dropped == 0 and host.model.state == "Idle"
+    assert (
+        sent_rows(host) == wire_rows(place)
+        and host.model.dropped == 0
+        and host.model.state == "Idle"
+    )
     assert host.wire.baudrate == (57600 if rfc2217 else 9600)
 
 
@@ -63,7 +67,10 @@ def test_A14_rts_and_cts_are_switched_on(place):  # noqa: F811
 @BOTH
 def test_A8_ctrl_c_over_a_network(place, rfc2217):  # noqa: F811
     (place / "job.nc").write_text(program(400, 600))
-    with NetHost(model(), rfc2217, speed=3.0) as host, running(place, host, 20, "job.nc") as process:
+    with (
+        NetHost(model(), rfc2217, speed=3.0) as host,
+        running(place, host, 20, "job.nc") as process,
+    ):
         process.send_signal(signal.SIGINT)
         deadline = time.monotonic() + 20
         while host.model.state != "Hold" and time.monotonic() < deadline:
@@ -93,7 +100,9 @@ def test_nobody_listens(place, rfc2217):  # noqa: F811
 
 def test_a_server_that_is_no_rfc2217_is_refused(place):  # noqa: F811
     with NetHost(model(), rfc2217=False) as host:
-        status, _, err = stream(place, None, "job.nc", "--port", host.path.replace("socket", "rfc2217"))
+        status, _, err = stream(
+            place, None, "job.nc", "--port", host.path.replace("socket", "rfc2217")
+        )
     assert status == 2 and "can not be opened" in err and not sent_rows(host), err
 
 

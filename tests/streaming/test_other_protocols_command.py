@@ -20,7 +20,9 @@ from tests.streaming.models_tinyg import TinyGModel
 from tests.streaming.pty_host import PtyHost
 
 ROOT = Path(__file__).resolve().parents[2]
-pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no pseudo-terminals here")
+pytestmark = pytest.mark.skipif(
+    not hasattr(os, "openpty"), reason="there are no pseudo-terminals here"
+)
 ROWS = ["G21", "G90", *(f"G1 X{i % 9}.5 Y{i % 7}.25 F6000" for i in range(60))]
 WANT = [row.replace(" ", "") for row in ROWS]
 

@@ -35,7 +35,9 @@ def lines(*places: tuple[float, float, float], feed: float = 3000.0) -> list[Wir
     return found
 
 
-def seconds(*places: tuple[float, float, float], wire: float = 0.0, settings: dict[str, str] = SAYS) -> float:
+def seconds(
+    *places: tuple[float, float, float], wire: float = 0.0, settings: dict[str, str] = SAYS
+) -> float:
     pace = Pace(Controller(settings=settings, planner=16), (0, 1, 2), lambda line: wire)
     for line in lines(*places):
         pace.add(line)
@@ -71,7 +73,9 @@ def test_by_hand(places, expected):
 
 
 def test_the_link_may_be_slower_than_the_feed():
-    assert seconds(*[(0.1 * i, 0, 0) for i in range(1, 201)], wire=0.01) == pytest.approx(2.0, abs=0.1)
+    assert seconds(*[(0.1 * i, 0, 0) for i in range(1, 201)], wire=0.01) == pytest.approx(
+        2.0, abs=0.1
+    )
 
 
 def test_what_is_over_by_lines():
@@ -102,13 +106,19 @@ def test_where_it_probably_is():
 def test_a_real_grbl_takes_as_long_as_it_was_told(tmp_path):
     """By the clock of its own pulses: without accelerations 3.6 s would be said."""
     rows = [f"G1 X{1.5 * (i % 2) + 0.8 * i:.3f} Y{2.5 * (i % 2):.3f} F3000" for i in range(60)]
-    (tmp_path / "job.nc").write_text("\n".join(["G21 G90 G94 G17", "G54", *rows, "G2 X54.7 Y2.5 I3", "M2", ""]))
+    (tmp_path / "job.nc").write_text(
+        "\n".join(["G21 G90 G94 G17", "G54", *rows, "G2 X54.7 Y2.5 I3", "M2", ""])
+    )
     with RealGrbl(tmp_path) as real:
         real.talk("G21 G90", "G10 L2 P1 X0 Y0 Z0")
-        status, said = real_grbl.stream(tmp_path, real.path, "job.nc", "--quiet", "--report", "run.json")
+        status, said = real_grbl.stream(
+            tmp_path, real.path, "job.nc", "--quiet", "--report", "run.json"
+        )
         assert status == 0, said
         real.steps()
-        rows = np.frombuffer((tmp_path / "t.bin").read_bytes()[: len(real.steps()) * RECORD.itemsize], RECORD)
+        rows = np.frombuffer(
+            (tmp_path / "t.bin").read_bytes()[: len(real.steps()) * RECORD.itemsize], RECORD
+        )
     took = (int(rows["cycle"][-1]) - int(rows["cycle"][0])) / 16e6
     report = json.loads((tmp_path / "run.json").read_text())
     assert report["outcome"] == "done" and report["sent"] == report["lines"] == report["executed"]

@@ -53,7 +53,9 @@ M2
 """
 
 
-def wire(program: str, model: GrblModel, machine: str = "perfect", sampled: float = 0.005) -> list[WireLine]:
+def wire(
+    program: str, model: GrblModel, machine: str = "perfect", sampled: float = 0.005
+) -> list[WireLine]:
     language = dialects.load("grbl")
     loaded = places.load(machine).carrying(language.carried)
     stored = {name: dict(zip("XYZ", place, strict=True)) for name, place in model.stored.items()}
@@ -79,7 +81,9 @@ def test_whatever_a_program_does_is_no_alarm(how, counting, feed):
     made = model(**how)
     sender = new_sender(made, counting=counting, watched=True)
     run(sender, made, wire(ALL.format(feed=feed), made), limit=3000)
-    assert sender.outcome.kind in ("done", "altered") and sender.outcome.kind == "done", sender.outcome
+    assert sender.outcome.kind in ("done", "altered") and sender.outcome.kind == "done", (
+        sender.outcome
+    )
     assert not [what for kind, what, _ in sender.log if kind in ("hold", "resumed")]
     assert sender.path.watched
 
@@ -102,9 +106,11 @@ def test_an_altered_coordinate_is_seen_where_the_machine_is(how, old_new):
     made.write = write
     run(sender, made, lines, limit=3000)
     outcome = sender.outcome
-    assert outcome.exit_status == 15 and "beside the path" in outcome.message and "source lines" in outcome.message, (
-        outcome
-    )
+    assert (
+        outcome.exit_status == 15
+        and "beside the path" in outcome.message
+        and "source lines" in outcome.message
+    ), outcome
     assert sender.path.distance > 0.05 and "told to hold" in outcome.advice
     assert made.state == "Hold"
 
@@ -123,7 +129,9 @@ def test_axes_that_the_first_block_does_not_name_stay_where_the_controller_stand
 
 def test_a_jog_before_the_first_line_is_no_alarm():
     made = model()
-    lines = wire("G21 G90 G94\nG54\n" + "".join(f"G1 X{x} Y{x} Z5 F600\n" for x in range(1, 30)), made)
+    lines = wire(
+        "G21 G90 G94\nG54\n" + "".join(f"G1 X{x} Y{x} Z5 F600\n" for x in range(1, 30)), made
+    )
     made.place, made.target = [0.0, 30.0, -100.0], [0.0, 30.0, -100.0]
     sender = new_sender(made, watched=True)
     run(sender, made, lines)
@@ -132,7 +140,9 @@ def test_a_jog_before_the_first_line_is_no_alarm():
 
 def test_one_damaged_report_holds_for_a_look_and_goes_on():
     made = model()
-    lines = wire("G21 G90 G94\nG54\nG0 X0 Y0 Z5\n" + "".join(f"G1 X{x} F600\n" for x in range(1, 30)), made)
+    lines = wire(
+        "G21 G90 G94\nG54\nG0 X0 Y0 Z5\n" + "".join(f"G1 X{x} F600\n" for x in range(1, 30)), made
+    )
     sender = new_sender(made, watched=True)
     told: list[float] = []
     receive = sender.receive
@@ -146,17 +156,25 @@ def test_one_damaged_report_holds_for_a_look_and_goes_on():
     sender.receive = damaged
     run(sender, made, lines)
     said = [str(what) for kind, what, _ in sender.log if kind == "resumed"]
-    assert told and sender.outcome.kind == "done" and len(said) == 1 and "beside the path" in said[0], (told, said)
+    assert (
+        told and sender.outcome.kind == "done" and len(said) == 1 and "beside the path" in said[0]
+    ), (told, said)
     assert made.accepted == [line.text.decode().replace(" ", "") for line in lines]
 
 
 def test_behind_a_refused_line_nothing_is_concluded():
     made = model()
-    program = "G21 G90 G94\nG54\nG0 X0 Y0 Z5\n" + "".join(f"G1 X{x} Y{x % 3} F600\n" for x in range(1, 30))
+    program = "G21 G90 G94\nG54\nG0 X0 Y0 Z5\n" + "".join(
+        f"G1 X{x} Y{x % 3} F600\n" for x in range(1, 30)
+    )
     sender = new_sender(made, watched=True, on_error="continue")
     faults = Faults(to={program.index("G1 X5") + 1: "drop"})
     run(sender, made, wire(program, made), faults)
-    assert sender.outcome.kind == "error" and len(sender.outcome.rejected) >= 1 and not sender.path.watched
+    assert (
+        sender.outcome.kind == "error"
+        and len(sender.outcome.rejected) >= 1
+        and not sender.path.watched
+    )
 
 
 # -- the path by itself ------------------------------------------------------------------------------------------------------
@@ -202,18 +220,31 @@ def test_seen_twice_is_off_and_seen_once_is_clear():
     path = standing()
     moves(path, (10.0, 0.0))
     assert path.judge(at(5.0, 0.04)) == ""  # within the limit
-    assert path.judge(at(5.0, 1.0)) == LOOK and path.judge(at(5.0, 1.0, state="hold", detail="0")) == OFF
+    assert (
+        path.judge(at(5.0, 1.0)) == LOOK
+        and path.judge(at(5.0, 1.0, state="hold", detail="0")) == OFF
+    )
     path.doubts = 0
-    assert path.judge(at(5.0, 1.0)) == LOOK and path.judge(at(6.0, 0.0, state="hold", detail="1")) == ""
-    assert path.judge(at(6.0, 0.0, state="hold", detail="0")) == CLEAR and path.judge(at(6.0, 0.0)) == ""
+    assert (
+        path.judge(at(5.0, 1.0)) == LOOK
+        and path.judge(at(6.0, 0.0, state="hold", detail="1")) == ""
+    )
+    assert (
+        path.judge(at(6.0, 0.0, state="hold", detail="0")) == CLEAR
+        and path.judge(at(6.0, 0.0)) == ""
+    )
 
 
-@pytest.mark.parametrize("what", ["cycle", "M6", "unknown end", "unknown axis", "jogging", "not reported"])
+@pytest.mark.parametrize(
+    "what", ["cycle", "M6", "unknown end", "unknown axis", "jogging", "not reported"]
+)
 def test_where_the_path_is_not_known_nothing_is_said(what):
     path = standing()
     nan = float("nan")
     end = {"unknown end": (), "unknown axis": (10.0, nan)}.get(what, (10.0, 0.0))
-    path.account.sent(WireLine(1, 1, 0, b"T1 M6" if what == "M6" else b"G1 X1", end, straight=what != "cycle"))
+    path.account.sent(
+        WireLine(1, 1, 0, b"T1 M6" if what == "M6" else b"G1 X1", end, straight=what != "cycle")
+    )
     if what == "jogging":
         assert path.judge(at(3.0, 3.0, state="jog")) == ""
     place = (5.0,) if what == "not reported" else (5.0, 9.0)

@@ -30,7 +30,10 @@ def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):  # noqa: F8
     """In the middle of the job, long before its lines are read for sending: 700 lines, of which 40 have arrived."""
     (place / "job.nc").write_text(program(700, 60000))
     rows = wire_rows(place)
-    with PtyHost(model(), speed=8.0) as host, running(place, host, 40, "job.nc", "--quiet") as process:
+    with (
+        PtyHost(model(), speed=8.0) as host,
+        running(place, host, 40, "job.nc", "--quiet") as process,
+    ):
         file = place / "job.nc"
         if how == "rewritten":
             with open(file, "r+b") as writer:
@@ -46,7 +49,11 @@ def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):  # noqa: F8
 
 
 def test_a_subprogram_that_changes_is_not_seen_either(place):  # noqa: F811
-    whole = "G90 G21 G94 G17 G54\nG0 X0 Y0 Z20\nG1 Z10 F30000\n" + "o<side> call\n" * 120 + "G0 Z20\nM2\n"
+    whole = (
+        "G90 G21 G94 G17 G54\nG0 X0 Y0 Z20\nG1 Z10 F30000\n"
+        + "o<side> call\n" * 120
+        + "G0 Z20\nM2\n"
+    )
     (place / "job.nc").write_text(whole)
     side = "o<side> sub\nG1 X5 Y1\nG1 X0 Y2\nG1 X1 Y3\no<side> endsub\n"
     (place / "side.ngc").write_text(side)
@@ -66,7 +73,10 @@ def test_a_subprogram_that_changes_is_not_seen_either(place):  # noqa: F811
 def test_the_journal_is_of_what_was_sent(place):  # noqa: F811
     """So a restart of another program by it is refused."""
     (place / "job.nc").write_text(program(700, 60000))
-    with PtyHost(model(), speed=8.0) as host, running(place, host, 40, "job.nc", "--quiet") as process:
+    with (
+        PtyHost(model(), speed=8.0) as host,
+        running(place, host, 40, "job.nc", "--quiet") as process,
+    ):
         digest = ports.Copy(str(place / "job.nc")).digest
         (place / "job.nc").write_text(program(10))
         process.kill()

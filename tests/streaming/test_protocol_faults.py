@@ -41,7 +41,9 @@ def marlin(r: random.Random, small: bool):
 
 def smoothieware(r: random.Random, small: bool):
     model = SmoothieModel(
-        baud=r.choice((115200, 19200)), rx=r.choice((16, 30)) if small else 256, per_line=r.random() < 0.5
+        baud=r.choice((115200, 19200)),
+        rx=r.choice((16, 30)) if small else 256,
+        per_line=r.random() < 0.5,
     )
     protocol = Smoothieware()
     protocol._each = not model.per_line
@@ -60,7 +62,9 @@ def g2core(r: random.Random, small: bool):
 
 
 def dnc(r: random.Random, small: bool):
-    return Dnc(), DncModel(baud=r.choice((4800, 9600, 19200)), rx=74 if small else 100, rate=r.choice((200.0, 500.0)))
+    return Dnc(), DncModel(
+        baud=r.choice((4800, 9600, 19200)), rx=74 if small else 100, rate=r.choice((200.0, 500.0))
+    )
 
 
 def schedule(seed: int, make):
@@ -74,7 +78,10 @@ def schedule(seed: int, make):
             setattr(
                 faults,
                 name,
-                {r.randrange(span): r.choice(("drop", "flip", "double")) for _ in range(r.choice((1, 1, 2, 5)))},
+                {
+                    r.randrange(span): r.choice(("drop", "flip", "double"))
+                    for _ in range(r.choice((1, 1, 2, 5)))
+                },
             )
         elif name == "late":
             faults.lag = r.uniform(0.005, 0.5)
@@ -116,7 +123,9 @@ def job(seed: int, make):
     return sender.outcome.kind, executed == rows, any(counts[row] > 1 for row in rows), names
 
 
-@pytest.mark.parametrize("make", [marlin, smoothieware, tinyg, g2core, dnc], ids=lambda f: f.__name__)
+@pytest.mark.parametrize(
+    "make", [marlin, smoothieware, tinyg, g2core, dnc], ids=lambda f: f.__name__
+)
 def test_A20_schedules_never_hang_double_or_lie(make):
     kinds: Counter = Counter()
     lies, doubles, lost = [], [], []
@@ -141,15 +150,28 @@ def test_A20_a_numbered_link_repairs_single_faults(make):
     for seed in range(200):
         r = random.Random(seed)
         protocol, model = make(r, False)
-        way, at, what = r.choice(("to", "back")), r.randrange(20, LINES * 10), r.choice(("drop", "flip", "double"))
+        way, at, what = (
+            r.choice(("to", "back")),
+            r.randrange(20, LINES * 10),
+            r.choice(("drop", "flip", "double")),
+        )
         faults = Faults(random=r)
         setattr(faults, way, {at: what})
         rows = [
             f"{row}S{i}" if i else "G90"
-            for i, row in enumerate(zigzag(LINES, seed=seed, step=1.0)[0].replace(" ", "").split("\n"))
+            for i, row in enumerate(
+                zigzag(LINES, seed=seed, step=1.0)[0].replace(" ", "").split("\n")
+            )
         ]
         sender = Sender(protocol)
-        run(sender, model, lines_of("\n".join(rows)), faults, tick=0.01, actions=[(PERSON, lambda s, now: s.stop(now))])
+        run(
+            sender,
+            model,
+            lines_of("\n".join(rows)),
+            faults,
+            tick=0.01,
+            actions=[(PERSON, lambda s, now: s.stop(now))],
+        )
         executed = [row for row in model.executed if row not in OWN]
         kinds[sender.outcome.kind] += 1
         assert sender.outcome.kind != "done" or executed == rows

@@ -159,13 +159,17 @@ def test_a_restart_leaves_nothing_uncut(tmp_path, how, answered):
         home(real)
         interrupted(real, tmp_path, answered, how)
         first = real.steps()
-        status, said = stream(tmp_path, real.path, "job.nc", "--quiet", "--resume-from", "job.nc.journal", "--yes")
+        status, said = stream(
+            tmp_path, real.path, "job.nc", "--quiet", "--resume-from", "job.nc.journal", "--yes"
+        )
         steps = real.steps()
     assert status == 0, said
     at = way + [0, 0, -20 * STEPS]
     assert in_order(steps, at, 1.5) == len(at)
     assert steps[:, 2].min() >= (DEPTH - 20) * STEPS - 0.5
-    again = in_order(first, at, 1.5) - (len(at) - in_order(steps[len(first) :][::-1], at[::-1], 1.5))
+    again = in_order(first, at, 1.5) - (
+        len(at) - in_order(steps[len(first) :][::-1], at[::-1], 1.5)
+    )
     print(
         f"\n{how.__name__} at {answered}: {len(first)} steps, then {len(steps) - len(first)}; {again / 6:.1f} motions cut twice"
     )
@@ -182,7 +186,9 @@ def test_a_restart_behind_a_lost_zero_is_refused(tmp_path):
         home(real)
         interrupted(real, tmp_path, 57, lambda real, process: real.tell("power"))
         before = real.steps()
-        said = [stream(tmp_path, real.path, *resume, how, "--yes") for how in ("job.nc.journal", "60")]
+        said = [
+            stream(tmp_path, real.path, *resume, how, "--yes") for how in ("job.nc.journal", "60")
+        ]
         assert len(real.steps()) == len(before)
     for status, words in said:
         assert status == 2 and "the zero may be lost" in words and "--zero-is-right" in words, words
@@ -198,5 +204,7 @@ def test_a_controller_that_stands_elsewhere_is_refused(tmp_path):
         interrupted(real, tmp_path, 57, ctrl_c_twice)
         real.talk("G91", "G0 Z4", "G90")
         real.rest()
-        status, said = stream(tmp_path, real.path, "job.nc", "--quiet", "--resume-from", "job.nc.journal", "--yes")
+        status, said = stream(
+            tmp_path, real.path, "job.nc", "--quiet", "--resume-from", "job.nc.journal", "--yes"
+        )
     assert status == 2 and "mm from where the journal left it" in said, said

@@ -22,7 +22,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "octoprint"
 PYTHON = CACHE / "bin" / "python"
-MISSING = "OctoPrint is not installed: sh tests/streaming/fetch_octoprint.sh (about 200 MB, in the cache)"
+MISSING = (
+    "OctoPrint is not installed: sh tests/streaming/fetch_octoprint.sh (about 200 MB, in the cache)"
+)
 pytestmark = [
     pytest.mark.real,
     pytest.mark.skipif(not (CACHE / "complete").exists(), reason=MISSING),
@@ -80,7 +82,11 @@ def stream(folder: Path, port: str, rows: list[str], *options: str):
 
 def of_program(handled: list[str]) -> list[str]:
     """Without what gcomp asks before and behind a job."""
-    return [text for text in handled if not text.startswith(("M110", "M113", "M114", "M115", "M400", "M503"))]
+    return [
+        text
+        for text in handled
+        if not text.startswith(("M110", "M113", "M114", "M115", "M400", "M503"))
+    ]
 
 
 def test_A13_a_thousand_lines_past_its_default_faults(tmp_path):
@@ -88,7 +94,9 @@ def test_A13_a_thousand_lines_past_its_default_faults(tmp_path):
     with printer(tmp_path / "octoprint") as (port, handled):
         status, said = stream(tmp_path, port, rows)
     assert status == 0, said
-    numbered = [row for n, row in enumerate(rows, 1) if n != 105]  # which it takes and drops, see above
+    numbered = [
+        row for n, row in enumerate(rows, 1) if n != 105
+    ]  # which it takes and drops, see above
     assert of_program(handled) == numbered
 
 
@@ -98,7 +106,15 @@ def test_A13_a_thousand_lines_past_its_default_faults(tmp_path):
         {"okFormatString": "ok N{lastN} P15 B{buffer}"},
         {"brokenResend": True},
         {"okBeforeCommandOutput": True},
-        {"simulated_errors": ["20:resend", "21:resend", "22:checksum_mismatch", "60:missing_lineno"], "sendBusy": True},
+        {
+            "simulated_errors": [
+                "20:resend",
+                "21:resend",
+                "22:checksum_mismatch",
+                "60:missing_lineno",
+            ],
+            "sendBusy": True,
+        },
     ],
     ids=["ADVANCED_OK", "no ok behind a request", "ok before the report", "other faults"],
 )

@@ -103,9 +103,15 @@ def receive(folder, data: bytes, *options: str, stop: bool = False):
 def test_a_program_from_a_control(tmp_path):
     status, out, err = receive(tmp_path, even(PART.replace("\n", "\r\n")))
     assert status == 0, err
-    assert (tmp_path / "part.nc").read_text() == PART and "6 lines" in err and "waiting for the control" in err
+    assert (
+        (tmp_path / "part.nc").read_text() == PART
+        and "6 lines" in err
+        and "waiting for the control" in err
+    )
     told = json.loads(out.splitlines()[0])
-    assert told["event"] == "progress" and told["state"] == ("receiving" if told["bytes"] else "waiting")
+    assert told["event"] == "progress" and told["state"] == (
+        "receiving" if told["bytes"] else "waiting"
+    )
     status, _, err = receive(tmp_path, b"")
     assert status == 2 and "is there already" in err
 

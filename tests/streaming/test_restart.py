@@ -41,7 +41,9 @@ M30
 """
 
 
-def state_before(line: int, program: bytes = PROGRAM, machine: str = "example-mill", dialect: str = "grbl"):
+def state_before(
+    line: int, program: bytes = PROGRAM, machine: str = "example-mill", dialect: str = "grbl"
+):
     filter = filter_(machine, dialect)
     before, rest = restart.read_before(filter, program.splitlines(keepends=True), line)
     return filter, before, rest
@@ -50,7 +52,9 @@ def state_before(line: int, program: bytes = PROGRAM, machine: str = "example-mi
 def blocks(line: int, safe: float | None = None, **how) -> list[str]:
     filter, before, rest = state_before(line, **how)
     restart.refuse(filter, rest, line)
-    return [x.decode() for x in restart.preamble(filter, before, None if safe is None else {"Z": safe})]
+    return [
+        x.decode() for x in restart.preamble(filter, before, None if safe is None else {"Z": safe})
+    ]
 
 
 def test_A11_the_preamble_lifts_first_and_brings_back_what_holds():
@@ -71,7 +75,11 @@ def test_A11_inches_and_a_safe_z_of_the_users():
     [
         (14, PROGRAM, "an arc whose G2 or G3 stands in a line before"),
         (21, PROGRAM + b"G0 X1\n", "has ended"),
-        (4, b"G21 G91\nG1 X5 F100\nG1 X5\nG1 X5\n", "X, Y, Z stands before it is not known in incremental distance"),
+        (
+            4,
+            b"G21 G91\nG1 X5 F100\nG1 X5\nG1 X5\n",
+            "X, Y, Z stands before it is not known in incremental distance",
+        ),
         (4, b"G21 G90 G54\nG0 X1 Y1 Z1\nG92 X0\nG1 X5 F100\n", "shifted its zero"),
         (4, b"G21 G90 G54\nG0 X1 Y1 Z1\nG10 L2 P1 X5\nG1 X5 F100\n", "has written offsets (G54)"),
         (4, b"G21 G90 G54\nG0 X1 Y1 Z1\nG28 X0\nG1 X5 F100\n", "not known"),
@@ -80,14 +88,22 @@ def test_A11_inches_and_a_safe_z_of_the_users():
 )
 def test_A11_what_can_not_be_restarted_is_refused(line, program, says):
     with pytest.raises(GcompError) as error:
-        blocks(line, program=program, machine="perfect" if b"G91\nG1 X5 F" in program else "example-mill")
+        blocks(
+            line,
+            program=program,
+            machine="perfect" if b"G91\nG1 X5 F" in program else "example-mill",
+        )
     assert says in str(error.value) and error.value.advice
 
 
 @pytest.mark.parametrize(
     ("program", "dialect", "says"),
     [
-        (b"G21 G90 G54 G17\nG0 X1 Y1 Z1\nG81 X1 Y1 Z-5 R1 F100\nX5 Y5\n", "grblhal", "canned cycle"),
+        (
+            b"G21 G90 G54 G17\nG0 X1 Y1 Z1\nG81 X1 Y1 Z-5 R1 F100\nX5 Y5\n",
+            "grblhal",
+            "canned cycle",
+        ),
         (b"G21 G90 G54 G17\nG0 X1 Y1 Z1\nG41 D1 G1 X5 F100\nX9 Y5\n", "linuxcnc", "cutter radius"),
     ],
 )
@@ -135,7 +151,9 @@ def test_A11_interrupted_and_resumed_ends_where_the_whole_run_ends(line):
 def written(n: int, answered: int, executed: int = 0) -> bytes:
     text = journal.head("a.nc", "abc", "m", "d", 21, place=(0.0, 0.0))
     for i in range(1, n + 1):
-        line = WireLine(i, 10 + i // 3, i % 3, b"G1X%d" % (i // 2), (i // 2, 0.0), correction=(0.001, 0.0))
+        line = WireLine(
+            i, 10 + i // 3, i % 3, b"G1X%d" % (i // 2), (i // 2, 0.0), correction=(0.001, 0.0)
+        )
         text += journal.record("sent", line, i * 0.01)
         if i <= answered:
             text += journal.record("answered", line, i * 0.01 + 0.005)
@@ -174,7 +192,8 @@ def test_a_journal_that_is_none_is_refused_with_its_line():
 
 
 @pytest.mark.parametrize(
-    ("kind", "position"), [("reset", "unknown"), ("done", "known"), ("error", "known"), ("alarm", "unknown")]
+    ("kind", "position"),
+    [("reset", "unknown"), ("done", "known"), ("error", "known"), ("alarm", "unknown")],
 )
 def test_A9_the_journal_says_whether_the_position_is_known(kind, position):
     assert json.loads(journal.end(Outcome(kind, "m"), 1.0))["position"] == position

@@ -55,7 +55,12 @@ def filter_(machine: str, dialect: str, offsets: dict | None = None) -> Filter:
 
 
 def blocks(
-    program: bytes, line: int, machine: str, dialect: str, safe: dict[str, float] | None = None, **how
+    program: bytes,
+    line: int,
+    machine: str,
+    dialect: str,
+    safe: dict[str, float] | None = None,
+    **how,
 ) -> list[str]:
     filter = filter_(machine, dialect, **how)
     before, rest = restart.read_before(filter, program.splitlines(keepends=True), line)
@@ -79,7 +84,9 @@ def test_A11_a_lathe_goes_out_along_X_first_in_diameters():
 
 
 def test_A11_a_lathe_in_feed_per_turn_gets_its_F_behind_G95():
-    lines = on_lathe(14, LATHE.replace(b"G94", b"G95").replace(b"F120", b"F0.2").replace(b"F100", b"F0.15"))
+    lines = on_lathe(
+        14, LATHE.replace(b"G94", b"G95").replace(b"F120", b"F0.2").replace(b"F100", b"F0.15")
+    )
     assert lines[-4:] == ["G1 X36.0000 F200", "G18 G21 G90 G95", "F0.15", "G1"]
 
 
@@ -103,14 +110,22 @@ def test_A11_a_safe_Z_says_nothing_of_a_lathe_and_a_safe_X_nothing_of_a_mill():
     with pytest.raises(UsageError, match="out along X first"):
         blocks(LATHE, 14, "example-lathe", "fanuc-lathe", {"Z": 0.0}, offsets=ZERO)
     with pytest.raises(UsageError, match="mill goes out along Z first"):
-        blocks(b"G21 G90\nG54\nG0 X0 Y0 Z20\nG1 Z2 F200\nG1 X40\n", 5, "example-mill", "grbl", {"X": 50.0})
+        blocks(
+            b"G21 G90\nG54\nG0 X0 Y0 Z20\nG1 Z2 F200\nG1 X40\n",
+            5,
+            "example-mill",
+            "grbl",
+            {"X": 50.0},
+        )
 
 
 def test_A11_a_safe_X_in_radius_lifts_the_refusals_of_a_tool_that_cuts_outside():
     not_yet = blocks(LATHE, 9, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
     along = LATHE.replace(b"G1 X48\nG0 X60\n", b"")
     assert "G53 G0 X80.0000" in not_yet
-    assert "G53 G0 X80.0000" in blocks(along, 12, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
+    assert "G53 G0 X80.0000" in blocks(
+        along, 12, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO
+    )
     bore = LATHE.replace(b"G1 X48\nG0 X60\n", b"G1 X30\nG0 X20\n")
     with pytest.raises(UsageError, match="cuts a bore"):
         blocks(bore, 14, "example-lathe", "fanuc-lathe", {"X": 40.0}, offsets=ZERO)
@@ -163,7 +178,13 @@ def test_A11_a_printer_is_refused_where_it_can_not_be_known(program, line, says)
 
 @pytest.mark.parametrize(
     ("dialect", "wait"),
-    [("grbl", "G4 P4"), ("linuxcnc", "G4 P4"), ("haas", "G4 P4."), ("fanuc-mill", "G4 P4000"), ("siemens", "G4 F4")],
+    [
+        ("grbl", "G4 P4"),
+        ("linuxcnc", "G4 P4"),
+        ("haas", "G4 P4."),
+        ("fanuc-mill", "G4 P4000"),
+        ("siemens", "G4 F4"),
+    ],
 )
 def test_A11_the_spindle_gets_four_seconds_in_every_controls_unit(dialect, wait):
     program = b"G21 G90 G17 G94\nG54\nG0 X0 Y0 Z20\nM3 S8000\nG1 Z2 F200\nG1 X40\n"

@@ -66,7 +66,10 @@ G0 Z20
 M5
 M30
 """
-TOOLS = {"parameters": {5221: 10.0, 5223: -20.0, 5241: 100.0, 5243: -50.0}, "tools": {1: {"Z": 12.5, "D": 6.0}}}
+TOOLS = {
+    "parameters": {5221: 10.0, 5223: -20.0, 5241: 100.0, 5243: -50.0},
+    "tools": {1: {"Z": 12.5, "D": 6.0}},
+}
 
 
 def programs() -> list[tuple[str, str, dict]]:
@@ -84,7 +87,13 @@ def programs() -> list[tuple[str, str, dict]]:
                  "tool_length_h", "tool_length_inch", "tool_length_work_offsets", "arcs_g18", "spindle_and_coolant", "thread_mill"):  # fmt: skip
         found.append((name, *oracle.load(oracle.PROGRAMS / f"{name}.ngc")))
     for path in sorted(SHARED.glob("mixed/*.ngc")):
-        found.append((f"corpus/{path.name}", path.read_bytes().decode("ascii", "replace"), {"tools": {1: {"Z": 0.0}}}))
+        found.append(
+            (
+                f"corpus/{path.name}",
+                path.read_bytes().decode("ascii", "replace"),
+                {"tools": {1: {"Z": 0.0}}},
+            )
+        )
     return found
 
 
@@ -99,12 +108,16 @@ def restart_points(text: str, kwargs: dict) -> list[tuple[int, list[str]]]:
     found = []
     for line in range(3, stop, max(1, stop // 6)):
         machine = places.load("perfect")
-        setup = setup_for(kwargs) if kwargs else setup_of(machine, start=dict.fromkeys("XYZABC", 0.0))
+        setup = (
+            setup_for(kwargs) if kwargs else setup_of(machine, start=dict.fromkeys("XYZABC", 0.0))
+        )
         filter = Filter(machine, dialects.load("linuxcnc"), setup)
         try:
             before, rest = restart.read_before(filter, [x.encode() for x in lines], line)
             restart.refuse(filter, rest, line)
-            found.append((line, [x.decode() for x in restart.preamble(filter, before, {"Z": 500.0})]))
+            found.append(
+                (line, [x.decode() for x in restart.preamble(filter, before, {"Z": 500.0})])
+            )
         except GcompError:
             continue
     return found
@@ -112,7 +125,10 @@ def restart_points(text: str, kwargs: dict) -> list[tuple[int, list[str]]]:
 
 def runs(text: str, line: int, preamble: list[str]) -> tuple[str, str]:
     """The whole program and the resumed one, both with questions at the restart point and before the end."""
-    lines = [x if x.endswith("\n") else x + "\n" for x in text.replace("\r", "").splitlines(keepends=True)]
+    lines = [
+        x if x.endswith("\n") else x + "\n"
+        for x in text.replace("\r", "").splitlines(keepends=True)
+    ]
     stop = ended(lines)
     head, rest = "".join(lines[: line - 1]), "".join(lines[line - 1 : stop])
     body = ASK + rest + ASK + "M2\n"
@@ -147,7 +163,9 @@ def test_A11_LinuxCNC_makes_the_same_motions_in_the_same_modes_after_a_restart(j
     wrong = []
     refused = 0
     for name, line, preamble, lines, whole, resumed in judged:
-        if isinstance(whole, oracle.ProgramError):  # the program itself is none for LinuxCNC: nothing to compare
+        if isinstance(
+            whole, oracle.ProgramError
+        ):  # the program itself is none for LinuxCNC: nothing to compare
             refused += 1
             continue
         opens = 1 if lines[0].strip() == "%" else 0

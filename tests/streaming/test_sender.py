@@ -36,7 +36,11 @@ def test_behind_a_line_whose_end_is_not_known_no_place_is_judged():
     """G28 in the middle of a job, or a macro's probe: what the line before said of the end says nothing any more."""
     model = GrblModel()
     sender = new_sender(model)
-    run(sender, model, lines_of("G21G90G94F600\nG1X1\nG28X0\nM30", ends=[(0, 0, 0), (1, 0, 0), (), ()]))
+    run(
+        sender,
+        model,
+        lines_of("G21G90G94F600\nG1X1\nG28X0\nM30", ends=[(0, 0, 0), (1, 0, 0), (), ()]),
+    )
     assert (sender.outcome.kind, model.place) == ("done", [0.0, 0.0, 0.0])
 
 
@@ -47,10 +51,15 @@ def test_A5_an_error_holds_at_once_and_nothing_more_leaves():
     run(sender, model, lines_of(text))
     outcome = sender.outcome
     assert (outcome.kind, outcome.exit_status) == ("error", 10)
-    assert "source line 21, sent as wire line 21: G1X20Q9Q9" in outcome.message and "error:20" in outcome.message
+    assert (
+        "source line 21, sent as wire line 21: G1X20Q9Q9" in outcome.message
+        and "error:20" in outcome.message
+    )
     assert model.state == "Hold"
     behind = [line.number for line in outcome.unanswered]
-    assert behind == list(range(22, 22 + len(behind))) and behind  # named, and nothing behind them has left
+    assert (
+        behind == list(range(22, 22 + len(behind))) and behind
+    )  # named, and nothing behind them has left
     assert f"it had {len(behind)} more lines" in outcome.advice
     assert sender.tally.sent == 21 + len(behind)
 
@@ -86,7 +95,12 @@ def test_A8_hold_resume_loses_and_doubles_nothing():
     def look(sender, now):
         states.append((model.state, len(model.received)))
 
-    actions = [(0.5, lambda s, now: s.hold(now)), (1.2, look), (2.5, look), (2.6, lambda s, now: s.resume(now))]
+    actions = [
+        (0.5, lambda s, now: s.hold(now)),
+        (1.2, look),
+        (2.5, look),
+        (2.6, lambda s, now: s.resume(now)),
+    ]
     run(sender, model, lines_of(text, ends), actions=actions)
     assert states[0][0] == states[1][0] == "Hold"
     assert (sender.outcome.kind, model.dropped) == ("done", 0)
@@ -110,7 +124,10 @@ def test_A8_stop_resets_and_names_what_is_not_certain():
     model = GrblModel()
     sender = new_sender(model)
     seconds = run(
-        sender, model, lines_of(SLOW), actions=[(1.0, lambda s, now: s.hold(now)), (1.5, lambda s, now: s.stop(now))]
+        sender,
+        model,
+        lines_of(SLOW),
+        actions=[(1.0, lambda s, now: s.hold(now)), (1.5, lambda s, now: s.stop(now))],
     )
     assert (sender.outcome.kind, sender.outcome.exit_status) == ("aborted", 130)
     assert seconds < 2.6 and sender.outcome.unanswered and model.state == "Idle"
@@ -122,7 +139,9 @@ def test_A9_a_restart_in_the_middle_stops_everything():
     run(sender, model, lines_of(SLOW), Faults(reset=1.0))
     outcome = sender.outcome
     assert (outcome.kind, outcome.exit_status) == ("reset", 12)
-    assert "restarted" in outcome.message and outcome.unanswered[0].number == outcome.last_certain + 1
+    assert (
+        "restarted" in outcome.message and outcome.unanswered[0].number == outcome.last_certain + 1
+    )
     assert sender.bytes_out() in (b"", b"?")  # nothing is sent again
 
 
@@ -148,7 +167,9 @@ def test_A10_a_pause_that_is_shorter_is_none():
 def test_an_alarm_ends_the_job(text):
     model = GrblModel()
     sender = new_sender(model)
-    run(sender, model, lines_of(SLOW), actions=[(1.0, lambda s, now: s.receive(text.encode(), now))])
+    run(
+        sender, model, lines_of(SLOW), actions=[(1.0, lambda s, now: s.receive(text.encode(), now))]
+    )
     assert (sender.outcome.kind, sender.outcome.exit_status) == ("alarm", 11)
 
 
@@ -197,7 +218,12 @@ def test_A12_a_long_dwell_or_motion_is_no_stall(line):
 def test_a_stop_of_the_program_waits_for_the_person():
     model = GrblModel()
     sender = new_sender(model)
-    run(sender, model, lines_of("G21G90F600\nG1X1\nM0\nG1X2"), actions=[(30.0, lambda s, now: s.resume(now))])
+    run(
+        sender,
+        model,
+        lines_of("G21G90F600\nG1X1\nM0\nG1X2"),
+        actions=[(30.0, lambda s, now: s.resume(now))],
+    )
     assert sender.outcome.kind == "done" and model.place[0] == 2
 
 
@@ -218,7 +244,11 @@ def test_A15_check_mode_without_errors():
     model = GrblModel()
     sender = new_sender(model, check=True)
     run(sender, model, lines_of(SLOW))
-    assert sender.outcome.kind == "done" and "none refused" in sender.outcome.message and model.state == "Idle"
+    assert (
+        sender.outcome.kind == "done"
+        and "none refused" in sender.outcome.message
+        and model.state == "Idle"
+    )
 
 
 def test_A4_an_answer_too_many_is_found():
@@ -243,7 +273,9 @@ def test_A17_the_log_gives_back_what_was_sent():
 @pytest.mark.parametrize(("counting", "least"), [(True, 0.95), (False, 0.80)])
 def test_A3_the_wire_is_full_at_115200_baud(counting, least):
     """30 bytes a line: 384 lines/s are the wire; one at a time adds the answer's 4 bytes: 339 lines/s, and the bench's tick."""
-    rows = ["G21G90G94"] + [f"G1X{i % 10 / 10:.4f}Y{i % 7 / 10:.5f}Z0.00{i % 9}F60000" for i in range(600)]
+    rows = ["G21G90G94"] + [
+        f"G1X{i % 10 / 10:.4f}Y{i % 7 / 10:.5f}Z0.00{i % 9}F60000" for i in range(600)
+    ]
     model = GrblModel()
     sender = new_sender(model, counting)
     run(sender, model, lines_of("\n".join(rows)), tick=0.0005)

@@ -27,7 +27,9 @@ def program(model: SmoothieModel) -> list[str]:
     return [text for text in model.executed if text != "M400"]
 
 
-MIXED = "G21G90\n" + "\n".join(f"G0X{i}Y{i}\nG1X{i}F6000M8\nG90G1Y{i}\nM3S1000G4P1" for i in range(30))
+MIXED = "G21G90\n" + "\n".join(
+    f"G0X{i}Y{i}\nG1X{i}F6000M8\nG90G1Y{i}\nM3S1000G4P1" for i in range(30)
+)
 
 
 @pytest.mark.parametrize("per_line", [True, False])
@@ -38,7 +40,10 @@ def test_A1_every_line_is_executed_once_whatever_its_oks(per_line, glued):
         model = SmoothieModel(per_line=per_line, glued=glued)
         sender, _ = job(rows, model, ends=where)
         assert sender.outcome.kind == "done", sender.outcome
-        assert program(model) == [row.replace(" ", "") for row in rows.split("\n")] and model.dropped == 0
+        assert (
+            program(model) == [row.replace(" ", "") for row in rows.split("\n")]
+            and model.dropped == 0
+        )
 
 
 @pytest.mark.parametrize("what", ["flip", "drop", "double"])
@@ -48,7 +53,9 @@ def test_A13_a_damaged_line_is_sent_again(what, at):
     model = SmoothieModel()
     sender, _ = job(text, model, Faults(to={at: what}), ends=ends)
     assert sender.outcome.kind in ("done", "altered", "alarm")
-    assert sender.outcome.kind != "done" or program(model) == [row.replace(" ", "") for row in text.split("\n")]
+    assert sender.outcome.kind != "done" or program(model) == [
+        row.replace(" ", "") for row in text.split("\n")
+    ]
 
 
 def test_A13_rs_is_answered_with_the_line():
@@ -63,8 +70,14 @@ def test_A13_rs_is_answered_with_the_line():
 def test_A4_an_ok_behind_a_report_without_a_line_end_counts():
     protocol = Smoothieware()
     protocol.send(1, b"G1X1")
-    events = protocol.receive(b"<Run|MPos:1.0000,2.0000,3.0000|WPos:0.0000,2.0000,3.0000|F:1.0>ok\r\n")
-    assert isinstance(events[0], Status) and events[0].place == (1.0, 2.0, 3.0) and events[1] == Accepted(1)
+    events = protocol.receive(
+        b"<Run|MPos:1.0000,2.0000,3.0000|WPos:0.0000,2.0000,3.0000|F:1.0>ok\r\n"
+    )
+    assert (
+        isinstance(events[0], Status)
+        and events[0].place == (1.0, 2.0, 3.0)
+        and events[1] == Accepted(1)
+    )
     assert protocol.controller.offsets == ["[G54:1.000,0.000,0.000]"]
 
 
@@ -124,7 +137,9 @@ def test_the_greeting_learns_how_it_answers(per_line, name):
     assert greeting.fault is None, greeting.fault
     protocol = greeting.protocol
     assert (
-        protocol.title == "Smoothieware" if hasattr(protocol, "title") else protocol.controller.name == "Smoothieware"
+        protocol.title == "Smoothieware"
+        if hasattr(protocol, "title")
+        else protocol.controller.name == "Smoothieware"
     )
     assert protocol._each is not per_line and protocol.controller.version == "edge-abc123"
     assert protocol.controller.offsets == ["[G54:1.000,0.000,0.000]"]
@@ -135,7 +150,15 @@ def test_oks_of_lines_with_several_codes():
     """GcodeDispatch.cpp: an ok for each code, up to and with a G1, which is answered before it is planned."""
     protocol = Smoothieware()
     protocol._each = True
-    counts = {b"G1X1": 1, b"G90G21": 2, b"G90G1X1M8": 2, b"G1X1M8": 1, b"M3S100": 1, b"G53G0X1": 1, b"G0X1M5M9": 3}
+    counts = {
+        b"G1X1": 1,
+        b"G90G21": 2,
+        b"G90G1X1M8": 2,
+        b"G1X1M8": 1,
+        b"M3S100": 1,
+        b"G53G0X1": 1,
+        b"G0X1M5M9": 3,
+    }
     assert {text: protocol.answers(text) for text in counts} == counts
 
 

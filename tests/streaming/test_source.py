@@ -27,7 +27,9 @@ COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
 
 def filter_(machine: str = "example-mill", dialect: str = "grbl", **how) -> Filter:
     loaded = places.load(machine)
-    return Filter(loaded, dialects.load(dialect), setup_of(loaded, how.pop("offsets", OFFSETS), **how))
+    return Filter(
+        loaded, dialects.load(dialect), setup_of(loaded, how.pop("offsets", OFFSETS), **how)
+    )
 
 
 def program(n: int, seed: int = 1, comments: bool = True) -> bytes:
@@ -41,10 +43,16 @@ def program(n: int, seed: int = 1, comments: bool = True) -> bytes:
             i, j = r.uniform(-8, 8), r.uniform(-8, 8)
             x, y = round(x + 2 * i, 3), round(y + 2 * j, 3)
             x, y = (x, y) if abs(x) < 150 and abs(y) < 120 else (0.0, 0.0)
-            rows.append(f"G1 X{x} Y{y}" if (x, y) == (0.0, 0.0) else f"G2 X{x} Y{y} R{math.hypot(i, j) * 1.4:.3f}")
+            rows.append(
+                f"G1 X{x} Y{y}"
+                if (x, y) == (0.0, 0.0)
+                else f"G2 X{x} Y{y} R{math.hypot(i, j) * 1.4:.3f}"
+            )
         else:
             x, y = round(r.uniform(-150, 150), 3), round(r.uniform(-120, 120), 3)
-            rows.append(f"{r.choice(('G1 ', 'G0 ', 'G1'))}X{x} Y{y}" + r.choice(("", " F900", " F1200.5")))
+            rows.append(
+                f"{r.choice(('G1 ', 'G0 ', 'G1'))}X{x} Y{y}" + r.choice(("", " F900", " F1200.5"))
+            )
         if comments and r.random() < 0.1:
             rows += [r.choice(("", "(note! ok?)", " ; all of it", "G4 P0.01"))]
     rows += ["M5", "M30", "%"]
@@ -112,7 +120,9 @@ def test_A17_length_and_time_of_lines():
     assert total[3] == pytest.approx(7.2, rel=1e-3)
     assert sum(x.length for x in lines if x.source == 4) == pytest.approx(math.pi * 10, rel=1e-3)
     assert total[5] == 2.0
-    assert total[7] == pytest.approx(5.4 / 254 * 60, rel=1e-2)  # from X 20 mm to 1 inch at 10 inch/min
+    assert total[7] == pytest.approx(
+        5.4 / 254 * 60, rel=1e-2
+    )  # from X 20 mm to 1 inch at 10 inch/min
 
 
 def test_lines_behind_the_end_of_the_program_are_not_sent():
@@ -133,7 +143,10 @@ def test_the_lines_before_a_fault_are_kept(end):
 
 def test_block_delete_is_obeyed_here_because_grbl_does_not():
     text = b"G21 G90 G54\nG0 X1 Y1 Z5\n/G0 X50\n"
-    assert [x.source for x in Source(filter_(block_delete=True), Grbl().prepare).feed(text)] == [1, 2]
+    assert [x.source for x in Source(filter_(block_delete=True), Grbl().prepare).feed(text)] == [
+        1,
+        2,
+    ]
     assert Source(filter_(), Grbl().prepare).feed(text)[-1].text.startswith(b"G0 X")
 
 
@@ -153,7 +166,9 @@ def test_A1_compensated_lines_arrive_as_the_file_has_them():
         model = GrblModel(baud=0)
         model.stored["G54"] = [0.0, 0.0, -200.0]
         model.settings["110"] = "300000"
-        lines = [line for line in lines_of(text.replace(b"F", b"F9")) if not line.text.startswith(b"G2")]
+        lines = [
+            line for line in lines_of(text.replace(b"F", b"F9")) if not line.text.startswith(b"G2")
+        ]
         sender = new_sender(model, counting)
         run(sender, model, lines, tick=0.02, limit=1e5)
         assert sender.outcome.kind == "done", sender.outcome
@@ -201,7 +216,11 @@ def test_A19_compact_halves_the_bytes_and_moves_no_coordinate(seed):
         x, y = (x, y + 0.25) if r.random() < 0.5 else (x + 0.5, y)
         rows.append(f"N{10 * i} G01 X{x:.4f} Y{y:.4f} Z-0.5000 F1200.0")
         if r.random() < 0.05:
-            rows.append(r.choice(("G91", "G90", "G0 Z5.000", "G54", "G55", "G4 P0.1", "G20", "G21", "M3 S1000")))
+            rows.append(
+                r.choice(
+                    ("G91", "G90", "G0 Z5.000", "G54", "G55", "G4 P0.1", "G20", "G21", "M3 S1000")
+                )
+            )
     compact = Compact(absolute=False)
     places_of = []
     sizes = []
@@ -236,7 +255,9 @@ def test_A19_a_link_that_is_too_slow_is_told_with_numbers():
 @pytest.mark.parametrize("feed", [300, 6000])
 def test_A18_the_expected_time_is_within_20_per_cent_on_a_paced_model(feed):
     r = random.Random(4)
-    rows = ["G21G90G94"] + [f"G1X{r.uniform(0, 2):.4f}Y{r.uniform(0, 2):.4f}F{feed}" for _ in range(300)]
+    rows = ["G21G90G94"] + [
+        f"G1X{r.uniform(0, 2):.4f}Y{r.uniform(0, 2):.4f}F{feed}" for _ in range(300)
+    ]
     source = Source(filter_("perfect"), Grbl().prepare)
     lines = source.feed("\n".join(rows).encode() + b"\n")
     load = Load(11520.0)

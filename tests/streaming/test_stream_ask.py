@@ -12,7 +12,15 @@ import pytest
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import PATIENCE, model, place, program, sent_rows, start, stream  # noqa: E402, F401
+from tests.streaming.test_stream_command import (
+    PATIENCE,
+    model,
+    place,
+    program,
+    sent_rows,
+    start,
+    stream,
+)  # noqa: E402, F401
 
 AS_IT_IS = ("--machine", "perfect", "--dialect", "linuxcnc")
 
@@ -65,7 +73,10 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
         person.until("c: go on")
-        assert "source line 21, sent as wire line 20: G1 X5 Y3 H7" in person.text and "error:20" in person.text
+        assert (
+            "source line 21, sent as wire line 20: G1 X5 Y3 H7" in person.text
+            and "error:20" in person.text
+        )
         assert host.model.state == "Hold" or host.times[0][1] == ord("!")
         before = len(sent_rows(host))
         person.types("whatever\n")
@@ -78,7 +89,9 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
         assert person.end() == 10, person.text
     assert "2 of " in person.text and host.model.state == "Idle"
     rows = (place / "job.nc").read_text().split("\n")
-    assert sent_rows(host) == [row.replace(" ", "") for row in rows if row and not row.startswith("(")]
+    assert sent_rows(host) == [
+        row.replace(" ", "") for row in rows if row and not row.startswith("(")
+    ]
     assert [value for _, value in host.times] == [ord("!"), ord("~"), ord("!"), ord("~")]
 
 
@@ -97,7 +110,11 @@ def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):  #
 def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  # noqa: F811
     with PtyHost(model()) as host:
         status, _, err = stream(place, host, "job.nc", "--on-error", "ask")
-        assert status == 2 and "standard input is none" in err and "--on-error stop, or --on-error continue" in err
+        assert (
+            status == 2
+            and "standard input is none" in err
+            and "--on-error stop, or --on-error continue" in err
+        )
         with open(place / "job.nc") as source:
             status, _, err = stream(place, host, "-", "--on-error", "ask", stdin=source)
         assert status == 2 and "needs the program as a file" in err
@@ -134,10 +151,16 @@ def test_A8_keys_hold_override_and_stop_without_enter(place):  # noqa: F811
         person.until("h holds the feed")
         person.types("+1<")
         person.until("override: spindle-")
-        assert not host.times and bytes(host.heard).translate(None, bytes(range(128))) == b"\x91\x97\x9b"
+        assert (
+            not host.times
+            and bytes(host.heard).translate(None, bytes(range(128))) == b"\x91\x97\x9b"
+        )
         person.types("h")
         person.until("r goes on, s stops the job here, x resets")
         person.types("s")
         assert person.end() == 130, person.text
-    assert [value for _, value in host.times] == [ord("!"), 0x18] and "stopped by the user" in person.text
+    assert [value for _, value in host.times] == [
+        ord("!"),
+        0x18,
+    ] and "stopped by the user" in person.text
     assert host.model.state == "Idle"  # it stood before it was reset: no alarm, no lost step

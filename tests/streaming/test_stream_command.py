@@ -47,7 +47,9 @@ def model(**how) -> GrblModel:
     return made
 
 
-def start(place: Path, host: PtyHost | None, *arguments: str, machine=MILL, stdin=subprocess.DEVNULL):
+def start(
+    place: Path, host: PtyHost | None, *arguments: str, machine=MILL, stdin=subprocess.DEVNULL
+):
     port = ("--port", host.path) if host else ()
     return subprocess.Popen(
         [sys.executable, "-m", "postproc", "stream", *machine, *port, "--check-first", "never", *arguments], cwd=place, stdin=stdin,
@@ -69,7 +71,9 @@ def wire_rows(place: Path, name: str = "job.nc", *more: str) -> list[str]:
         [sys.executable, "-m", "postproc", *MILL, "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0", *more, name],
         cwd=place, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
     )  # fmt: skip
-    return [row.replace(" ", "") for row in done.stdout.split("\n") if row and not row.startswith("(")]
+    return [
+        row.replace(" ", "") for row in done.stdout.split("\n") if row and not row.startswith("(")
+    ]
 
 
 def sent_rows(host: PtyHost) -> list[str]:
@@ -94,10 +98,21 @@ def running(place: Path, host: PtyHost, after: int, *arguments: str):
 def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
     with PtyHost(model(), speed=4.0) as host:
         status, out, err = stream(
-            place, host, "job.nc", "--record", "run.csv", "--report", "run.html", "--json", "run.json"
+            place,
+            host,
+            "job.nc",
+            "--record",
+            "run.csv",
+            "--report",
+            "run.html",
+            "--json",
+            "run.json",
         )
     assert status == 0, err
-    told, page = json.loads((place / "run.json").read_text()), (place / "run.html").read_text("utf-8")
+    told, page = (
+        json.loads((place / "run.json").read_text()),
+        (place / "run.html").read_text("utf-8"),
+    )
     held(told)
     assert told["outcome"] == "done" and told["answered"] == told["sent"] == told["lines"]
     curves = drawn.curves(page, "lines")
@@ -118,7 +133,9 @@ def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
 
 def test_A17_the_journal_replayed_is_the_file(place):
     """Every wire line is in it, in order, with its source line, the piece it is, and what was corrected."""
-    (place / "job.nc").write_text(program(20).replace("G0 Z20\nM30", "G0 X150 Y120\nG1 X0 Y0 F6000\nG0 Z20\nM30"))
+    (place / "job.nc").write_text(
+        program(20).replace("G0 Z20\nM30", "G0 X150 Y120\nG1 X0 Y0 F6000\nG0 Z20\nM30")
+    )
     with PtyHost(model(), speed=4.0) as host:
         status, _, err = stream(place, host, "job.nc")
     assert status == 0, err
@@ -138,7 +155,9 @@ def test_A17_the_journal_replayed_is_the_file(place):
 
 def test_A18_a_pipe_is_streamed_without_a_terminal(place):
     with PtyHost(model(), speed=4.0) as host, open(place / "job.nc") as source:
-        status, out, err = stream(place, host, "-", "--no-journal", "--compact", "--quiet", stdin=source)
+        status, out, err = stream(
+            place, host, "-", "--no-journal", "--compact", "--quiet", stdin=source
+        )
         assert status == 0, err
     assert out == "" and host.model.state == "Idle"
     assert len(sent_rows(host)) == len(wire_rows(place))
@@ -159,7 +178,9 @@ def test_A5_an_error_names_source_and_wire_line(place):
     (place / "job.nc").write_text("\n".join(text))
     (place / "m").mkdir()
     with PtyHost(model()) as host:
-        status, out, err = stream(place, host, "job.nc", machine=("--machine", "perfect", "--dialect", "linuxcnc"))
+        status, out, err = stream(
+            place, host, "job.nc", machine=("--machine", "perfect", "--dialect", "linuxcnc")
+        )
     assert status == 10, err
     assert "source line 21, sent as wire line 20: G1 X5 Y5 H7" in err and "error:20" in err
     assert host.model.state == "Hold"
@@ -202,7 +223,9 @@ def test_A18_sigterm_holds_and_stops(place):
 @pytest.mark.parametrize(("options", "seen"), [((), True), (("--no-watch",), False)])
 def test_the_watch_over_the_path_has_a_switch_of_its_own(place, options, seen):
     """A coordinate altered on the wire to a controller without echo, and set right by the next line."""
-    (place / "job.nc").write_text("G90 G21 G94 G17\nG54\nG0 X0 Y0\n" + "G1 X2 F600\nG1 X7 Y7\nG1 X3 Y3\n" * 5 + "M30\n")
+    (place / "job.nc").write_text(
+        "G90 G21 G94 G17\nG54\nG0 X0 Y0\n" + "G1 X2 F600\nG1 X7 Y7\nG1 X3 Y3\n" * 5 + "M30\n"
+    )
     with PtyHost(model(), speed=2.0) as host:
         write = host.model.write
         host.model.write = lambda data, now: write(data.replace(b"X7 Y7", b"X7 Y9"), now)
@@ -252,12 +275,16 @@ def test_A10_A11_killed_and_resumed_from_the_journal(place):
         status, _, err = stream(place, host, "job.nc", "--resume-from", "job.nc.journal", "--yes")
         assert status == 0, err
     line = int(re.search(r"beginning again with line (\d+)", err)[1])
-    assert line > past.certain  # it stands where the last line that it got ends, which the journal alone could not say
+    assert (
+        line > past.certain
+    )  # it stands where the last line that it got ends, which the journal alone could not say
     rows = [row for row in host.model.received[arrived:] if not row.startswith("$")]
     whole = wire_rows(place)
     assert rows[2].startswith("G53G0Z")
     assert rows[-60:] == whole[-60:] or [r[:4] for r in rows[-60:]] == [r[:4] for r in whole[-60:]]
-    status, _, err = stream(place, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "/dev/null")
+    status, _, err = stream(
+        place, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "/dev/null"
+    )
     assert status == 2 and "the job was done" in err
 
 
@@ -284,7 +311,9 @@ def test_a_line_s_number_is_no_proof_of_the_zero(place):
     with PtyHost(model(), speed=10.0) as host:
         status, _, err = stream(place, host, "job.nc", "--resume-from", "30", "--yes")
         assert status == 2 and "no journal of this program" in err and not sent_rows(host)
-        status, _, err = stream(place, host, "job.nc", "--resume-from", "30", "--yes", "--zero-is-right")
+        status, _, err = stream(
+            place, host, "job.nc", "--resume-from", "30", "--yes", "--zero-is-right"
+        )
         assert status == 0, err
 
 
@@ -294,7 +323,11 @@ def test_A15_check_mode(place):
     (place / "job.nc").write_text("\n".join(text))
     with PtyHost(model()) as host:
         status, _, err = stream(
-            place, host, "job.nc", "--check", machine=("--machine", "perfect", "--dialect", "linuxcnc")
+            place,
+            host,
+            "job.nc",
+            "--check",
+            machine=("--machine", "perfect", "--dialect", "linuxcnc"),
         )
     assert status == 10 and "1 of " in err and "source line 21" in err
     assert host.model.state == "Idle" and host.model.place == [0, 0, 0]
@@ -304,7 +337,9 @@ def test_A15_check_mode(place):
 def test_a_stated_zero_that_is_not_the_controllers_is_refused(place):
     with PtyHost(model()) as host:
         status, _, err = stream(place, host, "job.nc", "--offset", "G54=X0,Y0,Z-190")
-    assert status == 2 and "G54 is stated with Z = -190 mm, and the controller has Z = -200 mm" in err
+    assert (
+        status == 2 and "G54 is stated with Z = -190 mm, and the controller has Z = -200 mm" in err
+    )
     assert not sent_rows(host)
 
 
@@ -318,7 +353,11 @@ def test_a_locked_controller_is_refused_and_homed_on_request(place):
 
 
 def test_a_control_that_compensates_is_refused(place):
-    made = model(settings={"160": "0.050"}, version="1.1f.20240101:]\r\n[FIRMWARE:grblHAL", options="VN,35,{rx},3,0")
+    made = model(
+        settings={"160": "0.050"},
+        version="1.1f.20240101:]\r\n[FIRMWARE:grblHAL",
+        options="VN,35,{rx},3,0",
+    )
     with PtyHost(made) as host:
         status, _, err = stream(place, host, "job.nc")
     assert status == 2 and "compensates by itself: backlash of X, 50 um ($160)" in err
@@ -343,13 +382,18 @@ def test_A19_the_warning_names_rates(place):
 
 def test_nobody_there_and_other_usage(place):
     master, slave = os.openpty()
-    status, _, err = stream(place, None, "job.nc", "--port", os.ttyname(slave), "--protocol", "grbl")
+    status, _, err = stream(
+        place, None, "job.nc", "--port", os.ttyname(slave), "--protocol", "grbl"
+    )
     assert status == 2 and "nobody answers" in err
     for arguments, says in (
         (("job.nc",), "--port is missing"),
         (("job.nc", "--port", "/dev/no-such-port"), "can not be opened"),
         (("no.nc", "--port", "x"), "no such file"),
-        (("job.nc", "--port", "x", "--expand", "--resume-from", "3"), "write the program out first"),
+        (
+            ("job.nc", "--port", "x", "--expand", "--resume-from", "3"),
+            "write the program out first",
+        ),
         (("job.nc", "--port", os.ttyname(slave), "--protocol", "no"), "there is no protocol 'no'"),
         (("--port", "x", "--resume-from", "3"), "needs the program as a file"),
         (("job.nc", "--port", "x", "--compact", "--on-error", "continue"), "--compact"),
@@ -361,7 +405,9 @@ def test_nobody_there_and_other_usage(place):
 
 def test_a_flaky_link_is_no_success(place):
     """A byte lost on the way back, through the proxy."""
-    with PtyHost(model(), speed=4.0, faults=Faults(back={700: "drop", 703: "drop", 706: "drop", 709: "drop"})) as host:
+    with PtyHost(
+        model(), speed=4.0, faults=Faults(back={700: "drop", 703: "drop", 706: "drop", 709: "drop"})
+    ) as host:
         status, _, err = stream(place, host, "job.nc")
     assert status in (0, 14), err
     assert (status == 0) == (host.model.accepted[-1] == "M30" and "still" in err)
@@ -386,7 +432,12 @@ def test_A5_an_altered_coordinate_is_seen_in_the_reports_of_a_controller_without
     ]
     (place / "job.nc").write_text("\n".join(rows) + "\n")
     with PtyHost(model(), faults=Alters(), speed=2.0) as host:
-        status, out, err = stream(place, host, "job.nc", machine=("--machine", "perfect", "--dialect", "grbl"))
+        status, out, err = stream(
+            place, host, "job.nc", machine=("--machine", "perfect", "--dialect", "grbl")
+        )
     assert status == 15 and "beside the path" in err and "source lines" in err, err
-    assert host.times[0][1] == ord("!") and json.loads(out.strip().split("\n")[-1])["exit_status"] == 15
+    assert (
+        host.times[0][1] == ord("!")
+        and json.loads(out.strip().split("\n")[-1])["exit_status"] == 15
+    )
     assert '"position":"known"' in (place / "job.nc.journal").read_text()

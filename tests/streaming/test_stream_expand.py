@@ -49,7 +49,11 @@ def test_A1_A17_what_is_written_out_arrives_and_knows_its_source(job):
         status, _, err = stream(job, host, "job.nc", machine=MACHINE)
     assert status == 0, err
     assert sent_rows(host) == rows_of_file(job) and len(sent_rows(host)) > 20
-    sent = [entry for entry in map(json.loads, (job / "job.nc.journal").read_text().splitlines()) if "sent" in entry]
+    sent = [
+        entry
+        for entry in map(json.loads, (job / "job.nc.journal").read_text().splitlines())
+        if "sent" in entry
+    ]
     ours = LOOP.split("\n") + SUB.split("\n")
     feeds = [entry for entry in sent if "F3000" in entry["text"] and not entry["piece"]]
     assert [entry["source"] for entry in feeds] == [5] * 5
@@ -62,13 +66,17 @@ def test_A1_A17_what_is_written_out_arrives_and_knows_its_source(job):
     assert all(("200.ngc" in entry.get("file", "")) == ("Y40.5" in entry["text"] or "G91" in entry["text"]) for entry in feeds + [
         entry for entry in sent if "Y40.5" in entry["text"]
     ])  # fmt: skip
-    status, _, err = stream(job, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "x", machine=MACHINE[:-1])
+    status, _, err = stream(
+        job, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "x", machine=MACHINE[:-1]
+    )
     assert status == 2 and "written out" in err
 
 
 def test_A18_a_pipe_is_read_first(job):
     with PtyHost(model(), speed=4.0) as host, open(job / "job.nc") as source:
-        status, _, err = stream(job, host, "-", "--library", ".", "--no-journal", machine=MACHINE, stdin=source)
+        status, _, err = stream(
+            job, host, "-", "--library", ".", "--no-journal", machine=MACHINE, stdin=source
+        )
     assert status == 0, err
     assert sent_rows(host) == rows_of_file(job)
 

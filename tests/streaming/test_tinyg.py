@@ -7,7 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from postproc.streaming import protocols
-from postproc.streaming.events import Accepted, Alarm, Altered, Busy, Rejected, Restarted, Status, Told
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Busy,
+    Rejected,
+    Restarted,
+    Status,
+    Told,
+)
 from postproc.streaming.greeting import Greeting, unfit
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols.g2core import G2core
@@ -19,7 +28,13 @@ from tests.streaming.models_wire import greet, run
 
 
 def job(
-    text: str, model: TinyGModel, faults: Faults | None = None, counting: bool = True, ends=None, protocol=TinyG, **how
+    text: str,
+    model: TinyGModel,
+    faults: Faults | None = None,
+    counting: bool = True,
+    ends=None,
+    protocol=TinyG,
+    **how,
 ):
     """With the echo switched on, as the greeting does it."""
     model.verbosity = 5
@@ -75,7 +90,9 @@ def test_xoff_is_obeyed_and_no_part_of_an_answer():
     protocol.receive(b'{"r":{"gc":"G1\x13')
     assert protocol.release() == 0
     text = b'{"r":{"gc":"G1X1"},"f":[1,0,5'
-    assert protocol.receive(b'X1"},"f":[1,0,5,%d]}\n\x11' % checksum(text.decode())) == [Accepted(1)]
+    assert protocol.receive(b'X1"},"f":[1,0,5,%d]}\n\x11' % checksum(text.decode())) == [
+        Accepted(1)
+    ]
     assert protocol.release() > 0
 
 
@@ -147,7 +164,12 @@ def test_A4_what_is_no_answer_counts_for_none(said):
 
 @given(st.lists(st.integers(1, 9), max_size=60))
 def test_A4_answers_may_be_cut_anywhere(sizes):
-    data = b'{"sr":{"posx":1.000,"stat":5}}\n' + answer("G1X1") + b'{"qr":28}\n' + answer("G1X2", status=61)
+    data = (
+        b'{"sr":{"posx":1.000,"stat":5}}\n'
+        + answer("G1X1")
+        + b'{"qr":28}\n'
+        + answer("G1X2", status=61)
+    )
     protocol, _ = heard()
     events, at = [], 0
     for size in [*sizes, len(data)]:
@@ -161,7 +183,10 @@ def test_reports_alarms_and_restarts():
     _, events = heard(b'{"sr":{"posx":1.5,"vel":300.0,"stat":5}}\n')
     assert Status("run", feed=300.0) in events
     assert isinstance(heard(b'{"sr":{"stat":2}}\n')[1][0], Alarm)
-    assert heard(b'{"er":{"fb":440.20,"st":203,"msg":"Limit switch hit"}}\n')[1][0].meaning == "Limit switch hit"
+    assert (
+        heard(b'{"er":{"fb":440.20,"st":203,"msg":"Limit switch hit"}}\n')[1][0].meaning
+        == "Limit switch hit"
+    )
     model = TinyGModel()
     model.advance(1.0)
     protocol, events = heard(model.read(1.0))
@@ -203,7 +228,9 @@ def test_A12_silence_is_a_stall_and_a_long_move_is_none():
     text, _ = blocks(100, feed=1200)
     sender, seconds = job(text, TinyGModel(), Faults(stall=(0.5, 1e9)))
     assert sender.outcome.kind == "stalled" and seconds < 15
-    sender, seconds = job("G21G90F60\nG1X2\n" + "\n".join(f"G1X{i % 5}" for i in range(40)), TinyGModel())
+    sender, seconds = job(
+        "G21G90F60\nG1X2\n" + "\n".join(f"G1X{i % 5}" for i in range(40)), TinyGModel()
+    )
     assert sender.outcome.kind == "done" and seconds > 60
 
 
@@ -216,7 +243,9 @@ def test_A16_done_is_said_when_it_stands_and_where_it_should(reports):
     assert sender.outcome.kind == "altered" and "0.500 mm" in sender.outcome.message
 
 
-@pytest.mark.parametrize(("name", "g2"), [("auto", False), ("tinyg", False), ("auto", True), ("g2core", True)])
+@pytest.mark.parametrize(
+    ("name", "g2"), [("auto", False), ("tinyg", False), ("auto", True), ("g2core", True)]
+)
 def test_the_greeting_learns_zeros_place_and_verbosity(name, g2):
     model = TinyGModel(g2=g2)
     model.moves.place, model.work["g55"] = [1.0, 2.0, 3.0], [5.0, 0.0, -1.0]
@@ -224,7 +253,10 @@ def test_the_greeting_learns_zeros_place_and_verbosity(name, g2):
     assert greeting.fault is None, greeting.fault
     protocol = greeting.protocol
     assert protocol.title == ("g2core" if g2 else "TinyG")
-    assert "[G55:5.000,0.000,-1.000]" in protocol.controller.offsets and len(protocol.controller.offsets) == 7
+    assert (
+        "[G55:5.000,0.000,-1.000]" in protocol.controller.offsets
+        and len(protocol.controller.offsets) == 7
+    )
     assert model.verbosity == 5 and b'{"jv":3}' in protocol.closing
     assert unfit(protocol, greeting.status) is None
     sender = Sender(protocol)

@@ -22,7 +22,17 @@ from tests.streaming.test_stream_command import model, place, sent_rows, stream,
 
 MILL = ("--machine", "example-mill", "--dialect", "grbl")
 RAW = ("--machine", "perfect", "--dialect", "grbl")
-FIRST = ["G21 G90 G94 G17 G54", "T1 M6", "M3 S9000", "G0 X10 Y10", "G0 Z15", "G1 Z-2 F300", "X60 F900", "G0 Z15", "M5"]
+FIRST = [
+    "G21 G90 G94 G17 G54",
+    "T1 M6",
+    "M3 S9000",
+    "G0 X10 Y10",
+    "G0 Z15",
+    "G1 Z-2 F300",
+    "X60 F900",
+    "G0 Z15",
+    "M5",
+]
 SECOND = ["M3 S5000", "G1 Z-3 F200", "Y90 F700", "X10", "G0 Z15", "M5", "M30"]
 JOB = "\n".join([*FIRST, "N90 T2 M6", *SECOND, ""])
 PARK = "(to the front)\nG53 G0 Z-10\nG53 G0 X5 Y5\n"
@@ -50,12 +60,28 @@ def prepared(tools=PLATES, **how):
     return made
 
 
-def job(folder, host: PtyHost, *options: str, text: str = JOB, park: str = PARK, touch: str = TOUCH, machine=MILL):
+def job(
+    folder,
+    host: PtyHost,
+    *options: str,
+    text: str = JOB,
+    park: str = PARK,
+    touch: str = TOUCH,
+    machine=MILL,
+):
     (folder / "job.nc").write_text(text)
     (folder / "park.nc").write_text(park)
     (folder / "touch.nc").write_text(touch)
     status, out, err = stream(
-        folder, host, "job.nc", "--park", "park.nc", "--touch-off", "touch.nc", *options, machine=machine
+        folder,
+        host,
+        "job.nc",
+        "--park",
+        "park.nc",
+        "--touch-off",
+        "touch.nc",
+        *options,
+        machine=machine,
     )
     return status, out, err
 
@@ -67,15 +93,25 @@ def test_park_change_touch_off_and_on(place):  # noqa: F811
     rows = sent_rows(host)
     change = rows.index("N90T2M0")
     assert rows[change - 5 : change] == ["M5", "M9", "G21G90G94", "G53G0Z-10", "G53G0X5Y5"]
-    assert rows[change + 1 : change + 6] == ["G38.2Z-400F80", "G10L20P1Z20", "G91", "G0Z30", "G4P0.01"]
+    assert rows[change + 1 : change + 6] == [
+        "G38.2Z-400F80",
+        "G10L20P1Z20",
+        "G91",
+        "G0Z30",
+        "G4P0.01",
+    ]
     assert host.model.stored["G54"][2] == PLATES[1] - 20.0
     back = rows[change + 6 :]
     assert back[0] == "G21G90G17G94" and back[1] == "G54" and back[2] == "G53G0Z-141.5000", back
     # What the second tool does is what a program of its own does with that zero: the map lies where the part is.
-    (place / "rest.nc").write_text("\n".join([*FIRST[:1], "G0 X60 Y10", "G0 Z15", *SECOND[:1], "G90", *SECOND[1:], ""]))
+    (place / "rest.nc").write_text(
+        "\n".join([*FIRST[:1], "G0 X60 Y10", "G0 Z15", *SECOND[:1], "G90", *SECOND[1:], ""])
+    )
     alone = wire_rows(place, "rest.nc", "--offset", f"G54=X0,Y0,Z{PLATES[1] - 20:g}")
     found, wanted = _ends(back), _ends(alone)
-    assert len(wanted) > 2 and all(np.abs(found - end).max(axis=1).min() < 0.0015 for end in wanted[1:]), (
+    assert len(wanted) > 2 and all(
+        np.abs(found - end).max(axis=1).min() < 0.0015 for end in wanted[1:]
+    ), (
         found,
         wanted,
     )
@@ -83,7 +119,10 @@ def test_park_change_touch_off_and_on(place):  # noqa: F811
     assert past.head["offsets"]["G54"]["Z"] == PLATES[1] - 20.0 and past.outcome == "done"
     last = [json.loads(row) for row in out.splitlines()][-1]
     assert last["outcome"] == "done"
-    assert "the program stops here, source line 10, sent as wire line" in err and ": N90 T2 M0: r" in err
+    assert (
+        "the program stops here, source line 10, sent as wire line" in err
+        and ": N90 T2 M0: r" in err
+    )
 
 
 def _ends(rows: list[str]) -> np.ndarray:
@@ -158,7 +197,12 @@ def test_a_tool_that_does_not_touch_is_an_alarm(place):  # noqa: F811
             "line 10 changes the tool, and the program has set a tool length",
         ),
         (JOB, PARK, ("--tool-change", "ignore"), "are for --tool-change pause, not for ignore"),
-        (JOB, PARK, ("--expand",), "need the program as a file in which every line is executed once"),
+        (
+            JOB,
+            PARK,
+            ("--expand",),
+            "need the program as a file in which every line is executed once",
+        ),
     ],
 )
 def test_what_can_not_be_is_refused_before_the_first_byte(place, text, park, options, says):  # noqa: F811

@@ -62,7 +62,9 @@ def recording(
     if kind == "points":
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         turn *= np.sign(np.linalg.det(turn))
-        seen = turn @ tip + rng.uniform(-1000, 1000, 3)[:, None] + noise * rng.normal(size=tip.shape)
+        seen = (
+            turn @ tip + rng.uniform(-1000, 1000, 3)[:, None] + noise * rng.normal(size=tip.shape)
+        )
         columns |= {f"m{x}_mm": seen[i] for i, x in enumerate("xyz")}
     else:
         away = np.linalg.norm(tip - np.array(station)[:, None], axis=0)
@@ -96,8 +98,17 @@ def test_twenty_fits_hold_their_parameters_within_2_u():
         u = unknowns(replace(MILL, chain=chains[k % 3]), 4)
         truth = drawn(u, rng)
         if k % 2:
-            stations = [(-900.0, -700.0, 300.0), (1000.0, -600.0, 400.0), (0.0, 1100.0, 200.0), (100.0, 50.0, 1200.0)]
-            read = [recording(u, truth, rng, "lengths", t, 120, station=s) for t in TOOLS for s in stations]
+            stations = [
+                (-900.0, -700.0, 300.0),
+                (1000.0, -600.0, 400.0),
+                (0.0, 1100.0, 200.0),
+                (100.0, 50.0, 1200.0),
+            ]
+            read = [
+                recording(u, truth, rng, "lengths", t, 120, station=s)
+                for t in TOOLS
+                for s in stations
+            ]
         else:
             read = [recording(u, truth, rng, "points", t) for t in TOOLS]
         fit = solve.fit([r for one in read for r in rows_of(one, u.bare, {})], u)
@@ -125,7 +136,9 @@ def test_lost_motion_is_told_where_both_directions_were_read():
     rng = np.random.default_rng(9)
     u = unknowns(nodes=3, two_way=frozenset("XY"))
     truth = drawn(u, rng)
-    fit = solve.fit([r for t in TOOLS for r in rows_of(recording(u, truth, rng, "points", t), u.bare, {})], u)
+    fit = solve.fit(
+        [r for t in TOOLS for r in rows_of(recording(u, truth, rng, "points", t), u.bare, {})], u
+    )
     for name in ("B:X", "B:Y"):
         k = [g.name for g in u.groups].index(name)
         value, s = fit.values(u.groups[k])
@@ -136,10 +149,16 @@ def test_a_turn_about_the_line_through_two_reflectors_is_not_told():
     """Two reflectors: what the Z slide turns about the line through both moves neither. By hand: a rotation r with r x (b - a) = 0."""
     rng = np.random.default_rng(1)
     u = unknowns(nodes=4)
-    rows = [r for t in TOOLS[:2] for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})]
+    rows = [
+        r
+        for t in TOOLS[:2]
+        for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})
+    ]
     (names,) = identify.untold(solve.fit(rows, u))
     assert {"EAZ", "ECZ"} <= set(names) and "EBZ" not in names  # b - a is (60, 0, -80)
-    three = [r for t in TOOLS for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})]
+    three = [
+        r for t in TOOLS for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})
+    ]
     assert not identify.untold(solve.fit(three, u))
 
 
@@ -187,7 +206,15 @@ def test_the_shipped_diagonals_say_what_they_can_not_part(capsys):
     (sentence,) = [line for line in said.splitlines() if "C0Y from each other" in line]
     assert all(name in sentence for name in ("EXX", "EYX", "EXY", "EYY", "C0Y"))
     assert (
-        gcomp("volumetric", *files, "--like", "example-mill", "--zero", "EAX,EBX,ECX,EAY,EBY,ECY,EYX,EXY,EZX,EZY") == 0
+        gcomp(
+            "volumetric",
+            *files,
+            "--like",
+            "example-mill",
+            "--zero",
+            "EAX,EBX,ECX,EAY,EBY,ECY,EYX,EXY,EZX,EZY",
+        )
+        == 0
     )
     assert "C0Y   not told" not in capsys.readouterr().out
     assert gcomp("volumetric", *files, "--like", "example-mill", "--zero", "EQX") == 2
@@ -196,7 +223,12 @@ def test_the_shipped_diagonals_say_what_they_can_not_part(capsys):
 
 @pytest.mark.parametrize("name", ["tracker_1", "sphere_1"])
 @pytest.mark.parametrize(
-    "words", [("diagnose", "--machine", "example-five-axis"), ("iso",), ("calibrate", "--like", "example-five-axis")]
+    "words",
+    [
+        ("diagnose", "--machine", "example-five-axis"),
+        ("iso",),
+        ("calibrate", "--like", "example-five-axis"),
+    ],
 )
 def test_other_commands_say_what_such_a_recording_is(name, words, capsys):
     assert gcomp(*words, ROOT / "sample_recordings" / f"{name}.csv") == 2
@@ -212,18 +244,41 @@ def test_a_six_degree_of_freedom_file_is_six_recordings(tmp_path, capsys):
     table = MILL.tables["X"]
     alone = replace(written.without_errors(MILL), tool=np.zeros(3))
     alone = replace(
-        alone, axes={**alone.axes, "X": replace(alone.axes["X"], table=replace(table, reverse=table.forward))}
+        alone,
+        axes={
+            **alone.axes,
+            "X": replace(alone.axes["X"], table=replace(table, reverse=table.forward)),
+        },
     )
     six = np.array([np.interp(x, table.nodes, table.forward[k]) for k in range(6)])
-    truth, six[:3] = six.copy(), alone.deviation(q, q * 0)  # lengths are read where the tool is: with the axis' own arm
+    truth, six[:3] = (
+        six.copy(),
+        alone.deviation(q, q * 0),
+    )  # lengths are read where the tool is: with the axis' own arm
     head = "X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_arcsec,ECX_urad,approach,Y_mm,Z_mm"
     unit = np.array([1e3, 1e3, 1e3, 1e6, 1e6 * 0.2062648, 1e6])
     rows = [",".join(f"{v:.6f}" for v in (x[i], *(six[:, i] * unit), 1, 0, 0)) for i in range(13)]
     (tmp_path / "x.csv").write_text("\n".join([head, *rows]) + "\n")
     read = recordings.read_all(recordings.Source("x.csv", (tmp_path / "x.csv").read_bytes()))
-    assert [r.quantity for r in read] == ["displacement", "straightness", "straightness", "angle", "angle", "angle"]
+    assert [r.quantity for r in read] == [
+        "displacement",
+        "straightness",
+        "straightness",
+        "angle",
+        "angle",
+        "angle",
+    ]
     assert read[4].reading == pytest.approx(six[4], abs=1e-11)
-    words = ("--like", "example-mill", "--json", tmp_path / "j.json", "--head", "u_um=0.1", "--head", "tool={Z=60}")
+    words = (
+        "--like",
+        "example-mill",
+        "--json",
+        tmp_path / "j.json",
+        "--head",
+        "u_um=0.1",
+        "--head",
+        "tool={Z=60}",
+    )
     assert gcomp("volumetric", tmp_path / "x.csv", *words) == 0
     document = json.loads((tmp_path / "j.json").read_text())
     schemas.held(document)
@@ -266,7 +321,14 @@ def test_a_sphere_tells_how_rotary_axes_lie(seed, tmp_path, capsys):
         files.append(tmp_path / f"s{k}.csv")
         files[-1].write_text(contract.write(Recording("sphere", {"u_um": 0.5}, columns)))
     assert (
-        gcomp("volumetric", *files, "--like", ROOT / "machines" / "example-five-axis", "--json", tmp_path / "j.json")
+        gcomp(
+            "volumetric",
+            *files,
+            "--like",
+            ROOT / "machines" / "example-five-axis",
+            "--json",
+            tmp_path / "j.json",
+        )
         == 0
     )
     document = json.loads((tmp_path / "j.json").read_text())
@@ -276,9 +338,21 @@ def test_a_sphere_tells_how_rotary_axes_lie(seed, tmp_path, capsys):
     assert set(found) == set(truth)
     for name, value in truth.items():
         one = found[name]
-        assert one["told"] and abs(one["value"][0] - value) <= 3 * one["u"][0] and one["u"][0] < 5, (name, one)
+        assert (
+            one["told"] and abs(one["value"][0] - value) <= 3 * one["u"][0] and one["u"][0] < 5
+        ), (name, one)
     capsys.readouterr()
-    assert gcomp("volumetric", *files, "--like", ROOT / "machines" / "example-five-axis", "-o", tmp_path / "m") == 0
+    assert (
+        gcomp(
+            "volumetric",
+            *files,
+            "--like",
+            ROOT / "machines" / "example-five-axis",
+            "-o",
+            tmp_path / "m",
+        )
+        == 0
+    )
     mine, rows = read_machine(tmp_path / "m"), poses(50, rng)
     rows[:3] = rng.uniform(-100, 0, (3, 50))
     assert (
@@ -325,21 +399,30 @@ def test_a_ballbar_beside_a_turning_table_tells_the_same():
             place = np.array(ball) + 100 * way
             q = slides_at(FIVE, np.repeat(place[:, None], 60, axis=1), poses(60, rng))
             tip = tips(FIVE, q) + FIVE.carried(q, 0 * q)[0]
-            columns = {f"{x}_{'mm' if x in 'XYZ' else 'deg'}": q[i] for i, x in enumerate(FIVE.letters)}
+            columns = {
+                f"{x}_{'mm' if x in 'XYZ' else 'deg'}": q[i] for i, x in enumerate(FIVE.letters)
+            }
             columns["length_mm"] = (
-                np.linalg.norm(tip - np.array(ball)[:, None], axis=0) + 0.05 + 3e-4 * rng.normal(size=60)
+                np.linalg.norm(tip - np.array(ball)[:, None], axis=0)
+                + 0.05
+                + 3e-4 * rng.normal(size=60)
             )
             columns |= {
-                f"station_{x}_mm": np.full(60, v + rng.normal() * 0.3) for x, v in zip("XYZ", ball, strict=True)
+                f"station_{x}_mm": np.full(60, v + rng.normal() * 0.3)
+                for x, v in zip("XYZ", ball, strict=True)
             }
-            rows += rows_of(Recording("lengths", {"u_um": 0.3}, columns, "b.csv", np.arange(60)), u.bare, {})
+            rows += rows_of(
+                Recording("lengths", {"u_um": 0.3}, columns, "b.csv", np.arange(60)), u.bare, {}
+            )
     fit = solve.fit(rows, u)
     assert not identify.untold(fit)
     truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
     for group in u.groups:
         value, s = fit.values(group)
         one = 1e-3 if group.row < 3 else 1e-6
-        assert abs(value[0] / one - truth[group.name]) <= 3.5 * s[0] / one and s[0] / one < 5, group.name
+        assert abs(value[0] / one - truth[group.name]) <= 3.5 * s[0] / one and s[0] / one < 5, (
+            group.name
+        )
 
 
 def test_from_clouds_to_a_corrected_program(tmp_path, capsys):
@@ -369,7 +452,10 @@ def test_from_clouds_to_a_corrected_program(tmp_path, capsys):
     rng = np.random.default_rng(1)
     q = np.array([rng.uniform(n[0], n[-1], 400) for n in (mine.tables[x].nodes for x in "XYZ")])
     up = np.ones_like(q)
-    off, left = MILL.deviation(q, up), MILL.deviation(q, up) - replace(mine, tool=MILL.tool).deviation(q, up)
+    off, left = (
+        MILL.deviation(q, up),
+        MILL.deviation(q, up) - replace(mine, tool=MILL.tool).deviation(q, up),
+    )
     left -= _rigid(q, left)
     assert np.sqrt((left**2).mean()) < 0.2 * np.sqrt((off**2).mean())
 

@@ -45,18 +45,29 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
         return []
     pairs = []
     for way in (0, 1) if angle.two_way and straight.two_way else (-1,):
-        turn, read = (np.interp(nodes, c.nodes, c.mean if way < 0 else c.value[way]) for c in (angle, straight))
+        turn, read = (
+            np.interp(nodes, c.nodes, c.mean if way < 0 else c.value[way])
+            for c in (angle, straight)
+        )
         if calibration.options.chain.side(letter) == "workpiece":
             if (calibration.optics.get(letter) or "workpiece") == "tool":
-                read = read - sign * turn * nodes  # of a point that stays on the table, whose path the rail makes
+                read = (
+                    read - sign * turn * nodes
+                )  # of a point that stays on the table, whose path the rail makes
             follow = -sign
         else:
             follow = sign
-        path = np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))]) * follow
+        path = (
+            np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))]) * follow
+        )
         pairs.append((_without_line(nodes, read), _without_line(nodes, path)))
     measured, predicted = (max(float(np.ptp(p[i])) for p in pairs) for i in (0, 1))
     correlation = float(np.mean([_correlation(*p) for p in pairs]))
-    numbers = {"correlation": correlation, "measured_um": measured / UM, "predicted_um": predicted / UM}
+    numbers = {
+        "correlation": correlation,
+        "measured_um": measured / UM,
+        "predicted_um": predicted / UM,
+    }
     both = f"{angle.name}, integrated, and {straight.name}, lines off both: correlation {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
     u = 0.0 if not np.isfinite(straight.largest_u) else straight.largest_u
     if measured < 4 * u:

@@ -23,7 +23,13 @@ def check(calibration) -> list[Finding]:
     if "active" in states and "off" in states:
         text = f"{states['active'][0]} was measured with the control's own tables active, {states['off'][0]} with them off: together they describe no state of the machine"
         found.append(
-            Finding("control-tables", "doubt", "", text, {"active": len(states["active"]), "off": len(states["off"])})
+            Finding(
+                "control-tables",
+                "doubt",
+                "",
+                text,
+                {"active": len(states["active"]), "off": len(states["off"])},
+            )
         )
     elif "active" in states:
         text = "measured with the control's own tables active: this map is what they leave, and holds only while they stay as they were"

@@ -16,7 +16,12 @@ def check(calibration) -> list[Finding]:
     bare = [x for x in calibration.options.chain.axes if x not in calibration.axes()]
     if bare:
         found.append(
-            Finding("no-table", "note", "", f"nothing to correct of {', '.join(bare)}: written without a table")
+            Finding(
+                "no-table",
+                "note",
+                "",
+                f"nothing to correct of {', '.join(bare)}: written without a table",
+            )
         )
     for letter in calibration.axes():
         low, high = calibration.travel(letter)
@@ -25,7 +30,11 @@ def check(calibration) -> list[Finding]:
         if letter not in calibration.options.travel:
             text = f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken as from the first target to the last"
             found.append(Finding("travel", "note", letter, text))
-        beyond = [(side, d) for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1])) if d > NEAR]
+        beyond = [
+            (side, d)
+            for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1]))
+            if d > NEAR
+        ]
         outside = [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]
         if outside:
             text = f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to {high:g}"
@@ -33,10 +42,14 @@ def check(calibration) -> list[Finding]:
         if beyond:
             where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond)
             does = (
-                "is refused there" if calibration.options.outside == "error" else "is corrected as at the last target"
+                "is refused there"
+                if calibration.options.outside == "error"
+                else "is corrected as at the last target"
             )
             text = f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel from {low:g} to {high:g}: {where} are not covered, a program {does}"
-            found.append(Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)}))
+            found.append(
+                Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)})
+            )
         for component in calibration.of(letter):
             found += _held(calibration, component, low, high)
     return found

@@ -29,8 +29,12 @@ def _drift(name: str, series) -> list[Finding]:
     mean = cells.mean.ravel() if cells.two_way else cells.mean[0]
     left = series.reading - mean[np.minimum(cells.index, 2 * k - 1)]
     height = np.array([left[used & (series.run == r)].mean() for r in runs])
-    within = np.concatenate([left[used & (series.run == r)] - h for r, h in zip(runs, height, strict=True)])
-    each = float(np.sqrt(within @ within / max(1, len(within) - len(runs)) / (len(within) / len(runs))))
+    within = np.concatenate(
+        [left[used & (series.run == r)] - h for r, h in zip(runs, height, strict=True)]
+    )
+    each = float(
+        np.sqrt(within @ within / max(1, len(within) - len(runs)) / (len(within) / len(runs)))
+    )
     unit, one = unit_of(name)
     span = float(np.ptp(height))
     if each == 0 or span < TIMES * each * np.sqrt(2) or span / one < 0.2:

@@ -6,7 +6,9 @@ import numpy as np
 
 from postproc.calibrate import Finding
 
-SAME_ANGLE = 0.95  # length of the mean of unit vectors at the targets' angles: 1 where all are the same
+SAME_ANGLE = (
+    0.95  # length of the mean of unit vectors at the targets' angles: 1 where all are the same
+)
 
 
 def check(calibration) -> list[Finding]:
@@ -33,7 +35,9 @@ def check(calibration) -> list[Finding]:
     asked = [
         c.letter
         for n, c in calibration.components.items()
-        if n == f"E{c.letter}{c.letter}" and c.letter in "XYZ" and c.letter not in calibration.options.leads
+        if n == f"E{c.letter}{c.letter}"
+        and c.letter in "XYZ"
+        and c.letter not in calibration.options.leads
     ]
     if asked:
         text = f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the targets hide its cyclic error is not looked at"

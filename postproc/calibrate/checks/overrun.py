@@ -30,6 +30,12 @@ def check(calibration) -> list[Finding]:
             if abs(b[end]) < SHARE * abs(beside) and abs(b[end] - beside) > limit:
                 text = f"{name} reverses by {b[end]:+.1f} {unit} at {at}, and by {beside:+.1f} beside it: was the target overrun before coming back?"
                 found.append(
-                    Finding("overrun", "doubt", name, text, {f"B_{unit}": float(b[end]), f"beside_{unit}": beside})
+                    Finding(
+                        "overrun",
+                        "doubt",
+                        name,
+                        text,
+                        {f"B_{unit}": float(b[end]), f"beside_{unit}": beside},
+                    )
                 )
     return found

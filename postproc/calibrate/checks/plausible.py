@@ -22,11 +22,13 @@ def check(calibration) -> list[Finding]:
         span = float(np.ptp(raw))
         if 0 < span < LEAST:
             likely = "mm" if unit == "um" else "mm/m (mrad) or degrees"
-            text = (
-                f"{name} spans {span:.3g} {unit} in all: less than an instrument resolves. Are the readings {likely}?"
-            )
+            text = f"{name} spans {span:.3g} {unit} in all: less than an instrument resolves. Are the readings {likely}?"
         elif span > LARGEST[unit]:
-            likely = "nm, or increments of a counter" if unit == "um" else "um/m times the length, or nrad"
+            likely = (
+                "nm, or increments of a counter"
+                if unit == "um"
+                else "um/m times the length, or nrad"
+            )
             text = f"{name} spans {span:.4g} {unit}: more than a machine tool strays. Are the readings {likely}?"
         elif span == 0:
             text = f"{name} is {raw[0]:g} {unit} at every target: was anything recorded?"

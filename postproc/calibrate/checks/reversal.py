@@ -15,7 +15,9 @@ def check(calibration) -> list[Finding]:
     for name, component in calibration.components.items():
         unit, one = unit_of(name)
         if not component.two_way:
-            way = {1: "in + only", -1: "in - only", 0: "in a direction that is not recorded"}[component.cells.one_way]
+            way = {1: "in + only", -1: "in - only", 0: "in a direction that is not recorded"}[
+                component.cells.one_way
+            ]
             text = f"{name} was approached {way}: its reversal is not known, and the table holds for both directions"
             found.append(Finding("one-way", "note", name, text))
             continue

@@ -18,9 +18,7 @@ def check(calibration) -> list[Finding]:
         found.append(Finding("scatter", "doubt", "", text, {"components": len(unknown)}))
     for name in [n for n in single if n not in silent]:
         unit, one = unit_of(name)
-        text = (
-            f"{name}: one run, so u is the instrument's alone, {calibration.measured[name].largest_u / one:.2g} {unit}"
-        )
+        text = f"{name}: one run, so u is the instrument's alone, {calibration.measured[name].largest_u / one:.2g} {unit}"
         found.append(Finding("scatter", "note", name, text))
     many = [n for n in silent if n not in single]
     if many:
@@ -33,5 +31,13 @@ def check(calibration) -> list[Finding]:
         if component.cells.scatter.known and not component.cells.scatter.pooled:
             s = component.cells.s[np.isfinite(component.cells.s)] / unit_of(name)[1]
             text = f"{name}: s differs between targets more than chance makes ({s.min():.2g} to {s.max():.2g} {unit_of(name)[0]}), so each has its own, with the larger factor of its few runs"
-            found.append(Finding("scatter", "note", name, text, {"least": float(s.min()), "largest": float(s.max())}))
+            found.append(
+                Finding(
+                    "scatter",
+                    "note",
+                    name,
+                    text,
+                    {"least": float(s.min()), "largest": float(s.max())},
+                )
+            )
     return found

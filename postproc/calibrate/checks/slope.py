@@ -26,5 +26,9 @@ def check(calibration) -> list[Finding]:
         text = f"{name} changes by {worst:.2f} {unit}/{mm} {where}"
         if worst > limit:
             text += f": over the limit of {limit:g} {unit}/{mm}. A slip, or a wrong unit; if it is true, --accept-slope"
-        found.append(Finding("slope", "doubt", name, text, {"slope_um_per_mm": worst, "limit_um_per_mm": limit}))
+        found.append(
+            Finding(
+                "slope", "doubt", name, text, {"slope_um_per_mm": worst, "limit_um_per_mm": limit}
+            )
+        )
     return found

@@ -19,7 +19,11 @@ def check(calibration) -> list[Finding]:
     bare = []
     for name, component in calibration.measured.items():
         for series in component.series:
-            columns = {n: c[np.isfinite(c)] for n, c in series.columns.items() if re.fullmatch(r"T_\w+_C", n)}
+            columns = {
+                n: c[np.isfinite(c)]
+                for n, c in series.columns.items()
+                if re.fullmatch(r"T_\w+_C", n)
+            }
             columns = {n: c for n, c in columns.items() if len(c)}
             if not columns:
                 bare.append(name)
@@ -40,7 +44,9 @@ def _span(calibration, component, series, columns) -> list[Finding]:
         return []
     growth = calibration.options.expansion * span * length / UM
     text = f"{series.file}: {place} changed by {span:.1f} K while {component.name} was measured; steel grows {growth:.1f} um over {length:g} mm by that"
-    return [Finding("temperature", "doubt", component.name, text, {"span_K": span, "growth_um": growth})]
+    return [
+        Finding("temperature", "doubt", component.name, text, {"span_K": span, "growth_um": growth})
+    ]
 
 
 def _expansion(calibration, component, series, columns) -> list[Finding]:
@@ -53,8 +59,14 @@ def _expansion(calibration, component, series, columns) -> list[Finding]:
     if abs(at) < 1.0 or letter not in "XYZ" or not np.isfinite(slope):
         return []
     for sign, says in (
-        (1.0, "the readings look as if the expansion was not taken out: is the map meant for this temperature only?"),
-        (-1.0, "the readings look as if it was taken out twice (the instrument had normalised them already)"),
+        (
+            1.0,
+            "the readings look as if the expansion was not taken out: is the map meant for this temperature only?",
+        ),
+        (
+            -1.0,
+            "the readings look as if it was taken out twice (the instrument had normalised them already)",
+        ),
     ):
         if abs(slope - sign * expected) < ALIKE * abs(expected):
             text = f"{component.name} has a slope of {slope * 1e6:+.1f} um/m; at {at + REFERENCE:.1f} C steel expands by {expected * 1e6:+.1f} um/m: {says}"

@@ -39,26 +39,47 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port; auto: the only one there is",
     )
     link.add_argument(
-        "--list-ports", action="store_true", help="the serial ports of this computer, with what is plugged in"
+        "--list-ports",
+        action="store_true",
+        help="the serial ports of this computer, with what is plugged in",
     )
-    link.add_argument("--baud", type=int, help="default 115200; of a DNC link, its control's common speed")
+    link.add_argument(
+        "--baud", type=int, help="default 115200; of a DNC link, its control's common speed"
+    )
     link.add_argument(
         "--frame",
         metavar="7E2",
         help="data bits, parity (E, O, N), stop bits; default 8N1; of a DNC link, its control's common frame",
     )
-    link.add_argument("--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may leave")
-    link.add_argument("--protocol", default="auto", metavar="NAME", help="default auto: by what the controller says")
-    link.add_argument("--simple", action="store_true", help="one line at a time: slower, for links that lose bytes")
     link.add_argument(
-        "--compact", action="store_true", help="send no blanks, N words, idle zeros and words in force already"
+        "--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may leave"
     )
     link.add_argument(
-        "--no-reset-on-open", action="store_true", help="keep DTR low, so that the board is not restarted"
+        "--protocol",
+        default="auto",
+        metavar="NAME",
+        help="default auto: by what the controller says",
+    )
+    link.add_argument(
+        "--simple",
+        action="store_true",
+        help="one line at a time: slower, for links that lose bytes",
+    )
+    link.add_argument(
+        "--compact",
+        action="store_true",
+        help="send no blanks, N words, idle zeros and words in force already",
+    )
+    link.add_argument(
+        "--no-reset-on-open",
+        action="store_true",
+        help="keep DTR low, so that the board is not restarted",
     )
     job = parser.add_argument_group("the job")
     job.add_argument(
-        "--check", action="store_true", help="dry run in the controller's check mode: list every error, move nothing"
+        "--check",
+        action="store_true",
+        help="dry run in the controller's check mode: list every error, move nothing",
     )
     job.add_argument(
         "--on-error",
@@ -96,10 +117,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     job.add_argument("--home", action="store_true", help="home the machine first ($H)")
     job.add_argument(
-        "--unlock", action="store_true", help="clear the alarm lock first ($X): the position must be right"
+        "--unlock",
+        action="store_true",
+        help="clear the alarm lock first ($X): the position must be right",
     )
     job.add_argument(
-        "--control-compensates", action="store_true", help="send even though the control compensates by itself"
+        "--control-compensates",
+        action="store_true",
+        help="send even though the control compensates by itself",
     )
     job.add_argument(
         "--no-watch",
@@ -113,10 +138,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="write what became of the job as a page: times, lines, holds, how it ended, how it went on",
     )
     job.add_argument("--json", metavar="FILE", help="the same as one JSON object (gcomp-run/1)")
-    job.add_argument("--journal", metavar="FILE", help="default: the program's name with .journal, in this folder")
+    job.add_argument(
+        "--journal",
+        metavar="FILE",
+        help="default: the program's name with .journal, in this folder",
+    )
     job.add_argument("--no-journal", action="store_true", help="keep no journal")
     job.add_argument(
-        "--resume-from", metavar="LINE|JOURNAL", help="begin again with this line, or where a journal ends"
+        "--resume-from",
+        metavar="LINE|JOURNAL",
+        help="begin again with this line, or where a journal ends",
     )
     job.add_argument(
         "--safe-z",
@@ -131,7 +162,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="lathes, with a tool that cuts outside: where X is clear of the part, machine coordinates in radius (default: the "
         "farthest rapid before the line, if the program leaves its cuts that way)",
     )
-    job.add_argument("--yes", action="store_true", help="send what --resume-from shows without asking")
+    job.add_argument(
+        "--yes", action="store_true", help="send what --resume-from shows without asking"
+    )
     job.add_argument(
         "--zero-is-right",
         action="store_true",
@@ -144,7 +177,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "folder)",
     )
     job.add_argument("--quiet", action="store_true", help="no progress, no notices")
-    parser.add_argument("file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -164,7 +199,13 @@ def run(options: argparse.Namespace) -> int:
     line, past = jobs.resumed(options, machine, copy) if options.resume_from and copy else (1, None)
     options.port = ports_found.chosen(options.port)
     job = None
-    port = Port(options.port, options.baud, reset=not options.no_reset_on_open, frame=frame, rtscts=options.rtscts)
+    port = Port(
+        options.port,
+        options.baud,
+        reset=not options.no_reset_on_open,
+        frame=frame,
+        rtscts=options.rtscts,
+    )
     try:
         with Signals().caught() as signals:
             greeting = _greeted(port, options, signals)
@@ -206,14 +247,20 @@ def _line(options: argparse.Namespace) -> tuple[int, str, int]:
     from postproc.streaming import protocols
     from postproc.streaming.greeting import AUTO
 
-    link = None if options.protocol == AUTO else getattr(protocols.load(options.protocol).PROTOCOL, "link", None)
+    link = (
+        None
+        if options.protocol == AUTO
+        else getattr(protocols.load(options.protocol).PROTOCOL, "link", None)
+    )
     if options.baud is None:
         options.baud = link.baud if link else 115200
     if options.frame is None:
         return (link.bits, link.parity, link.stop) if link else (8, "N", 1)
     text = options.frame.upper()
     if len(text) != 3 or text[0] not in "78" or text[1] not in "EON" or text[2] not in "12":
-        raise UsageError(f"--frame {options.frame} is no frame", "data bits, parity, stop bits: 7E2, 7E1, 8N1")
+        raise UsageError(
+            f"--frame {options.frame} is no frame", "data bits, parity, stop bits: 7E2, 7E1, 8N1"
+        )
     return int(text[0]), text[1], int(text[2])
 
 
@@ -226,7 +273,9 @@ def _refuse(options: argparse.Namespace, is_file: bool) -> None:
         )
     _refuse_changes(options, is_file)
     if options.protocol == "linuxcnc" and not (is_file or options.expand):
-        raise UsageError("LinuxCNC takes its program as a whole, and a pipe has no end yet", "name a file")
+        raise UsageError(
+            "LinuxCNC takes its program as a whole, and a pipe has no end yet", "name a file"
+        )
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
     if options.live_temperatures and (options.resume_from or not options.temperatures):
@@ -267,7 +316,8 @@ def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:
         return
     if options.tool_change not in (None, "pause"):
         raise UsageError(
-            f"--park and --touch-off are for --tool-change pause, not for {options.tool_change}", "leave them out"
+            f"--park and --touch-off are for --tool-change pause, not for {options.tool_change}",
+            "leave them out",
         )
     if options.expand or not is_file:
         raise UsageError(
@@ -310,7 +360,9 @@ def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     if fault:
         raise fault
     if not options.quiet:
-        sent = greeting.protocol.confirms == "idle" and not getattr(greeting.protocol, "handed", False)
+        sent = greeting.protocol.confirms == "idle" and not getattr(
+            greeting.protocol, "handed", False
+        )
         size = f", receive buffer {controller.window} bytes" if sent else ""
         print(f"gcomp: {controller.name} {controller.version}{size}", file=sys.stderr)
         if controller.homing is False:
@@ -327,7 +379,9 @@ def _check_first(options: argparse.Namespace, job: Job, load: Load) -> bool:
     how = options.check_first
     if how == "never" or options.check or not job.protocol.check_mode():
         return False
-    checkable = job.known.checkable() and not any(job.live.length.values()) and "G92" not in job.live.work
+    checkable = (
+        job.known.checkable() and not any(job.live.length.values()) and "G92" not in job.live.work
+    )
     if how == "always" and not checkable:
         raise UsageError(
             "a pass in check mode ends in a reset, which would drop a G92, a tool length or modes that are in force now, and the program's own "
@@ -335,11 +389,19 @@ def _check_first(options: argparse.Namespace, job: Job, load: Load) -> bool:
             "--check-first never",
         )
     seconds = load.bytes / load.rate if load.rate else 0.0
-    return checkable and (how == "always" or seconds <= max(CHECK_SECONDS, CHECK_SHARE * load.expected))
+    return checkable and (
+        how == "always" or seconds <= max(CHECK_SECONDS, CHECK_SHARE * load.expected)
+    )
 
 
 def _dry_run(
-    options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load, signals: Signals
+    options: argparse.Namespace,
+    machine,
+    port,
+    greeting: Greeting,
+    job: Job,
+    load: Load,
+    signals: Signals,
 ) -> int:
     """The whole program in the controller's check mode, nothing moving; its exit status."""
     dry = argparse.Namespace(**vars(options))
@@ -347,7 +409,9 @@ def _dry_run(
     return _stream(dry, machine, port, greeting, job, load, signals)
 
 
-def _again(port, options: argparse.Namespace, greeting: Greeting, machine, job: Job, signals: Signals) -> Greeting:
+def _again(
+    port, options: argparse.Namespace, greeting: Greeting, machine, job: Job, signals: Signals
+) -> Greeting:
     """The controller behind its check, which ends in a reset: the same zeros and modes as before. Raises UsageError."""
     from postproc.commands.stream import loop
     from postproc.streaming import live as lives
@@ -375,7 +439,13 @@ def _again(port, options: argparse.Namespace, greeting: Greeting, machine, job: 
 
 
 def _stream(
-    options: argparse.Namespace, machine, port, greeting: Greeting, job: Job, load: Load | None, signals: Signals
+    options: argparse.Namespace,
+    machine,
+    port,
+    greeting: Greeting,
+    job: Job,
+    load: Load | None,
+    signals: Signals,
 ) -> int:
     """Send it, and say how it ended."""
     from postproc.commands.stream import handed, kept, loop, told, tools
@@ -392,7 +462,9 @@ def _stream(
     order = tuple(CONTROLLER_AXES.index(x) for x in machine.letters)
     reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
     if options.check and not greeting.protocol.check_mode():
-        raise UsageError(f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC")
+        raise UsageError(
+            f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC"
+        )
     path = Way(controller, order) if job.watched() else None
     if handed.wanted(greeting.protocol):
         handed.write(options, job, greeting.protocol)
@@ -413,7 +485,11 @@ def _stream(
         quiet = options.quiet or getattr(options, "dry", False)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        answers = None if job.macros is None or options.check else tools.Answers(controller, machine.letters)
+        answers = (
+            None
+            if job.macros is None or options.check
+            else tools.Answers(controller, machine.letters)
+        )
         prefetch = Prefetch(lambda: job.lines(answers, options.check)).start()
         run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:
@@ -424,7 +500,10 @@ def _stream(
                 answers.close()
         dry = getattr(options, "dry", False)
         if not dry or outcome.exit_status:
-            show.tell(("nothing has moved: in the controller's check mode, " if dry else "") + outcome.text())
+            show.tell(
+                ("nothing has moved: in the controller's check mode, " if dry else "")
+                + outcome.text()
+            )
         if prefetch.fault is not None:  # of a pipe: what came before the fault was sent
             show.tell(f"the program ended there, because of: {prefetch.fault}")
         if job.copy and job.copy.changed():

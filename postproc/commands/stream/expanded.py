@@ -58,4 +58,6 @@ def lines(
 
 def _by_hand(batch: list[WireLine], written: Written) -> list[WireLine]:
     where = [written.source(line.source) for line in batch]
-    return [replace(line, source=n, file=file) for line, (n, file) in zip(batch, where, strict=True)]
+    return [
+        replace(line, source=n, file=file) for line, (n, file) in zip(batch, where, strict=True)
+    ]

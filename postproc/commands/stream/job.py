@@ -86,7 +86,10 @@ class Job:
         source.number = number
         self.sources.append(source)
         if preamble:
-            yield [replace(line, source=0) for line in source.feed(b"".join(x + b"\n" for x in preamble))]
+            yield [
+                replace(line, source=0)
+                for line in source.feed(b"".join(x + b"\n" for x in preamble))
+            ]
         if self.whole is not None:
             from postproc.commands.stream import expanded
 
@@ -117,7 +120,9 @@ class Job:
     def watched(self) -> bool:
         """Whether reports tell that the machine leaves the path."""
         o = self.options
-        return getattr(self.protocol, "exact", False) and not (o.check or o.control_compensates or o.no_watch)
+        return getattr(self.protocol, "exact", False) and not (
+            o.check or o.control_compensates or o.no_watch
+        )
 
     def _rapid(self) -> float:
         """mm/min of rapids, as the controller's settings say ($110 and on in GRBL and its kin)."""
@@ -144,7 +149,10 @@ class Job:
 
     def order(self) -> tuple[int, ...]:
         """Where each axis stands in the controller's settings. A printer's E is none of the axes of which they tell."""
-        return tuple(lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS for x in self.letters)
+        return tuple(
+            lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS
+            for x in self.letters
+        )
 
     def safe(self) -> dict[str, float]:
         """mm, machine coordinates: where the user says that the tool is clear of the part."""
@@ -152,7 +160,9 @@ class Job:
         return {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
 
     def _known(self, sent: str = NOTHING) -> Foreknown:
-        return Foreknown(self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent)
+        return Foreknown(
+            self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent
+        )
 
     def precheck(self, rate: float) -> Load:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
@@ -194,7 +204,11 @@ class Job:
 
 
 def prepare(
-    options: argparse.Namespace, machine: Machine, protocol: Protocol, live: lives.Live, copy: ports.Copy | None
+    options: argparse.Namespace,
+    machine: Machine,
+    protocol: Protocol,
+    live: lives.Live,
+    copy: ports.Copy | None,
 ) -> Job:
     """The job, with the controller's zeros in the filter. Raises UsageError where they are not the stated ones."""
     from postproc.filter import Filter
@@ -216,7 +230,9 @@ def prepare(
         return filter_
 
     macros = tools.read(options, protocol)
-    job = Job(options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros)
+    job = Job(
+        options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros
+    )
     if options.expand:
         with copy.opened() if copy else _piped(options.file) as stream:
             job.whole = stream.read(expansion.LARGEST + 1)
@@ -234,7 +250,9 @@ def _piped(path: str | None) -> Iterator[BinaryIO]:
         yield stream
 
 
-def resumed(options: argparse.Namespace, machine: Machine, copy: ports.Copy) -> tuple[int, journals.Past | None]:
+def resumed(
+    options: argparse.Namespace, machine: Machine, copy: ports.Copy
+) -> tuple[int, journals.Past | None]:
     """The source line that --resume-from names, by number or by a journal, and what the journal says; None: there is none of this
     program. Raises UsageError."""
     text = options.resume_from
@@ -286,7 +304,10 @@ def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: 
     if job.options.zero_is_right:
         return line
     letters, controller = job.fresh().machine.letters, job.protocol.controller
-    zero.refuse(zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)), controller)
+    zero.refuse(
+        zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)),
+        controller,
+    )
     if past is None or zero_done(job.options) or job.options.resume_from.isdigit():
         return line
     return zero.certain(past, job.live, letters, controller)
@@ -304,12 +325,16 @@ def restarted(job: Job, line: int) -> None:
         job.preamble = tuple(restart.preamble(filter_, before, job.safe(), job.live.place))
     job.begin = line
     shown = "".join(f"\n    {x.decode()}" for x in job.preamble)
-    ahead = f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
+    ahead = (
+        f"; sent before it:{shown}" if shown else ", the whole program: nothing is sent before it"
+    )
     print(f"gcomp: beginning again with line {line}{ahead}", file=sys.stderr)
     if options.yes:
         return
     if sys.stdin is None or not sys.stdin.isatty():
-        raise UsageError("nothing was sent: nobody is here to agree to this", "look at it, then say --yes")
+        raise UsageError(
+            "nothing was sent: nobody is here to agree to this", "look at it, then say --yes"
+        )
     print("gcomp: send this? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):
         raise UsageError("nothing was sent")
@@ -326,7 +351,9 @@ def with_hint(error: ProgramError, job: Job) -> ProgramError:
         options.dialect = name
         other = reading.filter_of(options, mine.machine)
         setup = replace(other.setup, offsets=mine.setup.offsets)
-        filter_ = type(mine)(other.machine, other.dialect, setup, other.options, mine.name, heat=other.heat)
+        filter_ = type(mine)(
+            other.machine, other.dialect, setup, other.options, mine.name, heat=other.heat
+        )
         lives.stand(filter_, job.live)
         with whole.opened() as stream:
             try:
@@ -351,4 +378,8 @@ def journal_path(options: argparse.Namespace) -> Path | None:
         return None
     if options.journal:
         return Path(options.journal)
-    return Path(os.path.basename(options.file) + ".journal") if is_file(options.file) else Path("stream.journal")
+    return (
+        Path(os.path.basename(options.file) + ".journal")
+        if is_file(options.file)
+        else Path("stream.journal")
+    )

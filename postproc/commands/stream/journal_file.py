@@ -39,14 +39,17 @@ class JournalFile:
             os.fsync(self._file)
         except OSError as error:
             raise UsageError(
-                f"the journal {path} can not be written: {error.strerror}", "--journal FILE, or --no-journal"
+                f"the journal {path} can not be written: {error.strerror}",
+                "--journal FILE, or --no-journal",
             ) from None
         self._size = len(head)
         self._waiting = bytearray()
         self._dirty = self._lost = False
         self._news = threading.Condition()
         self._closing = threading.Event()
-        self._threads = [threading.Thread(target=run, daemon=True) for run in (self._write, self._sync)]
+        self._threads = [
+            threading.Thread(target=run, daemon=True) for run in (self._write, self._sync)
+        ]
         for thread in self._threads:
             thread.start()
 

@@ -12,13 +12,22 @@ from postproc.streaming import journal as journals
 from postproc.streaming.trace import Trace
 
 
-def recording(options: argparse.Namespace, machine, job: jobs.Job, order: tuple[int, ...], reported: int, stack):
+def recording(
+    options: argparse.Namespace,
+    machine,
+    job: jobs.Job,
+    order: tuple[int, ...],
+    reported: int,
+    stack,
+):
     """The trace and where it is written; None twice where none is asked for."""
     if not options.record:
         return None, None
     name = job.protocol.controller.name
     if any(i >= reported for i in order):
-        raise UsageError(f"{name} does not report all axes of {machine.name}: there is nothing to record")
+        raise UsageError(
+            f"{name} does not report all axes of {machine.name}: there is nothing to record"
+        )
     start = tuple(job.live.place.get(x, float("nan")) for x in machine.letters)
     trace = Trace(machine.name, machine.letters, name, start)
     file = stack.enter_context(open(options.record, "w", encoding="utf-8"))  # noqa: SIM115

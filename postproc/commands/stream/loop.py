@@ -34,7 +34,9 @@ from postproc.streaming.trace import Trace
 WAIT = 0.02  # s at most between two looks at signals and clock
 HUNGRY = 0.002  # s while lines are missing
 QUEUE = 256  # lines that the sender has ready
-STANDS = 2.0  # s from a hold to the stop behind it, where the controller does not say that it stands
+STANDS = (
+    2.0  # s from a hold to the stop behind it, where the controller does not say that it stands
+)
 RELEASE = "gcomp control resume releases it"
 CLOSED = "nobody reads standard output any more: the pipe was closed"
 
@@ -67,7 +69,9 @@ def greet(port: Port, greeting: Greeting) -> None:
                 data = data[port.write(data) :]
             greeting.receive(port.read(WAIT), time.monotonic())
     except Lost as error:
-        raise UsageError(f"the port {port.url} was closed: {error}", "is the controller still plugged in?") from None
+        raise UsageError(
+            f"the port {port.url} was closed: {error}", "is the controller still plugged in?"
+        ) from None
     if greeting.fault:
         raise greeting.fault
 
@@ -80,12 +84,24 @@ class Run:
         trace: Trace | None = None, record: Outlet | None = None, keys: Keys | None = None, answers: Answers | None = None,
     ):  # fmt: skip
         self.answers = answers
-        self.port, self.sender, self.prefetch, self.show, self.signals = port, sender, prefetch, show, signals
+        self.port, self.sender, self.prefetch, self.show, self.signals = (
+            port,
+            sender,
+            prefetch,
+            show,
+            signals,
+        )
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
         self.begun = time.monotonic()
-        self._pressed, self._resumed, self._stopped = signals.presses, signals.resumes, signals.holds
+        self._pressed, self._resumed, self._stopped = (
+            signals.presses,
+            signals.resumes,
+            signals.holds,
+        )
         self._asked = 0  # refused lines that were shown
-        self._ending: tuple[str, float] | None = None  # why the job ends when the machine stands, and since when
+        self._ending: tuple[str, float] | None = (
+            None  # why the job ends when the machine stands, and since when
+        )
         self._closed = False
         self._faults: set[str] = set()
 
@@ -94,7 +110,9 @@ class Run:
             try:
                 while self.sender.outcome is None:
                     self._turn()
-            except BaseException as error:  # whatever it is, the machine must not run on with nobody at its wire
+            except (
+                BaseException
+            ) as error:  # whatever it is, the machine must not run on with nobody at its wire
                 self._failed(error)
         assert self.sender.outcome is not None
         # The stop that an outcome orders may still have to leave.
@@ -104,7 +122,11 @@ class Run:
         if self.journal is not None:
             outcome, fault = self.sender.outcome, self.prefetch.fault
             if fault is not None and outcome.kind in (ends.DONE, ends.SENT):  # of what there was
-                outcome = replace(outcome, kind=ends.ERROR, message=f"the program ended there, because of: {fault}")
+                outcome = replace(
+                    outcome,
+                    kind=ends.ERROR,
+                    message=f"the program ended there, because of: {fault}",
+                )
             self.journal.write(journals.end(outcome, time.monotonic() - self.begun))
             self.journal.close()
             self._fault("journal", self.journal.fault)
@@ -157,7 +179,9 @@ class Run:
             if n < len(data):
                 self.sender.unwritten(data[n:])
                 return
-            if self.sender.protocol.release() < UNLIMITED:  # few at a time, and look for a stop in between
+            if (
+                self.sender.protocol.release() < UNLIMITED
+            ):  # few at a time, and look for a stop in between
                 self.port.drain()
                 return
 
@@ -201,7 +225,11 @@ class Run:
         self._urge()
         does = self.sender.protocol
         what = "feed hold" if does.urgent("hold") else does.does["hold"]
-        how = f"{keyboard.IN_HOLD}; {keyboard.OVER}" if self.keys else "Ctrl-C again stops the job, SIGUSR1 goes on"
+        how = (
+            f"{keyboard.IN_HOLD}; {keyboard.OVER}"
+            if self.keys
+            else "Ctrl-C again stops the job, SIGUSR1 goes on"
+        )
         self.show.tell(f"{what}; {how}")
 
     def _end(self, why: str, now: float) -> None:
@@ -242,7 +270,11 @@ class Run:
         sender = self.sender
         if key in keyboard.OVERRIDES:
             what = keyboard.OVERRIDES[key]
-            self.show.tell(f"override: {what}" if sender.override(what) else "this controller takes no such override")
+            self.show.tell(
+                f"override: {what}"
+                if sender.override(what)
+                else "this controller takes no such override"
+            )
         elif key == keyboard.RESET:
             sender.stop(now, "reset by the user")
         elif not sender.held:
@@ -264,7 +296,9 @@ class Run:
             self.show.tell(
                 f"{endings.fact_of_refusal(line, words)}\n    {endings.behind(rest)}{self.sender.protocol.does['hold']}"
             )
-        answers = [key for key in pressed or "" if key in (keyboard.SKIP, keyboard.STOP, keyboard.RESET)]
+        answers = [
+            key for key in pressed or "" if key in (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
+        ]
         if len(self.sender.asks) > self._asked or (pressed and not answers):
             self.show.tell("c: go on without it; s: stop here; x: reset at once")
         elif answers and answers[0] == keyboard.RESET:
@@ -281,7 +315,9 @@ class Run:
         for kind, what, t in entries:
             answer = self.answers is not None and self.answers.hears(kind, what)
             if self.journal is not None:
-                out.append(journals.record(kind, what, t - self.begun, self.sender.account.executed))
+                out.append(
+                    journals.record(kind, what, t - self.begun, self.sender.account.executed)
+                )
             if self.trace is not None:
                 self._traced(kind, what, t)
             if kind in ("hold", "resumed"):

@@ -73,7 +73,9 @@ class Outlet:
                     return
                 self._busy = True
                 text = self._texts.popleft() if self._texts else None
-                state, self._state = (None, self._state) if text is not None else (self._state, None)
+                state, self._state = (
+                    (None, self._state) if text is not None else (self._state, None)
+                )
             if self.gone:
                 continue
             try:

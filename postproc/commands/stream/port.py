@@ -28,7 +28,12 @@ class Port:
             import serial
         except ImportError:
             raise UsageError("gcomp stream needs pyserial", "pip install pyserial") from None
-        self._broken: tuple[type[BaseException], ...] = (serial.SerialException, OSError, TypeError, ValueError)
+        self._broken: tuple[type[BaseException], ...] = (
+            serial.SerialException,
+            OSError,
+            TypeError,
+            ValueError,
+        )
         try:
             port: Any = serial.serial_for_url(url, do_not_open=True)
             port.baudrate, port.timeout = baud, 0

@@ -20,7 +20,13 @@ class Show:
     may be pressed. out, err: where it is told."""
 
     def __init__(
-        self, sender: Sender, clock: Clock | None, total: int, letters: tuple[str, ...], quiet: bool, keys: bool = False
+        self,
+        sender: Sender,
+        clock: Clock | None,
+        total: int,
+        letters: tuple[str, ...],
+        quiet: bool,
+        keys: bool = False,
     ):
         self.sender, self.clock, self.total, self.letters = sender, clock, total, letters
         self.terminal = sys.stderr is not None and sys.stderr.isatty()
@@ -66,10 +72,14 @@ class Show:
             "elapsed_s": round(now - (now if self._begun is None else self._begun), 1),
         }  # fmt: skip
         if status and status.place:
-            result["position_mm"] = {x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)}
+            result["position_mm"] = {
+                x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)
+            }
             if status.shift and len(status.shift) == len(status.place):
                 work = (v - s for v, s in zip(status.place, status.shift, strict=True))
-                result["work_mm"] = {x: round(v, 4) for x, v in zip(self.letters, work, strict=False)}
+                result["work_mm"] = {
+                    x: round(v, 4) for x, v in zip(self.letters, work, strict=False)
+                }
         if status and status.free:
             result["planner_free"], result["receive_free"] = status.free
         if status and status.feed is not None:
@@ -105,7 +115,10 @@ class Show:
 
     def _words(self, state: dict[str, Any]) -> str:
         if "bytes" in state:
-            parts = [str(state["state"]), f"{state['percent']:.1f} %" if state["percent"] is not None else ""]
+            parts = [
+                str(state["state"]),
+                f"{state['percent']:.1f} %" if state["percent"] is not None else "",
+            ]
             parts += [
                 f"line {state['source_line']} sent, {state['bytes']} bytes",
                 f"{_minutes(state['elapsed_s'])} gone",
@@ -115,14 +128,18 @@ class Show:
         parts = [str(state["state"])]
         if state["total"]:
             parts.append(f"{state['percent']:.1f} %")
-        parts.append(f"line {state['executed_source_line']} is over, {state['source_line']} answered")
+        parts.append(
+            f"line {state['executed_source_line']} is over, {state['source_line']} answered"
+        )
         for name, which in (("work_mm", "work"), ("position_mm", "machine")):
             if name in state:
                 parts.append(f"{which} " + " ".join(f"{x}{v:.3f}" for x, v in state[name].items()))
         if "feed_mm_min" in state:
             parts.append(f"F{state['feed_mm_min']:g}")
         if any(v != 100 for v in state.get("override_percent", {}).values()):
-            parts.append(" ".join(f"{k} {v:g} %" for k, v in state["override_percent"].items() if v != 100))
+            parts.append(
+                " ".join(f"{k} {v:g} %" for k, v in state["override_percent"].items() if v != 100)
+            )
         if state["buffer_bytes"] is not None:
             parts.append(f"{state['buffer_bytes']} bytes in the buffer")
         if "planner_free" in state:
@@ -131,7 +148,11 @@ class Show:
         if "eta_s" in state:
             parts.append(f"{_minutes(state['eta_s'])} left")
         if state["state"] in ("hold", "door") or state["held"]:
-            parts.append("HOLD: r goes on, s stops, x resets" if self.keys else "HOLD: SIGUSR1 goes on, Ctrl-C stops")
+            parts.append(
+                "HOLD: r goes on, s stops, x resets"
+                if self.keys
+                else "HOLD: SIGUSR1 goes on, Ctrl-C stops"
+            )
         return "  ".join(part for part in parts if part)
 
     def _draw(self, state: dict[str, Any]) -> None:
@@ -161,7 +182,11 @@ class Show:
     def event(self, kind: str, message: str) -> None:
         """What happened by itself."""
         self._events.append(
-            {"s": round(self._looked - (self._begun or self._looked), 2), "event": kind, "message": message}
+            {
+                "s": round(self._looked - (self._begun or self._looked), 2),
+                "event": kind,
+                "message": message,
+            }
         )
         if not self.terminal and not self.quiet:
             self._line({"event": kind, "message": message})

@@ -25,11 +25,18 @@ class Signals:
 
     @contextlib.contextmanager
     def caught(self) -> Iterator[Signals]:
-        wanted = {"SIGINT": "presses", "SIGTSTP": "holds", "SIGUSR1": "resumes", **dict.fromkeys(STOPS, "ends")}
+        wanted = {
+            "SIGINT": "presses",
+            "SIGTSTP": "holds",
+            "SIGUSR1": "resumes",
+            **dict.fromkeys(STOPS, "ends"),
+        }
         old = {}
         for name, what in wanted.items():
             number = getattr(signal, name, None)
-            if number is None or (name == "SIGHUP" and signal.getsignal(number) is signal.SIG_IGN):  # nohup
+            if number is None or (
+                name == "SIGHUP" and signal.getsignal(number) is signal.SIG_IGN
+            ):  # nohup
                 continue
             with contextlib.suppress(ValueError):
                 old[number] = signal.signal(number, self._handler(name, what))

@@ -47,4 +47,8 @@ def write(options: argparse.Namespace, fields: dict[str, Any], history: History)
     if options.report and not plain:
         from postproc.pages import run
 
-        ports.replace_file(Path(options.report), io.BytesIO(run.html(fields, history.samples).encode()), backup=False)
+        ports.replace_file(
+            Path(options.report),
+            io.BytesIO(run.html(fields, history.samples).encode()),
+            backup=False,
+        )

@@ -101,7 +101,11 @@ class Answers:
 
     def _complete(self, status: Status) -> None:
         modes = [word for text in self.said[changes.MODES] for word in text[4:].rstrip("]").split()]
-        zeros = [text for text in self.said[changes.ZEROS] if text.startswith("[") and not text.startswith("[MSG")]
+        zeros = [
+            text
+            for text in self.said[changes.ZEROS]
+            if text.startswith("[") and not text.startswith("[MSG")
+        ]
         heard = replace(self.controller, offsets=zeros, modal=modes)
         with self._news:
             self._asked = False
@@ -137,7 +141,12 @@ def lines(job: Job, answers: Answers | None, bare: bool) -> Iterator[list[WireLi
     """All of a job. answers: of the controller, None: before the job, with the zeros of now. bare: without macros and pauses, as in
     the controller's check mode. Raises ProgramError, UsageError."""
     assert job.macros is not None
-    number, begin, live, preamble = 1, job.begin, job.live, tuple(M6.sub(b"M0", x) for x in job.preamble)
+    number, begin, live, preamble = (
+        1,
+        job.begin,
+        job.live,
+        tuple(M6.sub(b"M0", x) for x in job.preamble),
+    )
     longer = Longer(25.4 if job.protocol.controller.inches else 1.0)
     while True:
         change = None
@@ -178,7 +187,9 @@ def _cut(batch: list[WireLine], job: Job) -> tuple[list[WireLine], WireLine | No
     return batch[:at], replace(batch[at], text=text)
 
 
-def _changed(job: Job, change: WireLine, number: int, answers: Answers | None, longer: Longer) -> Iterator[WireLine]:
+def _changed(
+    job: Job, change: WireLine, number: int, answers: Answers | None, longer: Longer
+) -> Iterator[WireLine]:
     """The lines of one tool change."""
     assert job.macros is not None
     for name, row, text in changes.steps(change.text, job.macros.park, job.macros.touch):
@@ -205,7 +216,11 @@ def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[by
     if not stays:
         restart.refuse(filter_, rest, begin, CAN_NOT)
     frame = filter_.modal.frame
-    z = frame.length[filter_.setup.axes.index("Z")] if frame is not None and "Z" in filter_.setup.axes else 0
+    z = (
+        frame.length[filter_.setup.axes.index("Z")]
+        if frame is not None and "Z" in filter_.setup.axes
+        else 0
+    )
     if abs(z / lives.TICKS_PER_MM - live.length.get("Z", 0.0)) > lives.SAME_MM:
         raise UsageError(
             f"line {begin - 1} changes the tool, and the program has set a tool length before (G43.1, G49), which is not the new one's",

@@ -16,7 +16,14 @@ from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
-from postproc.nc.cycles.drilling_fanuc import LATHE, MILL, MILL_REFUSED, FanucDrilling, HaasDrilling, LatheDrilling
+from postproc.nc.cycles.drilling_fanuc import (
+    LATHE,
+    MILL,
+    MILL_REFUSED,
+    FanucDrilling,
+    HaasDrilling,
+    LatheDrilling,
+)
 from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
 from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
@@ -150,7 +157,12 @@ def _turning(system: str, haas: bool = False) -> Family:
     roles = {finish: "finish", rough: "rough", face: "face", repeat: "repeat"}
     cycles: dict[int, Cycle] = dict.fromkeys(roles, Repetitive(roles, haas))
     cycles |= {peck: Grooving("Z", haas), groove: Grooving("X", haas)}
-    cycles |= {thread: Stays(False), turn: Turn(False, haas), single: Stays(True), end: Turn(True, haas)}
+    cycles |= {
+        thread: Stays(False),
+        turn: Turn(False, haas),
+        single: Stays(True),
+        end: Turn(True, haas),
+    }
     return Family(cycles, restores=True)
 
 
@@ -184,7 +196,9 @@ def okuma(dialect: Dialect, synchronised: bool) -> Family:
     return Family(cycles | {LEVEL: ReturnLevel(holes)}, forgets=True)
 
 
-FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {  # the longest prefix of the dialect's name holds
+FAMILIES: dict[
+    str, Callable[[Dialect, bool], Family]
+] = {  # the longest prefix of the dialect's name holds
     "linuxcnc": linuxcnc,
     "grblhal": grblhal,
     "fanuc": fanuc_mill,

@@ -45,15 +45,23 @@ class Affine:
     def partners(self, axis: str) -> list[str]:
         """The axes that a word of this axis moves, and those that its coordinate depends on: itself at least."""
         i = AXES.index(axis)
-        mixed = {i} | {j for j in range(3) if abs(self.matrix[i][j]) > TINY or abs(self.matrix[j][i]) > TINY}
+        mixed = {i} | {
+            j for j in range(3) if abs(self.matrix[i][j]) > TINY or abs(self.matrix[j][i]) > TINY
+        }
         for j in list(mixed):
-            mixed |= {k for k in range(3) if abs(self.matrix[j][k]) > TINY or abs(self.matrix[k][j]) > TINY}
+            mixed |= {
+                k
+                for k in range(3)
+                if abs(self.matrix[j][k]) > TINY or abs(self.matrix[k][j]) > TINY
+            }
         return [AXES[j] for j in sorted(mixed)]
 
     def leaves(self, axis: str) -> bool:
         """Whether an axis keeps its coordinates."""
         i = AXES.index(axis)
-        return self.matrix[i] == NO_TURN[i] and self.shift[i] == 0.0 and self.partners(axis) == [axis]
+        return (
+            self.matrix[i] == NO_TURN[i] and self.shift[i] == 0.0 and self.partners(axis) == [axis]
+        )
 
     def inverse(self, q: Point) -> Point:
         """The programmed coordinates of a place. The map must be one that can be undone."""
@@ -74,7 +82,11 @@ class Affine:
         a, b, c, d = m[i][i], m[i][j], m[j][i], m[j][j]
         scale = max(abs(x) for x in (a, b, c, d))
         det = a * d - b * c
-        if abs(a * b + c * d) > 1e-9 * scale**2 or abs(a * a + c * c - b * b - d * d) > 1e-9 * scale**2 or not det:
+        if (
+            abs(a * b + c * d) > 1e-9 * scale**2
+            or abs(a * a + c * c - b * b - d * d) > 1e-9 * scale**2
+            or not det
+        ):
             return None
         return math.copysign(math.sqrt(abs(det)), det)
 
@@ -92,7 +104,11 @@ def _columns(m: Matrix) -> Matrix:
 
 
 def _det(a: Point, b: Point, c: Point) -> float:
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
 
 
 def exact_turn(degrees: float) -> tuple[float, float]:

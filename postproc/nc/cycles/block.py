@@ -11,7 +11,15 @@ from postproc.nc.codes import code_number
 from postproc.nc.lexer import Grammar
 
 _DIGITS = rb"[0-9](?:[ \t]*[0-9])*"
-_NUMBER = rb"[+-]?[ \t]*(?:" + _DIGITS + rb"(?:[ \t]*\.(?:[ \t]*" + _DIGITS + rb")?)?|\.[ \t]*" + _DIGITS + rb")"
+_NUMBER = (
+    rb"[+-]?[ \t]*(?:"
+    + _DIGITS
+    + rb"(?:[ \t]*\.(?:[ \t]*"
+    + _DIGITS
+    + rb")?)?|\.[ \t]*"
+    + _DIGITS
+    + rb")"
+)
 _ARGUMENTS = rb"(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
 _STRING = re.compile(rb"(?<![A-Za-z0-9_])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")  # T="MILL 8"
 _HIDDEN = b"\x01"  # in place of a comment's characters: no number goes on behind it
@@ -44,11 +52,19 @@ def _patterns(grammar: Grammar) -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
     keyword = rb"(?P<keyword>(?:" + b"|".join(names) + rb"))(?![A-Za-z0-9_=])" + _ARGUMENTS + b"|"
     if not names:
         keyword = rb"(?P<keyword>(?!))|"
-    name = rb"(?P<name>[A-Za-z]+[0-9]?)[ \t]*=[ \t]*(?:" + _HELD + rb"|(?P<assigned>" + _NUMBER + rb"))|"
+    name = (
+        rb"(?P<name>[A-Za-z]+[0-9]?)[ \t]*=[ \t]*(?:"
+        + _HELD
+        + rb"|(?P<assigned>"
+        + _NUMBER
+        + rb"))|"
+    )
     if not grammar.assigns:
         name = rb"(?P<name>(?!))(?P<held>(?!))(?P<inner>(?!))(?P<assigned>(?!))|"
     word = rb"(?P<letter>[A-Za-z])[ \t]*(?P<number>" + _NUMBER + rb")"
-    return re.compile(b"|".join(comments) or rb"(?!)"), re.compile(keyword + name + word, re.IGNORECASE)
+    return re.compile(b"|".join(comments) or rb"(?!)"), re.compile(
+        keyword + name + word, re.IGNORECASE
+    )
 
 
 @lru_cache
@@ -65,7 +81,9 @@ def blocks(text: bytes, grammar: Grammar) -> list[bytes]:
     comment, _ = _patterns(grammar)
     hidden = comment.sub(lambda m: _HIDDEN * len(m[0]), text)
     cuts = [i for i, c in enumerate(hidden) if c == ord(";")]
-    parts = [text[a:b] for a, b in zip([0, *(c + 1 for c in cuts)], [*cuts, len(text)], strict=True)]
+    parts = [
+        text[a:b] for a, b in zip([0, *(c + 1 for c in cuts)], [*cuts, len(text)], strict=True)
+    ]
     return [part for part in parts if part.strip()] or [b""]
 
 
@@ -115,7 +133,11 @@ class Block:
         return [number for w in self.words if (number := number_of(w)) is not None]
 
     def m_codes(self) -> list[int]:
-        return [int(w.value) for w in self.words if w.letter == "M" and w.value is not None and w.value == int(w.value)]
+        return [
+            int(w.value)
+            for w in self.words
+            if w.letter == "M" and w.value is not None and w.value == int(w.value)
+        ]
 
     @property
     def spaced(self) -> bool:
@@ -123,7 +145,11 @@ class Block:
         return any(self.text[b.start - 1] in _BLANK for b in self.words[1:]) or len(self.words) < 2
 
     def written(
-        self, out: set[int], new: bytes = b"", at: int | None = None, changed: dict[int, bytes] | None = None
+        self,
+        out: set[int],
+        new: bytes = b"",
+        at: int | None = None,
+        changed: dict[int, bytes] | None = None,
     ) -> bytes:
         """The text without the words numbered in `out`, words in `changed` written anew, and `new` put in before word
         `at` (None: where the first word that goes out stood, else behind the last word)."""

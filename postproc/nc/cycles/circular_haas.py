@@ -46,12 +46,17 @@ class CircularPocket:
         if scene.code("plane") != 170:
             raise scene.fault(f"{name} outside the XY plane", "write G17 before it")
         if scene.code("cutter") in (410, 420):
-            raise scene.fault(f"{name} with cutter radius compensation on", "write G40 before it: D says the radius")
+            raise scene.fault(
+                f"{name} with cutter radius compensation on",
+                "write G40 before it: D says the radius",
+            )
         radii = self._radii(scene, block, name)
         depth, times = block.word("Z"), block.word("L")
         count = int(times.value or 0) if times else 1
         if not 1 <= count <= MOST_DEPTHS or (count > 1 and not (scene.incremental and depth)):
-            raise scene.fault(f"L{count} of {name}", "it repeats with Z in G91: write G91 and Z, or no L", times)
+            raise scene.fault(
+                f"L{count} of {name}", "it repeats with Z in G91: write G91 and Z, or no L", times
+            )
         m = Moves(scene, own_words(block, "".join(WORDS), {code}))
         at, z = scene.at("X"), scene.at("Z")
         down = scene.length(depth, "Z") if depth else 0.0
@@ -79,19 +84,23 @@ class CircularPocket:
             raise scene.fault(f"the first circle of {name} has no radius", "write it as I")
         if (last is None) != (step is None):
             raise scene.fault(
-                f"{name} with one of K and Q", "write both, or I alone", block.word("K") or block.word("Q")
+                f"{name} with one of K and Q",
+                "write both, or I alone",
+                block.word("K") or block.word("Q"),
             )
         radii = [first]
         while last is not None and step is not None and radii[-1] < last - NEAR:
             if step <= 0 or len(radii) > MOST_CIRCLES:
                 raise scene.fault(
-                    f"Q{step:g} takes {name} in more than {MOST_CIRCLES:,} circles to K", "write it above 0"
+                    f"Q{step:g} takes {name} in more than {MOST_CIRCLES:,} circles to K",
+                    "write it above 0",
                 )
             radii.append(min(radii[-1] + step, last))
         tool = self._tool(scene, block, name)
         if radii[0] <= tool:
             raise scene.fault(
-                f"I{first:g} of {name} is no wider than the tool, {tool:g}", "write I above the tool's radius"
+                f"I{first:g} of {name} is no wider than the tool, {tool:g}",
+                "write I above the tool's radius",
             )
         return [radius - tool for radius in radii]
 
@@ -104,7 +113,10 @@ class CircularPocket:
         """The radius that D names, program's unit."""
         number = block.get("D")
         if number is None:
-            raise scene.fault(f"the tool of {name} has no radius", "name it by D, or D0 for the path of its centre")
+            raise scene.fault(
+                f"the tool of {name} has no radius",
+                "name it by D, or D0 for the path of its centre",
+            )
         if number == 0:
             return 0.0
         radius = scene.tracker.offset(f"D{number:g}", "R")

@@ -80,9 +80,14 @@ class Corners:
         rndm, own, plain = self._words(block)
         if self.held is not None and own is None and self._switches(plain):  # RNDM alone
             if self.held.modal:
-                raise scene.fault("RNDM changes behind a line that it rounds", "write it into the block of that line")
+                raise scene.fault(
+                    "RNDM changes behind a line that it rounds",
+                    "write it into the block of that line",
+                )
             self.modal = rndm or 0.0
-            self.held.between += [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
+            self.held.between += (
+                [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
+            )
             return []
         modal, self.modal = self.modal, self.modal if rndm is None else rndm
         if self.held is None and own is None and not (modal or self.modal):
@@ -97,12 +102,20 @@ class Corners:
         scene = self.scene
         strange = next((w for w in block.words if w.letter in ("FRC", "FRCM", "ANG")), None)
         if strange:
-            raise scene.fault(f"{strange.letter} beside corners", "it is not followed: write the corner out", strange)
+            raise scene.fault(
+                f"{strange.letter} beside corners",
+                "it is not followed: write the corner out",
+                strange,
+            )
         found = [w for w in block.words if w.letter in CORNERS and w.letter != "RNDM"]
         if len(found) > 1:
-            raise scene.fault(f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1])
+            raise scene.fault(
+                f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1]
+            )
         if found and (found[0].value or 0.0) <= 0:
-            raise scene.fault(f"{found[0].letter}={found[0].raw}", "a corner has a size above 0", found[0])
+            raise scene.fault(
+                f"{found[0].letter}={found[0].raw}", "a corner has a size above 0", found[0]
+            )
         out = {i for i, w in enumerate(block.words) if w.letter in CORNERS}
         rndm = block.get("RNDM")
         plain = Block.of(block.written(out), scene.dialect.grammar) if out else block
@@ -129,7 +142,9 @@ class Corners:
         if not size:
             return [*lines, line._replace(text=block.text)]
         word = own.letter if own else "RND"
-        self.held = Held(line._replace(text=block.text), block, start, end, word, size, [], own is None)
+        self.held = Held(
+            line._replace(text=block.text), block, start, end, word, size, [], own is None
+        )
         return lines
 
     def _motion(self, block: Block) -> int:
@@ -152,8 +167,13 @@ class Corners:
         strange = next((c for c in block.codes if c not in known), None)
         if strange is not None:
             name = scene.table[strange].word if strange in scene.table else f"G{strange / 10:g}"
-            raise scene.fault(f"{name} at a line with {word}", "write it in a block before the corner")
-        if any(row.word == DIAM90 and scene.code("diameter") == row.number for row in scene.table.values()):
+            raise scene.fault(
+                f"{name} at a line with {word}", "write it in a block before the corner"
+            )
+        if any(
+            row.word == DIAM90 and scene.code("diameter") == row.number
+            for row in scene.table.values()
+        ):
             raise scene.fault(f"{word} under DIAM90", "write DIAMON or DIAMOF")
 
     def _half(self, axis: str) -> float:
@@ -173,7 +193,9 @@ class Corners:
         codes = [c for c in self.held.block.codes if c in (900, 910)] if self.held else []
         return codes[-1] == 910 if codes else self.scene.incremental
 
-    def _end(self, block: Block, names: tuple[str, ...], start: tuple[float, float]) -> tuple[float, float]:
+    def _end(
+        self, block: Block, names: tuple[str, ...], start: tuple[float, float]
+    ) -> tuple[float, float]:
         place = list(start)
         for i, axis in enumerate(names):
             word = block.word(axis)
@@ -196,7 +218,9 @@ class Corners:
             if word.letter not in names:
                 continue
             k = names.index(word.letter)
-            value = (end[k] - start[k] if self._relative(block, word) else end[k]) * self._half(word.letter)
+            value = (end[k] - start[k] if self._relative(block, word) else end[k]) * self._half(
+                word.letter
+            )
             text = number(scene.rounded(word.letter, value), scene.decimals(word.letter)).encode()
             written = block.text[word.start : word.stop]
             if word.mode:
@@ -211,7 +235,12 @@ class Corners:
     # -- the corner ----------------------------------------------------------------------------------------------------
 
     def _corner(
-        self, held: Held, block: Block, names: tuple[str, ...], corner: tuple[float, float], end: tuple[float, float]
+        self,
+        held: Held,
+        block: Block,
+        names: tuple[str, ...],
+        corner: tuple[float, float],
+        end: tuple[float, float],
     ) -> tuple[tuple[float, float], Block, list[Line]]:
         """Where the next line begins then, its block, and the lines up to there."""
         scene = self.scene
@@ -223,7 +252,9 @@ class Corners:
         a = before[0] / lengths[0], before[1] / lengths[0]
         b = behind[0] / lengths[1], behind[1] / lengths[1]
         turn = a[0] * b[1] - a[1] * b[0]
-        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])  # between the lines: pi where they go on straight
+        angle = math.atan2(
+            abs(turn), a[0] * b[0] + a[1] * b[1]
+        )  # between the lines: pi where they go on straight
         if math.pi - angle < NEAR:
             return corner, block, [held.line, *held.between]
         if angle < NEAR:
@@ -258,7 +289,11 @@ class Corners:
 
     @staticmethod
     def _middle(
-        corner: tuple[float, float], a: tuple[float, float], b: tuple[float, float], radius: float, angle: float
+        corner: tuple[float, float],
+        a: tuple[float, float],
+        b: tuple[float, float],
+        radius: float,
+        angle: float,
     ) -> tuple[float, float]:
         """The centre: on the line that halves the angle."""
         way = a[0] + b[0], a[1] + b[1]

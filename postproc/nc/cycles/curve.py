@@ -38,14 +38,20 @@ class Curve:
     def points(self, tolerance: float, straight: int) -> np.ndarray:
         """(M, D) ends of lines behind the first pole. The lines leave the curve by `tolerance` at most, in its first
         `straight` coordinates; what is behind these is carried along."""
-        ends = [end for piece in self.beziers() for end in _ends(piece, tolerance, straight, MOST_HALVINGS)]
+        ends = [
+            end
+            for piece in self.beziers()
+            for end in _ends(piece, tolerance, straight, MOST_HALVINGS)
+        ]
         return np.array([end[:-1] / end[-1] for end in ends])
 
 
 def lines_of(piece: np.ndarray, tolerance: float, straight: int) -> np.ndarray:
     """(M, D) ends of the lines that one Bezier piece becomes: (K, D + 1) poles, each with its weight behind, the coordinates
     times the weight."""
-    return np.array([end[:-1] / end[-1] for end in _ends(piece, tolerance, straight, MOST_HALVINGS)])
+    return np.array(
+        [end[:-1] / end[-1] for end in _ends(piece, tolerance, straight, MOST_HALVINGS)]
+    )
 
 
 def uniform(poles: np.ndarray, weights: np.ndarray, order: int) -> Curve:
@@ -60,7 +66,9 @@ def bezier(*poles: tuple[float, ...]) -> Curve:
     return uniform(np.array(poles), np.ones(len(poles)), len(poles))
 
 
-def _inserted(points: np.ndarray, knots: list[float], degree: int, knot: float) -> tuple[np.ndarray, list[float]]:
+def _inserted(
+    points: np.ndarray, knots: list[float], degree: int, knot: float
+) -> tuple[np.ndarray, list[float]]:
     """The same curve with one more knot."""
     at = max(i for i, k in enumerate(knots) if k <= knot)
     at = min(at, len(points) - 1) if knot < knots[-1] else len(points) - 1

@@ -65,17 +65,27 @@ class ToolDirections:
         scene = self.scene
         kinematics = scene.tracker.setup.kinematics
         if kinematics is None:
-            raise scene.fault("G43.5 on a machine without rotary axes", "choose the right --machine")
+            raise scene.fault(
+                "G43.5 on a machine without rotary axes", "choose the right --machine"
+            )
         if kinematics.lacking:
-            raise scene.fault(f"G43.5 turns the tool, and {kinematics.lacking[0]}", kinematics.lacking[1])
-        wrong = next((w for w in block.words if w.letter in "QIJK" or (w.letter == "P" and w.value)), None)
+            raise scene.fault(
+                f"G43.5 turns the tool, and {kinematics.lacking[0]}", kinematics.lacking[1]
+            )
+        wrong = next(
+            (w for w in block.words if w.letter in "QIJK" or (w.letter == "P" and w.value)), None
+        )
         if wrong is not None:
             raise scene.fault(
                 f"{wrong.letter}{wrong.raw} in the block of G43.5",
                 "an inclination, posture control and a direction there are not followed: " + BY_CAM, wrong,
             )  # fmt: skip
         self.on = True
-        at = next(i for i, w in enumerate(block.words) if w.letter == "G" and round((w.value or 0) * 10) == ON)
+        at = next(
+            i
+            for i, w in enumerate(block.words)
+            if w.letter == "G" and round((w.value or 0) * 10) == ON
+        )
         return block.written(set(), changed={at: b"G43.4"})
 
     def _directed(self, block: Block, vector: np.ndarray) -> bytes:
@@ -84,9 +94,13 @@ class ToolDirections:
         motion = [c for c in block.codes if scene.group_of(c) == "motion"]
         distance = [c for c in block.codes if scene.group_of(c) == "distance"]
         if (motion[-1] if motion else scene.code("motion")) in (CLOCKWISE, COUNTER):
-            raise scene.fault("an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM)
+            raise scene.fault(
+                "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
+            )
         if (distance[-1] == 910) if distance else scene.incremental:
-            raise scene.fault("a direction I J K in G91", "write G90: the rotary axes are written as places")
+            raise scene.fault(
+                "a direction I J K in G91", "write G90: the rotary axes are written as places"
+            )
         size = float(np.linalg.norm(vector))
         if not size:
             raise scene.fault("I J K have no direction", "write one that is not 0")
@@ -105,7 +119,9 @@ class ToolDirections:
         words = []
         for x, row in sorted(zip(kinematics.rotary, rows, strict=True), key=lambda one: one[1]):
             place = scene.coordinate(x, round(float(pose[row]) * TICKS_PER_MM), state)
-            if scene.rounded(x, place) != scene.rounded(x, scene.coordinate(x, int(state.position[row]), state)):
+            if scene.rounded(x, place) != scene.rounded(
+                x, scene.coordinate(x, int(state.position[row]), state)
+            ):
                 words.append(scene.text(x, place))
         own = own_words(block, "IJK", set())
         return block.written(own, (b" " if block.spaced else b"").join(words), max(own))
@@ -115,7 +131,8 @@ class ToolDirections:
         poses = kinematics.aligned(normal, here)
         if not poses:
             raise self.scene.fault(
-                "no pose within the travels gives the tool this direction", "check I J K, and the travels"
+                "no pose within the travels gives the tool this direction",
+                "check I J K, and the travels",
             )
         if np.linalg.norm(kinematics.tool_axis(here) - normal) < NEAR:
             return here

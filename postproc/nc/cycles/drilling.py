@@ -66,7 +66,8 @@ class Hole:
             peck = max(peck - self.less, self.least) if self.less else peck
             if len(depths) > MOST_PECKS:
                 raise scene.fault(
-                    f"this hole would take more than {MOST_PECKS:,} pecks of {self.first:g}", "check Q, R and Z"
+                    f"this hole would take more than {MOST_PECKS:,} pecks of {self.first:g}",
+                    "check Q, R and Z",
                 )
         return depths
 
@@ -201,9 +202,13 @@ class Drilling:
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if code in self.refused:
-            raise scene.fault(f"G{code / 10:g} can not be written out: {self.refused[code]}", WRITE_OUT)
+            raise scene.fault(
+                f"G{code / 10:g} can not be written out: {self.refused[code]}", WRITE_OUT
+            )
         if scene.code("cutter") in (410, 411, 420, 421):
-            raise scene.fault("a drilling cycle with cutter radius compensation on", "end it before: G40")
+            raise scene.fault(
+                "a drilling cycle with cutter radius compensation on", "end it before: G40"
+            )
         if scene.code("feed mode") == 930:
             raise scene.fault("a drilling cycle with inverse time feed (G93)", "write G94 before")
         if 40 in block.codes:
@@ -226,7 +231,14 @@ class Drilling:
         Behind a hole that was written out none may, since the control has left its cycle. In G91 none may: the filter takes
         places and distances in one series for a fault.
         """
-        if scene.keeps is None or not self.kept or scene.incremental or scene.unsure or job.codes or job.times != 1:
+        if (
+            scene.keeps is None
+            or not self.kept
+            or scene.incremental
+            or scene.unsure
+            or job.codes
+            or job.times != 1
+        ):
             return False
         found = scene.tracker.ahead(block.text)
         scene.asked()
@@ -257,13 +269,20 @@ class Drilling:
         """G0 to the place and to R level, and the cycle's own motions, as often as L or K says."""
         hole = job.hole
         if job.times * len(hole.depths(scene)) > MOST_PECKS * 10:
-            raise scene.fault(f"{job.times:,} holes of {len(hole.depths(scene)):,} pecks each", "check L, K, Q and Z")
+            raise scene.fault(
+                f"{job.times:,} holes of {len(hole.depths(scene)):,} pecks each",
+                "check L, K, Q and Z",
+            )
         letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
         m = Moves(scene, own_words(block, letters, {job.code, *job.codes}), self.late)
         for level in job.first:
             m.move("G0", {hole.axis: level})
         for k in range(job.times):
-            words = [block.text[w.start : w.stop] for w in job.place] if k == 0 or scene.incremental else []
+            words = (
+                [block.text[w.start : w.stop] for w in job.place]
+                if k == 0 or scene.incremental
+                else []
+            )
             for w in job.place:
                 scene.lose(w.letter)
             if k == 0 and job.level is not None and scene.differs(hole.axis, job.level):
@@ -279,12 +298,18 @@ class Drilling:
         found = [w for w in block.words if w.letter in letters]
         if len(found) > 1:
             raise scene.fault(
-                f"{found[0].letter} and {found[1].letter} both say how often", "write one of them", found[1]
+                f"{found[0].letter} and {found[1].letter} both say how often",
+                "write one of them",
+                found[1],
             )
         if not found:
             return 1
         word = found[0]
-        if word.value is None or word.value != int(word.value) or not least <= word.value <= MOST_HOLES:
+        if (
+            word.value is None
+            or word.value != int(word.value)
+            or not least <= word.value <= MOST_HOLES
+        ):
             raise scene.fault(
                 f"{word.letter}{word.raw} is no number of holes ({least} to {MOST_HOLES:,})",
                 "write a whole number",

@@ -71,7 +71,9 @@ class FagorDrilling(FanucDrilling):
     def _count(self, scene: Scene, word: Word | None) -> int:
         value = word.value if word else None
         if value is None or value != int(value) or value < 1:
-            raise scene.fault("G83 without J", "write how many pecks there are, a whole number from 1", word)
+            raise scene.fault(
+                "G83 without J", "write how many pecks there are, a whole number from 1", word
+            )
         return int(value)
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
@@ -82,4 +84,7 @@ class FagorDrilling(FanucDrilling):
         if not scene.differs(axis, self.initial):
             return [block.text]
         here = scene.at(axis) if scene.incremental else 0.0
-        return [(b"/" if block.skip else b"") + b"G0 " + scene.text(axis, self.initial - here), block.text]
+        return [
+            (b"/" if block.skip else b"") + b"G0 " + scene.text(axis, self.initial - here),
+            block.text,
+        ]

@@ -61,7 +61,9 @@ class FanucDrilling(Drilling):
     def hole_form(self, code: int) -> Form:
         """P and Q that a cycle itself has no use for hold for those behind it."""
         used = {"P": code in self.dwells, "Q": code in self.pecking}
-        takes = named(WORDS, "XYZR" + self.repeats) | named(WORDS, "".join(x for x in used if used[x]))
+        takes = named(WORDS, "XYZR" + self.repeats) | named(
+            WORDS, "".join(x for x in used if used[x])
+        )
         return Form(KIND, takes, named(WORDS, "".join(x for x in used if not used[x])), axes=True)
 
     def axis_of(self, scene: Scene, code: int) -> str:
@@ -108,7 +110,9 @@ class FanucDrilling(Drilling):
         half = 2 if scene.is_diameter(axis) else 1
         q = self.held.get("Q", 0.0) * half
         if code in self.pecking and q <= 0 and "I" not in self.held:
-            raise scene.fault(f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q"))
+            raise scene.fault(
+                f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q")
+            )
         hole = Hole(
             axis, r, bottom, back, p=self.p if self.p and code in self.dwells else "",
             first=self.held.get("I", q), less=self.held.get("J", 0.0), least=self.held.get("K", 0.0),
@@ -117,7 +121,12 @@ class FanucDrilling(Drilling):
         place = [w for w in block.words if self.is_place(scene, w, axis)]
         gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
         return Job(
-            code, hole, self.times(scene, block, self.repeats, 0), place, codes=gone, drops=self.drops(scene, axis)
+            code,
+            hole,
+            self.times(scene, block, self.repeats, 0),
+            place,
+            codes=gone,
+            drops=self.drops(scene, axis),
         )
 
     dwells: tuple[int, ...] = DWELLS
@@ -150,7 +159,11 @@ class FanucDrilling(Drilling):
             if scene.incremental:
                 self.held["relative"] = value
                 if "R" not in self.held:
-                    raise scene.fault(f"{axis} counts from R level here (G91), and there is no R", "write R", depth)
+                    raise scene.fault(
+                        f"{axis} counts from R level here (G91), and there is no R",
+                        "write R",
+                        depth,
+                    )
                 value += self.held["R"]
             self.held["depth"] = value
         for word in block.words:
@@ -168,17 +181,28 @@ class FanucDrilling(Drilling):
             return [block.text]
         axis, lines, add = job.hole.axis, [], []
         slash = b"/" if block.skip else b""
-        if self.initial is not None and scene.code("return") != R_LEVEL and scene.differs(axis, self.initial):
+        if (
+            self.initial is not None
+            and scene.code("return") != R_LEVEL
+            and scene.differs(axis, self.initial)
+        ):
             here = scene.at(axis) if scene.incremental else 0.0
             lines.append(slash + b"G0 " + scene.text(axis, self.initial - here))
         if block.get("R") is None and (level := self.as_written(scene, axis)) is not None:
             add.append(scene.text("R", level))
         if not any(block.get(x) is not None for x in axis + self.drops(scene, axis)):
-            add.append(scene.text(axis, self.held["depth"] - (self.held["R"] if scene.incremental else 0.0)))
+            add.append(
+                scene.text(
+                    axis, self.held["depth"] - (self.held["R"] if scene.incremental else 0.0)
+                )
+            )
         if block.get("P") is None and self.p:
             add.append(b"P" + self.p.encode())
         sep = b" " if block.spaced else b""
-        return [*lines, block.written(set(), sep.join(add), len(block.words)) if add else block.text]
+        return [
+            *lines,
+            block.written(set(), sep.join(add), len(block.words)) if add else block.text,
+        ]
 
     def as_written(self, scene: Scene, axis: str) -> float | None:
         """R level as an R word has it, None: it needs none."""
@@ -228,17 +252,23 @@ class LatheDrilling(FanucDrilling):
         self.repeats = "KL"
 
     def hole_form(self, code: int) -> Form:
-        own, kept = (named(WORDS, "Q"), {}) if self.actions[code] is pecks else ({}, named(WORDS, "Q"))
+        own, kept = (
+            (named(WORDS, "Q"), {}) if self.actions[code] is pecks else ({}, named(WORDS, "Q"))
+        )
         return Form(KIND, named(WORDS, "XZRPKL") | own, kept, axes=True, increments=True)
 
     def axis_of(self, scene: Scene, code: int) -> str:
         return "X" if code in ALONG_X else "Z"
 
     def r_level(self, scene: Scene, word: Word, axis: str) -> float:
-        return self.start(scene, axis) + scene.length(word, axis) * (2 if scene.is_diameter(axis) else 1)
+        return self.start(scene, axis) + scene.length(word, axis) * (
+            2 if scene.is_diameter(axis) else 1
+        )
 
     def as_written(self, scene: Scene, axis: str) -> float | None:
-        return (self.held["R"] - self.start(scene, axis)) / (2 if scene.is_diameter(axis) else 1) or None
+        return (self.held["R"] - self.start(scene, axis)) / (
+            2 if scene.is_diameter(axis) else 1
+        ) or None
 
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
         return scene.counted(word)
@@ -251,7 +281,9 @@ class LatheDrilling(FanucDrilling):
         return "".join(u for u, x in scene.dialect.increments.items() if x == axis)
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
-        clamp = next((w for w in block.words if w.letter == "M" and w.value not in (3, 4, 5, 7, 8, 9)), None)
+        clamp = next(
+            (w for w in block.words if w.letter == "M" and w.value not in (3, 4, 5, 7, 8, 9)), None
+        )
         if clamp:
             raise scene.fault(
                 f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before the hole and frees it behind",
@@ -263,7 +295,11 @@ class LatheDrilling(FanucDrilling):
         for u, x in scene.dialect.increments.items():
             word = block.word(u)
             if x == axis and word:
-                super()._hold(scene, Block(b"", tuple(w for w in block.words if w is not word), True, False), axis)
+                super()._hold(
+                    scene,
+                    Block(b"", tuple(w for w in block.words if w is not word), True, False),
+                    axis,
+                )
                 if "R" not in self.held:
                     self.held["R"] = self.start(scene, axis)
                 self.held["depth"] = self.held["R"] + scene.length(word, axis)

@@ -12,13 +12,32 @@ from __future__ import annotations
 
 from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import KIND, WORDS, Action, Drilling, Outcome, bore, bore_standing, drill, pecks
+from postproc.nc.cycles.drilling import (
+    KIND,
+    WORDS,
+    Action,
+    Drilling,
+    Outcome,
+    bore,
+    bore_standing,
+    drill,
+    pecks,
+)
 from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
-AXIAL: dict[int, Action] = {810: drill, 820: drill, 830: pecks, 850: bore, 860: bore_standing, 890: bore}
-RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items()}  # G241 is G81 along X
+AXIAL: dict[int, Action] = {
+    810: drill,
+    820: drill,
+    830: pecks,
+    850: bore,
+    860: bore_standing,
+    890: bore,
+}
+RADIAL: dict[int, Action] = {
+    code + 1600: action for code, action in AXIAL.items()
+}  # G241 is G81 along X
 TAPS_ALONG_X = (1950, 1960)
 TAPS = (840, 950, 1840, 1860, *TAPS_ALONG_X)
 BY_HAND = dict.fromkeys((870, 880, 2470, 2480), "the operator draws the tool out by hand")
@@ -35,7 +54,9 @@ class HaasLatheDrilling(HaasDrilling):
 
     def __init__(self, synchronised: bool = False):
         taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
-        Drilling.__init__(self, AXIAL | RADIAL | taps, TAPS, BY_HAND, "RPQIJK", AFTER_MOTION, synchronised)
+        Drilling.__init__(
+            self, AXIAL | RADIAL | taps, TAPS, BY_HAND, "RPQIJK", AFTER_MOTION, synchronised
+        )
         self.repeats = ""
 
     def hole_form(self, code: int) -> Form:

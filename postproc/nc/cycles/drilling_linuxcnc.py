@@ -34,11 +34,20 @@ ACTIONS: dict[int, Action] = {
 TAPPING = (740, 840)
 UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefined"
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}
-NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}  # where the cycle begins; later ones hold
+NEEDS = {
+    730: "Q",
+    820: "P",
+    830: "Q",
+    860: "P",
+    890: "P",
+}  # where the cycle begins; later ones hold
 STOPS = (860,)
 PECKS = (730, 830)
 DWELLS = (740, 820, 840, 860, 890)
-RETRACT = {False: 0.254, True: 0.010}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
+RETRACT = {
+    False: 0.254,
+    True: 0.010,
+}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
 
 
 class LinuxcncDrilling(Drilling):
@@ -54,10 +63,14 @@ class LinuxcncDrilling(Drilling):
         axis = scene.plane[2]
         if code in STOPS and scene.spindle not in (3, 4):
             raise scene.fault(
-                "G86 starts the spindle as it turned before, and it does not turn", "start it before: S, M3"
+                "G86 starts the spindle as it turned before, and it does not turn",
+                "start it before: S, M3",
             )
         if not self.wants(scene, block):
-            raise scene.fault("a drilling cycle without X, Y or Z", "LinuxCNC wants one of them in every such block")
+            raise scene.fault(
+                "a drilling cycle without X, Y or Z",
+                "LinuxCNC wants one of them in every such block",
+            )
         if code != self.code:
             missing = [x for x in "R" + axis + NEEDS.get(code, "") if block.get(x) is None]
             if missing:
@@ -92,7 +105,11 @@ class LinuxcncDrilling(Drilling):
             retract=RETRACT[scene.inch] * half,
         )  # fmt: skip
         if code in PECKS and hole.first <= 0:
-            raise scene.fault(f"Q is {hole.first:g}, and no peck can be that deep", "write Q above 0", block.word("Q"))
+            raise scene.fault(
+                f"Q is {hole.first:g}, and no peck can be that deep",
+                "write Q above 0",
+                block.word("Q"),
+            )
         place = [w for w in block.words if w.letter in "XYZ" and w.letter != axis]
         return Job(code, hole, self.times(scene, block, "L", 1), place, first, level * half)
 
@@ -110,7 +127,10 @@ class LinuxcncDrilling(Drilling):
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """The control itself counts from where the axis stands when its own first cycle begins."""
-        axis, initial = job.hole.axis, (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1)
+        axis, initial = (
+            job.hole.axis,
+            (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1),
+        )
         counts = scene.incremental or scene.code("return") == INITIAL_LEVEL
         if self.stays or self.initial is None or not counts or not scene.differs(axis, initial):
             return [block.text]

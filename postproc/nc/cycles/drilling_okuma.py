@@ -11,7 +11,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import KIND, WORDS, Action, Drilling, Hole, Job, Outcome, bore, drill, pecks
+from postproc.nc.cycles.drilling import (
+    KIND,
+    WORDS,
+    Action,
+    Drilling,
+    Hole,
+    Job,
+    Outcome,
+    bore,
+    drill,
+    pecks,
+)
 from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, FanucDrilling
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
@@ -32,7 +43,9 @@ class OkumaDrilling(FanucDrilling):
 
     def __init__(self, synchronised: bool = False):
         taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
-        Drilling.__init__(self, {**OKUMA, **taps, 730: self._chips}, TAPS, {}, "RPQIJ", AFTER_MOTION, synchronised)
+        Drilling.__init__(
+            self, {**OKUMA, **taps, 730: self._chips}, TAPS, {}, "RPQIJ", AFTER_MOTION, synchronised
+        )
         self.repeats = ""
         self.level: float | None = None
         self.back = 0
@@ -40,7 +53,9 @@ class OkumaDrilling(FanucDrilling):
     def hole_form(self, code: int) -> Form:
         takes = named(WORDS, "XYZR") | ({"P": WORDS["P"]} if code in self.dwells else {})
         takes |= {"Q": WORDS["Q"]} if code == 830 else {}
-        takes |= {"I": "depth of a peck", "J": "behind how much it draws out"} if code == 730 else {}
+        takes |= (
+            {"I": "depth of a peck", "J": "behind how much it draws out"} if code == 730 else {}
+        )
         return Form(KIND, takes, axes=True)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
@@ -58,7 +73,10 @@ class OkumaDrilling(FanucDrilling):
                 "where that is is not in the program: write M53 with G71 Z before it, or M54",
             )
         if self.back == TO_LEVEL and self.level is None:
-            raise scene.fault("M53 goes back to the level of G71, and none was named", "write G71 Z before the cycle")
+            raise scene.fault(
+                "M53 goes back to the level of G71, and none was named",
+                "write G71 Z before the cycle",
+            )
         job = super().job(scene, block, code)
         back = job.hole.r if self.back == TO_R else float(self.level or 0.0)
         dwell = f"{float(job.hole.p) / MILLISECONDS:.6g}" if job.hole.p else ""
@@ -109,6 +127,8 @@ class ReturnLevel:
         if word is None:
             raise scene.fault("G71 without Z", "name the level to which M53 goes back")
         if scene.incremental:
-            raise scene.fault("G71 Z in G91", "write G90 before it: from where its Z counts is not certain")
+            raise scene.fault(
+                "G71 Z in G91", "write G90 before it: from where its Z counts is not certain"
+            )
         self.holes.level = scene.length(word, "Z")
         return Outcome(Moves(scene, own_words(block, "Z", {LEVEL})).finish())

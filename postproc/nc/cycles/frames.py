@@ -16,7 +16,20 @@ from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 SWAPPED = {20: b"G3", 30: b"G2", 410: b"G42", 420: b"G41"}
 SIDES = (410, 420)
 CORNERS = ("RND", "RNDM", "CHF", "CHR")
-FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)  # motion codes whose axis words are places
+FOLLOWED = (
+    -1,
+    0,
+    10,
+    20,
+    30,
+    320,
+    330,
+    740,
+    800,
+    840,
+    842,
+    843,
+)  # motion codes whose axis words are places
 
 
 @dataclass
@@ -62,7 +75,9 @@ class Frames:
     def set_map(self, new: Affine) -> None:
         """Another map holds from here on; the machine stands where it stands."""
         if self.scene.code("cutter") in (410, 411, 420, 421):
-            raise self.scene.fault("the coordinates change with cutter radius compensation on", "end it before: G40")
+            raise self.scene.fault(
+                "the coordinates change with cutter radius compensation on", "end it before: G40"
+            )
         if not self.active:
             self.motion = self.written = self.scene.tracker.code("motion")
         self.map = new
@@ -86,9 +101,13 @@ class Frames:
         if not words and not centres:
             return [self._named(block, changed, [], False)]
         if self.motion not in FOLLOWED and not self.map.identity:
-            raise scene.fault(f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before")
+            raise scene.fault(
+                f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before"
+            )
         if scene.is_diameter("X") and not self.map.leaves("X"):
-            raise scene.fault(f"X is a diameter within {self.why}", "write the program out with X as a radius")
+            raise scene.fault(
+                f"X is a diameter within {self.why}", "write the program out with X as a radius"
+            )
         new: list[bytes] = []
         place = len(block.words)
         for mixed in self._groups(words):
@@ -131,8 +150,14 @@ class Frames:
     def _axes(self, mixed: list[str], words: dict[str, Word]) -> dict[str, bytes]:
         """The words of axes that belong together."""
         scene = self.scene
-        distance = {x: w.mode == "IC" or (scene.incremental and w.mode != "AC") for x, w in words.items()}
-        if scene.incremental and all(distance.values()) and not (self.strict and self.loose & set(mixed)):
+        distance = {
+            x: w.mode == "IC" or (scene.incremental and w.mode != "AC") for x, w in words.items()
+        }
+        if (
+            scene.incremental
+            and all(distance.values())
+            and not (self.strict and self.loose & set(mixed))
+        ):
             by = point({x: w.value for x, w in words.items()})
             out = dict(zip(AXES, self.map.turned(by), strict=True))
             for x in mixed:
@@ -144,7 +169,9 @@ class Frames:
         sized = next((w for w in scene.block.words if w.letter in CORNERS), None)
         if sized and self.factor() not in (1.0, -1.0):
             raise scene.fault(
-                f"{sized.letter} within {self.why}", "a corner does not keep its size: write it out", sized
+                f"{sized.letter} within {self.why}",
+                "a corner does not keep its size: write it out",
+                sized,
             )
         for x in unnamed:
             if x in self.loose:
@@ -155,7 +182,9 @@ class Frames:
                 )
             if before[x] is None:
                 scene.at(x)
-        to = {x: (words[x].value or 0.0) + ((before[x] or 0.0) if distance[x] else 0.0) for x in words}
+        to = {
+            x: (words[x].value or 0.0) + ((before[x] or 0.0) if distance[x] else 0.0) for x in words
+        }
         p = point({**before, **to})
         q = dict(zip(AXES, self.map(p), strict=True))
         self.loose -= set(mixed)
@@ -181,7 +210,11 @@ class Frames:
         return self.map.similarity(first, second)
 
     def _arc(
-        self, block: Block, centres: list[tuple[int, Word]], factor: float | None, changed: dict[int, bytes]
+        self,
+        block: Block,
+        centres: list[tuple[int, Word]],
+        factor: float | None,
+        changed: dict[int, bytes],
     ) -> list[bytes]:
         """Centre words or R of an arc: changed ones, and those that come in."""
         scene = self.scene
@@ -207,11 +240,15 @@ class Frames:
             if whole and word is None:
                 base.append(0.0)
             elif whole and word is not None and not absolute:
-                raise scene.fault(f"an absolute centre word within {self.why}", "write I J K as distances", word)
+                raise scene.fault(
+                    f"an absolute centre word within {self.why}", "write I J K as distances", word
+                )
             else:
                 base.append((word.value or 0.0) if word else 0.0)
         place = base[0], base[1], base[2]
-        moved = dict(zip(AXES, self.map(place) if absolute else self.map.turned(place), strict=True))
+        moved = dict(
+            zip(AXES, self.map(place) if absolute else self.map.turned(place), strict=True)
+        )
         text = {CENTRES[x]: scene.text(CENTRES[x], moved[x]) for x in (first, second)}
         mixed = self.map.partners(first) == self.map.partners(second)
         new = []
@@ -224,7 +261,12 @@ class Frames:
         return new
 
     def _named(
-        self, block: Block, changed: dict[int, bytes], new: list[bytes], moves: bool, place: int | None = None
+        self,
+        block: Block,
+        changed: dict[int, bytes],
+        new: list[bytes],
+        moves: bool,
+        place: int | None = None,
     ) -> bytes:
         """The text, with the motion code that the output needs."""
         factor = self.factor()
@@ -234,7 +276,9 @@ class Frames:
         for i, w in enumerate(block.words):
             if number_of(w) in (CLOCKWISE, COUNTER) and turned:
                 changed[i] = SWAPPED[number_of(w) or 20]
-            named = named or (number_of(w) is not None and self.scene.group_of(number_of(w) or 0) == "motion")
+            named = named or (
+                number_of(w) is not None and self.scene.group_of(number_of(w) or 0) == "motion"
+            )
         sep = b" " if block.spaced else b""
         if moves and not named and wanted != self.written and wanted in (CLOCKWISE, COUNTER):
             at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), 0)

@@ -72,13 +72,24 @@ class FanucFrames:
 
     def snapshot(self):
         """What restore needs."""
-        kept = {name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")}
+        kept = {
+            name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")
+        }
         f = self.frames
-        return kept, dict(self.polar.residue), dict(f.at), dict(f.residue), set(f.loose), (f.motion, f.written)
+        return (
+            kept,
+            dict(self.polar.residue),
+            dict(f.at),
+            dict(f.residue),
+            set(f.loose),
+            (f.motion, f.written),
+        )
 
     def restore(self, kept) -> None:
         """As it was when the snapshot was taken; the maps are the same."""
-        polar, self.polar.residue, self.frames.at, self.frames.residue, self.frames.loose, codes = kept
+        polar, self.polar.residue, self.frames.at, self.frames.residue, self.frames.loose, codes = (
+            kept
+        )
         for name, value in polar.items():
             setattr(self.polar, name, value)
         self.frames.motion, self.frames.written = codes
@@ -86,7 +97,9 @@ class FanucFrames:
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
         own = [c for c in block.codes if c in CODES]
-        if TURN_OFF in own and self._tilted:  # it ends the tilted plane too, which stays in the program
+        if (
+            TURN_OFF in own and self._tilted
+        ):  # it ends the tilted plane too, which stays in the program
             self._no_turn(block)
             return [block.text]
         for code in own:
@@ -120,7 +133,9 @@ class FanucFrames:
     def _check(self, block: Block) -> None:
         """Codes that the manual forbids while the coordinates are turned or scaled."""
         scene, identity = self.scene, self.frames.map.identity
-        named = [w for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)]
+        named = [
+            w for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)
+        ]
         for code in block.codes:
             row = scene.table.get(code)
             if row is None or identity:
@@ -132,7 +147,8 @@ class FanucFrames:
                 raise scene.fault(f"another plane within {self.frames.why}", CANCEL)
             if (code == 530 or row.takes) and (named or (code in (280, 300) and not _axes(block))):
                 raise scene.fault(
-                    f"{row.word} names {named[0].letter if named else 'no axis'} within {self.frames.why}", CANCEL
+                    f"{row.word} names {named[0].letter if named else 'no axis'} within {self.frames.why}",
+                    CANCEL,
                 )
 
     # -- what the codes set --------------------------------------------------------------------------------------------
@@ -143,7 +159,9 @@ class FanucFrames:
         if code in FORMS and sum(c in FORMS for c in block.codes) == 1:
             form.check(self.scene, block, code)
         letters = "".join(form.takes)
-        rest = Block.of(block.written(own_words(block, letters, {code})), self.scene.dialect.grammar)
+        rest = Block.of(
+            block.written(own_words(block, letters, {code})), self.scene.dialect.grammar
+        )
         {
             TURN_ON: self._turn, TURN_OFF: self._no_turn, SCALE_ON: self._scale, SCALE_OFF: self._no_scale,
             MIRROR_ON: self._mirror, MIRROR_OFF: self._no_mirror,
@@ -167,7 +185,8 @@ class FanucFrames:
     def _alone(self, others: bool, what: str) -> None:
         if others:
             raise self.scene.fault(
-                f"{what} together with a mirror (G51.1)", "the manual leaves the centre open: write one of them out"
+                f"{what} together with a mirror (G51.1)",
+                "the manual leaves the centre open: write one of them out",
             )
 
     def _turn(self, block: Block) -> None:
@@ -176,23 +195,37 @@ class FanucFrames:
         first, second, _ = scene.plane
         space = next((w for w in block.words if w.letter in "IJK"), None)
         if space:
-            raise scene.fault("G68 with I J K turns in space", "only turns within the plane are written out", space)
+            raise scene.fault(
+                "G68 with I J K turns in space",
+                "only turns within the plane are written out",
+                space,
+            )
         angle = block.word("R")
         if angle is None or angle.value is None:
-            raise scene.fault("G68 without its angle R", "the control takes it from a parameter or a setting: write R")
+            raise scene.fault(
+                "G68 without its angle R",
+                "the control takes it from a parameter or a setting: write R",
+            )
         if self.turn and scene.incremental:
             raise scene.fault(
-                "G68 in G91 within a rotation", "whether R adds up is a parameter: write G69 or G90 before"
+                "G68 in G91 within a rotation",
+                "whether R adds up is a parameter: write G69 or G90 before",
             )
-        across = next((w for w in block.words if w.letter in AXES and w.letter not in (first, second)), None)
+        across = next(
+            (w for w in block.words if w.letter in AXES and w.letter not in (first, second)), None
+        )
         if across:
             raise scene.fault(
-                f"{across.letter} in a rotation (G68): it lies across the plane", "take it out of the block", across
+                f"{across.letter} in a rotation (G68): it lies across the plane",
+                "take it out of the block",
+                across,
             )
         given = [w for w in block.words if w.letter in (first, second)]
         if len(given) == 1:
             raise scene.fault(
-                f"G68 with {given[0].letter} alone", "name both coordinates of the centre, or none", given[0]
+                f"G68 with {given[0].letter} alone",
+                "name both coordinates of the centre, or none",
+                given[0],
             )
         centre = {w.letter: scene.length(w, w.letter) for w in given}
         if given:
@@ -223,13 +256,19 @@ class FanucFrames:
         whole = block.word("P")
         each = next((w for w in block.words if w.letter in "IJK"), None)
         if whole and each:
-            raise scene.fault(f"P and {each.letter} both say a factor of G51", "write P alone, or I J K", each)
+            raise scene.fault(
+                f"P and {each.letter} both say a factor of G51", "write P alone, or I J K", each
+            )
         if whole:
             factors = dict.fromkeys(AXES, self._factor(whole))
         else:
-            factors = {x: self._factor(w) for x, c in zip(AXES, "IJK", strict=True) if (w := block.word(c))}
+            factors = {
+                x: self._factor(w) for x, c in zip(AXES, "IJK", strict=True) if (w := block.word(c))
+            }
             if len(factors) < 3:
-                raise scene.fault("G51 without P, and without all of I J K", "the rest are parameters: write them")
+                raise scene.fault(
+                    "G51 without P, and without all of I J K", "the rest are parameters: write them"
+                )
         centre = {w.letter: scene.length(w, w.letter) for w in block.words if w.letter in AXES}
         self.scale = None
         self._hold()
@@ -244,11 +283,15 @@ class FanucFrames:
         if "." not in word.raw:
             if not self.counts:
                 raise self.scene.fault(
-                    f"the factor {word.letter}{word.raw} has no decimal point", f"write {word.letter}{word.raw}.", word
+                    f"the factor {word.letter}{word.raw} has no decimal point",
+                    f"write {word.letter}{word.raw}.",
+                    word,
                 )
             value *= ONE
         if not SMALLEST <= abs(value) <= 1 / SMALLEST:
-            raise self.scene.fault(f"a factor of {value:g}", f"factors are {SMALLEST:g} to {1 / SMALLEST:g}", word)
+            raise self.scene.fault(
+                f"a factor of {value:g}", f"factors are {SMALLEST:g} to {1 / SMALLEST:g}", word
+            )
         return value
 
     def _no_scale(self, block: Block) -> None:
@@ -261,7 +304,9 @@ class FanucFrames:
         self._alone(bool(self.scale or self.turn), "scaling or a rotation")
         named = {w.letter: self.scene.length(w, w.letter) for w in block.words if w.letter in AXES}
         if not named:
-            raise self.scene.fault("G51.1 without an axis", "name the axis and where the mirror stands: G51.1 X0")
+            raise self.scene.fault(
+                "G51.1 without an axis", "name the axis and where the mirror stands: G51.1 X0"
+            )
         self.mirror = {**self.mirror, **named}
         self._hold()
 

@@ -79,7 +79,11 @@ class SiemensFrames:
         """Codes that a frame can not hold together with."""
         if self.frames.map.identity:
             return
-        named = [w.letter for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)]
+        named = [
+            w.letter
+            for w in block.words
+            if w.letter in AXES and not self.frames.map.leaves(w.letter)
+        ]
         for code in block.codes:
             row = self.scene.table.get(code)
             if row is None:
@@ -87,7 +91,9 @@ class SiemensFrames:
             if row.group == "units":
                 raise self.scene.fault(f"{row.word} within {self.frames.why}", CANCEL)
             if row.refuses or ((row.takes or row.number == 530) and (named or row.takes)):
-                raise self.scene.fault(f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL)
+                raise self.scene.fault(
+                    f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL
+                )
 
     # -- the frame -----------------------------------------------------------------------------------------------------
 
@@ -96,11 +102,18 @@ class SiemensFrames:
         scene, frames = self.scene, self.frames
         out = {i for i, w in enumerate(block.words) if w.letter != "N"}
         strange = next(
-            (w for w in block.words if w.letter not in (*AXES, "RPL", "N") and number_of(w) not in FRAMES), None
+            (
+                w
+                for w in block.words
+                if w.letter not in (*AXES, "RPL", "N") and number_of(w) not in FRAMES
+            ),
+            None,
         )
         if strange:
             raise scene.fault(
-                f"{strange.letter} beside {name}", "Sinumerik wants a frame in a block of its own", strange
+                f"{strange.letter} beside {name}",
+                "Sinumerik wants a frame in a block of its own",
+                strange,
             )
         if name in SHIFTS and (frames.map.identity or name == "TRANS"):
             if not frames.map.identity:
@@ -127,15 +140,19 @@ class SiemensFrames:
         if kind == "MIRROR":
             return scaling(dict.fromkeys(values, -1.0))
         if kind == "SCALE":
-            wrong = next((x for x, v in values.items() if not SMALLEST <= abs(v) <= 1 / SMALLEST), None)
+            wrong = next(
+                (x for x, v in values.items() if not SMALLEST <= abs(v) <= 1 / SMALLEST), None
+            )
             if wrong:
                 raise scene.fault(
-                    f"{name} {wrong}{values[wrong]:g}", f"factors are {SMALLEST:g} to {1 / SMALLEST:g}, in one step"
+                    f"{name} {wrong}{values[wrong]:g}",
+                    f"factors are {SMALLEST:g} to {1 / SMALLEST:g}, in one step",
                 )
             return scaling(values)
         if len(values) > 1:
             raise scene.fault(
-                f"{name} about {len(values)} axes", "one at a time: how they follow each other is machine data"
+                f"{name} about {len(values)} axes",
+                "one at a time: how they follow each other is machine data",
             )
         if not values:
             return Affine()
@@ -161,7 +178,13 @@ class SiemensFrames:
         if any(w.letter in ("AP", "RP") for w in block.words):
             raise scene.fault("a pole in polar words", "write the pole with the axes of the plane")
         for axis in names:
-            base = 0.0 if code == POLE else self.pole.get(axis, 0.0) if code == FROM_POLE else self._stands(axis)
+            base = (
+                0.0
+                if code == POLE
+                else self.pole.get(axis, 0.0)
+                if code == FROM_POLE
+                else self._stands(axis)
+            )
             self.pole[axis] = base + given.get(axis, 0.0)
         self.polar = {}
         out = {i for i, w in enumerate(block.words) if w.letter in names or number_of(w) == code}
@@ -174,15 +197,27 @@ class SiemensFrames:
         first, second, _ = scene.plane
         both = next((w for w in block.words if w.letter in (first, second)), None)
         if both:
-            raise scene.fault(f"{both.letter} beside polar words", "the place in the plane is AP and RP alone", both)
+            raise scene.fault(
+                f"{both.letter} beside polar words",
+                "the place in the plane is AP and RP alone",
+                both,
+            )
         for word in block.words:
             if word.letter in ("AP", "RP") and word.value is not None:
                 if word.mode == "IC" and word.letter not in self.polar:
-                    raise scene.fault(f"{word.letter}=IC without a value before", "write it as a place first", word)
-                self.polar[word.letter] = word.value + (self.polar[word.letter] if word.mode == "IC" else 0.0)
+                    raise scene.fault(
+                        f"{word.letter}=IC without a value before",
+                        "write it as a place first",
+                        word,
+                    )
+                self.polar[word.letter] = word.value + (
+                    self.polar[word.letter] if word.mode == "IC" else 0.0
+                )
         missing = [x for x in ("AP", "RP") if x not in self.polar]
         if missing:
-            raise scene.fault(f"polar words without {missing[0]}", "name RP and AP in the first block")
+            raise scene.fault(
+                f"polar words without {missing[0]}", "name RP and AP in the first block"
+            )
         cosine, sine = exact_turn(self.polar["AP"])
         at = {first: self.pole.get(first, 0.0) + self.polar["RP"] * cosine,
               second: self.pole.get(second, 0.0) + self.polar["RP"] * sine}  # fmt: skip

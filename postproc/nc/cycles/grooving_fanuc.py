@@ -67,7 +67,9 @@ class Grooving:
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if scene.code("cutter") in (410, 420):
-            raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
+            raise scene.fault(
+                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
+            )
         m = Moves(scene, own_words(block, AXES + "PQRIKD", {code}))
         if not any(block.word(x) for x in AXES):
             self._hold(scene, block, code)
@@ -81,7 +83,9 @@ class Grooving:
         places = _steps(scene, start[over], to[over], by[over])
         depths = _steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
         if len(places) * len(depths) > 10 * MOST_STEPS:
-            raise scene.fault(f"{len(places):,} cuts of {len(depths):,} pecks each", "check the step and the peck")
+            raise scene.fault(
+                f"{len(places):,} cuts of {len(depths):,} pecks each", "check the step and the peck"
+            )
         back = escape if to[deep] < start[deep] else -escape
         for k, place in enumerate(places):
             if k:
@@ -110,7 +114,9 @@ class Grooving:
             if increment:
                 to[axis] = start[axis] + scene.length(increment, axis)
             elif absolute:
-                to[axis] = scene.length(absolute, axis) + (start[axis] if scene.incremental else 0.0)
+                to[axis] = scene.length(absolute, axis) + (
+                    start[axis] if scene.incremental else 0.0
+                )
         return to
 
     @staticmethod
@@ -119,7 +125,9 @@ class Grooving:
         counted, word = (block.word(x) for x in ("PI" if axis == "X" else "QK"))
         if counted and word:
             raise scene.fault(
-                f"{counted.letter} and {word.letter} both say a step along {axis}", "write one of them", word
+                f"{counted.letter} and {word.letter} both say a step along {axis}",
+                "write one of them",
+                word,
             )
         return abs(scene.counted(counted, axis)) if counted else _length(scene, word, axis)
 
@@ -135,7 +143,8 @@ def _steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
     count = int(abs(end - start) / by + 1e-9)
     if count > MOST_STEPS:
         raise scene.fault(
-            f"{count:,} steps of {by:g} (limit {MOST_STEPS:,})", "check them: P and Q count least increments"
+            f"{count:,} steps of {by:g} (limit {MOST_STEPS:,})",
+            "check them: P and Q count least increments",
         )
     sense = 1 if end > start else -1
     places = [start + sense * by * k for k in range(count + 1)]

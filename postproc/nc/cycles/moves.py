@@ -24,7 +24,9 @@ class Moves:
         self._sep = b" " if self.block.spaced else b""
         later = END_OF_PROGRAM_OR_STOP + late
         self._last = [
-            i for i, w in enumerate(self.block.words) if w.letter == "M" and w.value in later and i not in own
+            i
+            for i, w in enumerate(self.block.words)
+            if w.letter == "M" and w.value in later and i not in own
         ]
         self._out = own | set(self._last)
         self._place = min(own) if own else None
@@ -60,7 +62,9 @@ class Moves:
         """The word that takes an axis to a programmed coordinate."""
         scene = self.scene
         value = scene.rounded(axis, value)
-        word = scene.text(axis, value - scene.rounded(axis, scene.at(axis)) if scene.incremental else value)
+        word = scene.text(
+            axis, value - scene.rounded(axis, scene.at(axis)) if scene.incremental else value
+        )
         scene.moved(axis, value)
         return word
 
@@ -69,7 +73,10 @@ class Moves:
         if not self.lines:
             self.lines.append(self.block.written(self._out))
         if self._last:
-            words = [self.block.text[self.block.words[i].start : self.block.words[i].stop] for i in self._last]
+            words = [
+                self.block.text[self.block.words[i].start : self.block.words[i].stop]
+                for i in self._last
+            ]
             if len(self.lines) == 1:
                 self.line(*words)
             else:

@@ -22,7 +22,9 @@ from postproc.nc.cycles.words import Form
 NURBS = 62
 AXES = "XYZ"
 RANKS, RANK = (2, 3, 4), 4
-FORM = Form("a NURBS", {**dict.fromkeys(AXES, "control point"), "P": "rank", "K": "knot", "R": "weight"})
+FORM = Form(
+    "a NURBS", {**dict.fromkeys(AXES, "control point"), "P": "rank", "K": "knot", "R": "weight"}
+)
 PROGRAM = "let the CAM program write it again, or write lines and arcs"
 
 
@@ -95,7 +97,9 @@ class FanucNurbs:
         axes = tuple(x for x in AXES if block.word(x))
         bare = len(self.knots) > len(self.poles)
         if not axes and not self.poles and not self.axes:
-            self.weights.append(weight)  # where the tool stands; the next block says which axes take part
+            self.weights.append(
+                weight
+            )  # where the tool stands; the next block says which axes take part
             if knot is not None:
                 self.knots.append(knot)
             return
@@ -104,7 +108,9 @@ class FanucNurbs:
         if not self.axes and axes:
             self._first(scene, axes, knot)
         if axes and (bare or axes != self.axes):
-            raise scene.fault("a control point that names other axes, or stands behind the last one", PROGRAM)
+            raise scene.fault(
+                "a control point that names other axes, or stands behind the last one", PROGRAM
+            )
         self.knots.append(knot)
         if axes:
             self.poles.append(tuple(self._value(scene, block, x) for x in axes))
@@ -143,7 +149,9 @@ class FanucNurbs:
         knots = self._ratios(scene, self.knots, "knots K")
         given = [w for w in self.weights if w is not None]
         if given and len(given) < len(self.weights):
-            raise scene.fault("some control points have a weight R and others have none", "name R in each of them")
+            raise scene.fault(
+                "some control points have a weight R and others have none", "name R in each of them"
+            )
         weights = self._ratios(scene, given, "weights R") if given else np.ones(len(self.poles))
         if (weights <= 0).any():
             raise scene.fault("a weight R that is not above 0", PROGRAM)
@@ -152,13 +160,18 @@ class FanucNurbs:
         inner = knots[k : len(self.poles)]
         clamped = (knots[:k] == knots[0]).all() and (knots[-k:] == knots[-1]).all()
         if len(self.poles) < k or (steps < 0).any() or not clamped or knots[0] == knots[-1]:
-            raise scene.fault(f"the knots of the NURBS do not go up from {k} equal ones to {k} equal ones", PROGRAM)
+            raise scene.fault(
+                f"the knots of the NURBS do not go up from {k} equal ones to {k} equal ones",
+                PROGRAM,
+            )
         if (
             any((inner == value).sum() >= k for value in inner)
             or (inner == knots[0]).any()
             or (inner == knots[-1]).any()
         ):
-            raise scene.fault(f"a knot of the NURBS stands there more often than its rank, {k}, allows", PROGRAM)
+            raise scene.fault(
+                f"a knot of the NURBS stands there more often than its rank, {k}, allows", PROGRAM
+            )
         return Curve(np.array(self.poles), weights, knots, k)
 
     @staticmethod
@@ -166,5 +179,7 @@ class FanucNurbs:
         """Numbers of which only the ratios matter."""
         pointed = {"." in w.raw for w in words if w.value}
         if len(pointed) > 1:
-            raise scene.fault(f"some {what} have a decimal point and others have none", "write all of them alike")
+            raise scene.fault(
+                f"some {what} have a decimal point and others have none", "write all of them alike"
+            )
         return np.array([w.value or 0.0 for w in words])

@@ -10,7 +10,9 @@ from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 
 NEAR = 1e-9
 TOUCHING = 1e-6  # ends of arcs that near meet halfway
-NEARLY_TANGENT = 0.02  # rad: where a line meets an arc so flatly, a rounding decides on which of two places
+NEARLY_TANGENT = (
+    0.02  # rad: where a line meets an arc so flatly, a rounding decides on which of two places
+)
 SMALLEST_GAP = 1e-2  # LinuxCNC rounds an outer corner where the gap along its cuts is wider, and cuts it off else
 
 
@@ -37,7 +39,9 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         elif (before.is_arc or after.is_arc) and abs(turn) < NEARLY_TANGENT:
             return None
         elif turn * side < 0 and abs(last.end[along] - new.start[along]) > SMALLEST_GAP:
-            result.append(Element(COUNTER if turn > 0 else CLOCKWISE, last.end, new.start, (), before.end))
+            result.append(
+                Element(COUNTER if turn > 0 else CLOCKWISE, last.end, new.start, (), before.end)
+            )
         else:
             corner = _corner(last, new)
             if corner is None:
@@ -101,5 +105,7 @@ def _corner(a: Element, b: Element) -> tuple[float, float] | None:
     foot = to[0] * t[0] + to[1] * t[1]
     beside = _cross(t, to)
     half = math.sqrt(max(math.dist(arc.end, arc.centre) ** 2 - beside**2, 0.0))
-    places = [(line.start[0] + k * t[0], line.start[1] + k * t[1]) for k in (foot - half, foot + half)]
+    places = [
+        (line.start[0] + k * t[0], line.start[1] + k * t[1]) for k in (foot - half, foot + half)
+    ]
     return min(places, key=lambda p: math.dist(p, b.start))

@@ -63,7 +63,9 @@ class Piece:
             rise = self.end.imag - self.start.imag
             if abs(rise) < LEVEL:
                 return [self.start.real, self.end.real]
-            return [self.start.real + (x - self.start.imag) / rise * (self.end.real - self.start.real)]
+            return [
+                self.start.real + (x - self.start.imag) / rise * (self.end.real - self.start.real)
+            ]
         radius, up = abs(self.start - self.centre), x - self.centre.imag
         square = (radius - up) * (radius + up)
         if square < -LEVEL:
@@ -98,9 +100,7 @@ class Roughing:
     out: Callable[[complex], tuple[float, float]]
     mirrored: bool
     at: complex = 0j
-    top: float = (
-        0.0  # from where levels count: the start point; of G71.2 where it begins, and higher pockets at their own
-    )
+    top: float = 0.0  # from where levels count: the start point; of G71.2 where it begins, and higher pockets at their own
     alone: bool = False
     steps: list[Step] = field(default_factory=list)
 
@@ -270,7 +270,12 @@ def _flipped(p: Piece, up: bool, back: bool) -> Piece:
     def flip(q: complex) -> complex:
         return complex(-q.real if back else q.real, -q.imag if up else q.imag)
 
-    return Piece(flip(p.start), flip(p.end), None if p.centre is None else flip(p.centre), p.counter != (up != back))
+    return Piece(
+        flip(p.start),
+        flip(p.end),
+        None if p.centre is None else flip(p.centre),
+        p.counter != (up != back),
+    )
 
 
 def turning_back(pieces: list[Piece]) -> Iterator[int]:

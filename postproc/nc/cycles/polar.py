@@ -50,7 +50,10 @@ class Polar:
         elif radius:
             self.pole = (0.0, 0.0)
         elif not incremental and self.pole != (0.0, 0.0):
-            raise scene.fault(f"G16 in G90 without {first}, behind a pole set in G91", f"name the radius {first} too")
+            raise scene.fault(
+                f"G16 in G90 without {first}, behind a pole set in G91",
+                f"name the radius {first} too",
+            )
         if radius:
             self.radius = radius.value
         if angle:

@@ -54,7 +54,10 @@ class PoleArcs:
         scene.block = block
         if not block.plain:
             if self.motion in self.codes and re.search(rb"[XYZ][ \t]*[-+]?Q", body):
-                raise scene.fault("an arc to a place that Q parameters say", "they are not followed: write the numbers")
+                raise scene.fault(
+                    "an arc to a place that Q parameters say",
+                    "they are not followed: write the numbers",
+                )
             return [line]
         scene.note(block)
         for code in block.codes:
@@ -69,8 +72,14 @@ class PoleArcs:
         if taken:
             return [line]
         if self.motion not in self.codes:
-            plain = self.motion in (0, 10) and not any(scene.table[c].refuses for c in block.codes if c in scene.table)
-            out = own_words(block, "IJK", set()) if plain and any(block.word(x) for x in "XYZ") else set()
+            plain = self.motion in (0, 10) and not any(
+                scene.table[c].refuses for c in block.codes if c in scene.table
+            )
+            out = (
+                own_words(block, "IJK", set())
+                if plain and any(block.word(x) for x in "XYZ")
+                else set()
+            )
             return [line._replace(text=block.written(out) + star + rest) if out else line]
         if self.motion in POLAR:
             return [line._replace(text=text) for text in self._polar(block, star + rest)]
@@ -103,15 +112,23 @@ class PoleArcs:
             text = block.written(own) if own else block.text
             return [text + end] if text.strip(b" \t\r") else []
         if radius is None or angle is None or block.word(first) or block.word(second):
-            raise scene.fault("polar words without R and H, or beside X and Y", "name the radius R and the angle H")
+            raise scene.fault(
+                "polar words without R and H, or beside X and Y",
+                "name the radius R and the angle H",
+            )
         if scene.incremental:
             raise scene.fault("polar words in G91", "write R and H in G90")
         names = [CENTRES[x] for x in (first, second)]
         if any(x not in self.pole for x in names):
-            raise scene.fault("polar words, and no pole is set", f"write {' and '.join(names)} before")
+            raise scene.fault(
+                "polar words, and no pole is set", f"write {' and '.join(names)} before"
+            )
         turn = math.radians(angle)
         m = Moves(scene, own)
-        place = (self.pole[names[0]] + radius * math.cos(turn), self.pole[names[1]] + radius * math.sin(turn))
+        place = (
+            self.pole[names[0]] + radius * math.cos(turn),
+            self.pole[names[1]] + radius * math.sin(turn),
+        )
         words = [m.word(axis, value) for axis, value in zip((first, second), place, strict=True)]
         m.words(POLAR[self.motion], *words)
         return [POINT.sub(b"", text) + end for text in m.finish()]
@@ -122,10 +139,13 @@ class PoleArcs:
         scene = self.scene
         first, second, across = scene.plane
         if self.called:
-            raise scene.fault("an arc in a program that calls labels", "write the program out without L first")
+            raise scene.fault(
+                "an arc in a program that calls labels", "write the program out without L first"
+            )
         if block.word(across):
             raise scene.fault(
-                f"{across} in an arc", "a helix is written in polar words here: write it as straight lines"
+                f"{across} in an arc",
+                "a helix is written in polar words here: write it as straight lines",
             )
         at = scene.at(first), scene.at(second)
         to = self._end(block, (first, second), at)
@@ -156,7 +176,9 @@ class PoleArcs:
             m.move("G01", dict(zip((first, second), place, strict=True)))
         return [POINT.sub(b"", line) + end for line in m.finish()]
 
-    def _end(self, block: Block, names: tuple[str, str], at: tuple[float, float]) -> tuple[float, float]:
+    def _end(
+        self, block: Block, names: tuple[str, str], at: tuple[float, float]
+    ) -> tuple[float, float]:
         scene = self.scene
         incremental, place = scene.incremental, []
         for axis, here in zip(names, at, strict=True):
@@ -164,21 +186,29 @@ class PoleArcs:
             place.append(here if value is None else here + value if incremental else value)
         return place[0], place[1]
 
-    def _centre(self, block: Block, at: tuple[float, float], to: tuple[float, float]) -> tuple[float, float]:
+    def _centre(
+        self, block: Block, at: tuple[float, float], to: tuple[float, float]
+    ) -> tuple[float, float]:
         """The pole, or the centre that R says. Raises ProgramError."""
         scene, radius = self.scene, block.get("R")
         if radius is None:
             names = [CENTRES[x] for x in scene.plane[:2]]
             missing = [x for x in names if x not in self.pole]
             if missing:
-                raise scene.fault("an arc, and no pole is set", f"write {' and '.join(names)} before")
+                raise scene.fault(
+                    "an arc, and no pole is set", f"write {' and '.join(names)} before"
+                )
             return self.pole[names[0]], self.pole[names[1]]
         chord = to[0] - at[0], to[1] - at[1]
         length = math.hypot(*chord)
         if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
-            raise scene.fault(f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end")
+            raise scene.fault(
+                f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
+            )
         away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
-        left = (self.motion == COUNTER) == (radius > 0)  # of the way: where the shorter arc against the clock has it
+        left = (self.motion == COUNTER) == (
+            radius > 0
+        )  # of the way: where the shorter arc against the clock has it
         side = 1 if left else -1
         normal = -chord[1] / length * side, chord[0] / length * side
         middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2

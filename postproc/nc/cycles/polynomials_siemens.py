@@ -27,7 +27,8 @@ from postproc.nc.expand import Line
 
 _VALUES = rb"\(([^()]*)\)|([-+]?[ \t]*[0-9.]+)"
 PO = re.compile(
-    rb"(?<![A-Za-z0-9_$])PO[ \t]*\[[ \t]*([A-Za-z]?)[ \t]*\][ \t]*=[ \t]*(?:" + _VALUES + rb")", re.IGNORECASE
+    rb"(?<![A-Za-z0-9_$])PO[ \t]*\[[ \t]*([A-Za-z]?)[ \t]*\][ \t]*=[ \t]*(?:" + _VALUES + rb")",
+    re.IGNORECASE,
 )
 PL = re.compile(rb"(?<![A-Za-z0-9_$])PL[ \t]*=[ \t]*([-+]?[0-9.]+)", re.IGNORECASE)
 WORD = re.compile(rb"(?<![A-Za-z0-9_$])POLY(?![A-Za-z0-9_])", re.IGNORECASE)
@@ -48,7 +49,11 @@ class Polynomials:
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
-        return self.on or self.corners.wants(line) or bool(WORD.search(line.text) or PO.search(line.text))
+        return (
+            self.on
+            or self.corners.wants(line)
+            or bool(WORD.search(line.text) or PO.search(line.text))
+        )
 
     def finish(self) -> list[Line]:
         return self.corners.finish()
@@ -78,15 +83,21 @@ class Polynomials:
         if motion:
             if begins or found:
                 raise scene.fault(
-                    "POLY or PO[ ] beside another motion code", "write POLY alone, and no G0 or G1 with it"
+                    "POLY or PO[ ] beside another motion code",
+                    "write POLY alone, and no G0 or G1 with it",
                 )
             self.on = False
             return [line]
         if found and not (self.on or begins):
-            raise scene.fault("PO[ ] without POLY", "the control goes straight to the end then: write POLY, or X Y Z")
+            raise scene.fault(
+                "PO[ ] without POLY",
+                "the control goes straight to the end then: write POLY, or X Y Z",
+            )
         self.on = True
         if not block.plain or (found and _more(block, len(code))):
-            raise scene.fault("a polynomial, and more than words and numbers", "write the numbers", None)
+            raise scene.fault(
+                "a polynomial, and more than words and numbers", "write the numbers", None
+            )
         if not found:
             return self._straight(line, block)
         values = {axis: self._values(match) for axis, match in found.items()}
@@ -103,14 +114,21 @@ class Polynomials:
     def _values(self, match: re.Match[bytes]) -> list[float]:
         """The end and the coefficients behind it; what is left out is 0."""
         try:
-            values = [float(x.strip() or b"0") for x in (match[2] if match[2] is not None else match[3]).split(b",")]
+            values = [
+                float(x.strip() or b"0")
+                for x in (match[2] if match[2] is not None else match[3]).split(b",")
+            ]
         except ValueError:
-            raise self.scene.fault(f"{match[0].decode('latin-1')} holds no numbers", "write numbers") from None
+            raise self.scene.fault(
+                f"{match[0].decode('latin-1')} holds no numbers", "write numbers"
+            ) from None
         if len(values) > DEGREE:
             raise self.scene.fault(f"a polynomial of degree {len(values)} (limit {DEGREE})", WRITE)
         return values
 
-    def _curve(self, line: Line, block: Block, values: dict[str, list[float]], length: float) -> list[Line]:
+    def _curve(
+        self, line: Line, block: Block, values: dict[str, list[float]], length: float
+    ) -> list[Line]:
         scene = self.scene
         self._check(block, values, length)
         plain = {w.letter: w.value or 0.0 for w in block.words if w.letter in AXES}
@@ -121,7 +139,10 @@ class Polynomials:
         if DENOMINATOR in values:
             below = _coefficients(1.0, values[DENOMINATOR], 1.0, length, count)
         end = float(below.sum())
-        columns = [_coefficients(scene.at(x), values.get(x, [plain.get(x, 0.0)]), end, length, count) for x in axes]
+        columns = [
+            _coefficients(scene.at(x), values.get(x, [plain.get(x, 0.0)]), end, length, count)
+            for x in axes
+        ]
         poles = np.column_stack([_bernstein(c) for c in [*columns, below]])
         if (poles[:, -1] <= 0).any():
             raise scene.fault("a denominator whose poles are not above 0", WRITE)
@@ -132,7 +153,11 @@ class Polynomials:
         here = {x: scene.at(x) for x in axes}
         for point in points:
             to = dict(zip(axes, map(float, point), strict=True))
-            words = [scene.text(x, v) for x, v in to.items() if scene.rounded(x, v) != scene.rounded(x, here[x])]
+            words = [
+                scene.text(x, v)
+                for x, v in to.items()
+                if scene.rounded(x, v) != scene.rounded(x, here[x])
+            ]
             here = to
             if not words:
                 continue
@@ -154,22 +179,37 @@ class Polynomials:
         distance = [c for c in block.codes if scene.group_of(c) == "distance"]
         incremental = distance[-1] == 910 if distance else scene.incremental
         if incremental or any(w.mode for w in block.words):
-            raise scene.fault("a polynomial in G91, or beside IC( )", "its ends are places here: write G90")
+            raise scene.fault(
+                "a polynomial in G91, or beside IC( )", "its ends are places here: write G90"
+            )
         if length <= 0:
             raise scene.fault(f"PL={length:g} is no length of an interval", "write one above 0")
         axes = scene.tracker.setup.axes
         other = next(
-            (x for x in [*values, *(w.letter for w in block.words if w.letter in axes)] if x and x not in AXES), ""
+            (
+                x
+                for x in [*values, *(w.letter for w in block.words if w.letter in axes)]
+                if x and x not in AXES
+            ),
+            "",
         )
         if other:
-            raise scene.fault(f"the axis {other} in a polynomial", "only X Y Z are followed: " + WRITE)
-        if any(scene.is_diameter(x) for x in values if x) or scene.code("diameter") == code_number("DIAM90"):
+            raise scene.fault(
+                f"the axis {other} in a polynomial", "only X Y Z are followed: " + WRITE
+            )
+        if any(scene.is_diameter(x) for x in values if x) or scene.code("diameter") == code_number(
+            "DIAM90"
+        ):
             raise scene.fault("a polynomial of a diameter", "write it in radii: DIAMOF")
         if DENOMINATOR in values and any(w.letter in AXES for w in block.words):
-            raise scene.fault("a plain axis beside a denominator polynomial", "write its end as PO[ ] too")
+            raise scene.fault(
+                "a plain axis beside a denominator polynomial", "write its end as PO[ ] too"
+            )
 
 
-def _coefficients(start: float, values: list[float], below: float, length: float, count: int) -> np.ndarray:
+def _coefficients(
+    start: float, values: list[float], below: float, length: float, count: int
+) -> np.ndarray:
     """(count,) coefficients over 0 to 1 of a numerator that begins at `start` and ends at the first value times the
     denominator's end, `below`."""
     found = np.zeros(count)
@@ -183,7 +223,9 @@ def _coefficients(start: float, values: list[float], below: float, length: float
 def _bernstein(c: np.ndarray) -> np.ndarray:
     """(K,) Bezier ordinates over 0 to 1 of a polynomial with coefficients c (K,)."""
     n = len(c) - 1
-    return np.array([sum(math.comb(j, i) / math.comb(n, i) * c[i] for i in range(j + 1)) for j in range(n + 1)])
+    return np.array(
+        [sum(math.comb(j, i) / math.comb(n, i) * c[i] for i in range(j + 1)) for j in range(n + 1)]
+    )
 
 
 def _more(block: Block, stop: int) -> bool:

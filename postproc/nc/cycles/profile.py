@@ -11,8 +11,16 @@ from dataclasses import dataclass, replace
 from postproc.nc.cycles.block import Block, Word, blocks
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
-NOSE = (400, 410, 420)  # compensation of the nose radius: what it does to a roughing, the caller says
-IGNORED = (*NOSE, 960, 970)  # of a shape, where a roughing has its own: B-64304EN-1, "Multiple repetitive cycle"
+NOSE = (
+    400,
+    410,
+    420,
+)  # compensation of the nose radius: what it does to a roughing, the caller says
+IGNORED = (
+    *NOSE,
+    960,
+    970,
+)  # of a shape, where a roughing has its own: B-64304EN-1, "Multiple repetitive cycle"
 ANYWHERE, ARCS = "NGXZFST", "IKR"  # letters of a shape, and of its arcs; F S T are the finishing's
 NEAR = 1e-9
 
@@ -30,7 +38,9 @@ class Element:
 
     def moved(self, by: tuple[float, float]) -> Element:
         shift = lambda p: (p[0] + by[0], p[1] + by[1])  # noqa: E731
-        return replace(self, start=shift(self.start), end=shift(self.end), centre=shift(self.centre))
+        return replace(
+            self, start=shift(self.start), end=shift(self.end), centre=shift(self.centre)
+        )
 
     @property
     def is_arc(self) -> bool:
@@ -84,13 +94,20 @@ def find(scene: Scene, lines: list[bytes], begin: int, end: int, after: int = 0)
     starts = [i for i, (line, _, n) in enumerate(rows) if n == begin and line > after]
     if not starts:
         where = f"behind line {after}" if after else "in the program"
-        raise scene.fault(f"there is no block N{begin} {where}", "P and Q name the first and last block of the shape")
+        raise scene.fault(
+            f"there is no block N{begin} {where}",
+            "P and Q name the first and last block of the shape",
+        )
     if len(starts) > 1:
         places = " and ".join(str(rows[i][0]) for i in starts[:2])
-        raise scene.fault(f"N{begin} stands in lines {places}", "number the blocks of the shape once")
+        raise scene.fault(
+            f"N{begin} stands in lines {places}", "number the blocks of the shape once"
+        )
     stop = next((i for i in range(starts[0], len(rows)) if rows[i][2] == end), None)
     if stop is None:
-        raise scene.fault(f"there is no block N{end} behind N{begin}", "Q names the last block of the shape")
+        raise scene.fault(
+            f"there is no block N{end} behind N{begin}", "Q names the last block of the shape"
+        )
     chosen = rows[starts[0] : stop + 1]
     for line, block, _ in chosen:
         if not block.plain:
@@ -125,7 +142,8 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
                 motion = code
             elif code not in IGNORED:
                 raise scene.fault(
-                    f"G{code / 10:g} in the shape of a cycle, in {text!r}", "only G0 G1 G2 G3 can be followed there"
+                    f"G{code / 10:g} in the shape of a cycle, in {text!r}",
+                    "only G0 G1 G2 G3 can be followed there",
                 )
         arc = motion in (CLOCKWISE, COUNTER)
         increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
@@ -150,7 +168,9 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
     return elements
 
 
-def _coordinate(scene: Scene, block: Block, axis: str, here: float, half: float, incremental: bool) -> float:
+def _coordinate(
+    scene: Scene, block: Block, axis: str, here: float, half: float, incremental: bool
+) -> float:
     increment = {x: u for u, x in scene.dialect.increments.items()}.get(axis, "")
     absolute, by = block.word(axis), block.word(increment) if increment else None
     if by is not None:
@@ -168,15 +188,20 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
     (z0, x0), (z1, x1) = element.start, element.end
     if radius is None:
         if i is None and k is None:
-            raise scene.fault("an arc of the shape has no I, K or R", "write its centre or its radius")
+            raise scene.fault(
+                "an arc of the shape has no I, K or R", "write its centre or its radius"
+            )
         centre = (z0 + _length(scene, k, "Z"), x0 + _length(scene, i, "X"))
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)
     if chord / 2 > abs(r) + 1e-3:
         raise scene.fault(
-            f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}", "check R and the end point"
+            f"R{radius.raw} is too short for an arc of the shape over {chord:.4f}",
+            "check R and the end point",
         )
-    height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * (1 if (element.code == COUNTER) == (r > 0) else -1)
+    height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * (
+        1 if (element.code == COUNTER) == (r > 0) else -1
+    )
     normal = (-(x1 - x0) / chord, (z1 - z0) / chord)
     centre = ((z0 + z1) / 2 + normal[0] * height, (x0 + x1) / 2 + normal[1] * height)
     return replace(element, words=words, centre=centre)

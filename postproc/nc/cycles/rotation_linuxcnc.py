@@ -35,7 +35,12 @@ class LinuxcncRotation:
         return self.frames.known(axis)
 
     def snapshot(self):
-        return dict(self.frames.at), dict(self.frames.residue), self.frames.motion, self.frames.written
+        return (
+            dict(self.frames.at),
+            dict(self.frames.residue),
+            self.frames.motion,
+            self.frames.written,
+        )
 
     def restore(self, kept) -> None:
         self.frames.at, self.frames.residue, self.frames.motion, self.frames.written = kept
@@ -49,13 +54,27 @@ class LinuxcncRotation:
             return [block.text]
         self._hold()
         turned = not self.frames.map.identity
-        shifts = [c for c in block.codes if c in scene.table and scene.table[c].takes and c not in REFERENCES]
+        shifts = [
+            c
+            for c in block.codes
+            if c in scene.table and scene.table[c].takes and c not in REFERENCES
+        ]
         plane = [w for w in block.words if w.letter in "XY"]
-        if turned and (shifts or 922 in block.codes or 923 in block.codes) and (plane or not block.words[1:]):
-            raise scene.fault(f"G92 or G52 within {self.frames.why}", "shift the coordinates with G10 L2 X Y instead")
+        if (
+            turned
+            and (shifts or 922 in block.codes or 923 in block.codes)
+            and (plane or not block.words[1:])
+        ):
+            raise scene.fault(
+                f"G92 or G52 within {self.frames.why}",
+                "shift the coordinates with G10 L2 X Y instead",
+            )
         references = [c for c in block.codes if c in REFERENCES]
         if turned and references and plane:
-            raise scene.fault(f"G{references[0] // 10} over a place within {self.frames.why}", "name no X and Y in it")
+            raise scene.fault(
+                f"G{references[0] // 10} over a place within {self.frames.why}",
+                "name no X and Y in it",
+            )
         if references or shifts or 530 in block.codes:
             self.frames.forget()
             return [block.text]
@@ -73,7 +92,9 @@ class LinuxcncRotation:
         if new != self.frames.map:
             frame = self.scene.tracker.state.frame
             if frame is not None and any(frame.preset[:2]) and not new.identity:
-                raise self.scene.fault(f"G92 or G52 is in force within {self.frames.why}", "end it before: G92.1")
+                raise self.scene.fault(
+                    f"G92 or G52 is in force within {self.frames.why}", "end it before: G92.1"
+                )
             self.frames.set_map(new)
 
     def _data(self, block: Block) -> list[bytes]:
@@ -81,7 +102,8 @@ class LinuxcncRotation:
         scene, line, angle = self.scene, block.get("L"), block.get("R")
         if line in (10, 11, 20) and self.turns:
             raise scene.fault(
-                f"G10 L{line:g} within {self.frames.why}", "set the offset with G10 L2, a tool with G10 L1"
+                f"G10 L{line:g} within {self.frames.why}",
+                "set the offset with G10 L2, a tool with G10 L1",
             )
         if line != 2:
             return [block.text]
@@ -93,6 +115,8 @@ class LinuxcncRotation:
         self.turns[system] = angle
         letters = "R" if any(w.letter in "XYZABCUVW" for w in block.words) else "RLP"
         out = own_words(block, letters, {DATA} if letters != "R" else set())
-        self.turns = {n: degrees for n, degrees in self.turns.items() if degrees or self.frames.active}
+        self.turns = {
+            n: degrees for n, degrees in self.turns.items() if degrees or self.frames.active
+        }
         text = block.written(out)
         return [text] if text.strip(b" \t\r/") else []

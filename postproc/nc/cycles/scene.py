@@ -13,9 +13,15 @@ from postproc.nc.expand.tracker import Tracker, number
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
-Fault = Callable[[str, str, bytes], ProgramError]  # message, advice, and what to point at in the line
+Fault = Callable[
+    [str, str, bytes], ProgramError
+]  # message, advice, and what to point at in the line
 CLOCKWISE, COUNTER = 20, 30
-PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}  # first and second axis, and the one across
+PLANES = {
+    170: ("X", "Y", "Z"),
+    180: ("Z", "X", "Y"),
+    190: ("Y", "Z", "X"),
+}  # first and second axis, and the one across
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
 CHORD_MM = 0.001  # how far lines may leave a curve where nobody says it: a least increment of most controls
 
@@ -38,7 +44,9 @@ class Scene:
         self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
         self.notices: list[Notice] = []  # what the user should know of what was written
-        self.keeps: Callable[[Motions], bool] | None = None  # whether the block's hole may stay a cycle
+        self.keeps: Callable[[Motions], bool] | None = (
+            None  # whether the block's hole may stay a cycle
+        )
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = (
             set()
@@ -113,7 +121,12 @@ class Scene:
     def work(self, axis: str) -> float | None:
         """The coordinate beneath any frame, as the tracker has it; None: not known, or no axis of the machine."""
         axes, state = self.tracker.setup.axes, self.tracker.state
-        if axis not in axes or axis in self.unsure or state.origin is None or not state.known[axes.index(axis)]:
+        if (
+            axis not in axes
+            or axis in self.unsure
+            or state.origin is None
+            or not state.known[axes.index(axis)]
+        ):
             return None
         return self.coordinate(axis, int(state.position[axes.index(axis)]), state)
 
@@ -128,7 +141,10 @@ class Scene:
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""
-        state, stated = self.tracker.state, {**self.tracker.setup.offsets, **self.tracker.state.offsets}
+        state, stated = (
+            self.tracker.state,
+            {**self.tracker.setup.offsets, **self.tracker.state.offsets},
+        )
         work = self.table.get(state.codes.get("work offset", -1))
         unknown = bool(state.frame is not None and state.frame.unknown) or (
             work is not None and work.word not in stated
@@ -216,4 +232,6 @@ class Scene:
 
     def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
         """An error at the block at hand, or at one of its words."""
-        return self.fault_at(message, advice, self.block.text[word.start : word.stop] if word else b"")
+        return self.fault_at(
+            message, advice, self.block.text[word.start : word.stop] if word else b""
+        )

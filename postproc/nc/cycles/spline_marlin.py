@@ -52,8 +52,18 @@ class MarlinSpline:
         z, dz = start.get("Z", 0.0), end.get("Z", 0.0) - start.get("Z", 0.0)
         poles = [
             (start["X"], start["Y"], z, 0.0),
-            (start["X"] + (block.get("I") or 0.0), start["Y"] + (block.get("J") or 0.0), z + dz / 3, 1 / 3),
-            (end["X"] + (block.get("P") or 0.0), end["Y"] + (block.get("Q") or 0.0), z + dz * 2 / 3, 2 / 3),
+            (
+                start["X"] + (block.get("I") or 0.0),
+                start["Y"] + (block.get("J") or 0.0),
+                z + dz / 3,
+                1 / 3,
+            ),
+            (
+                end["X"] + (block.get("P") or 0.0),
+                end["Y"] + (block.get("Q") or 0.0),
+                z + dz * 2 / 3,
+                2 / 3,
+            ),
             (end["X"], end["Y"], z + dz, 1.0),
         ]
         m = Moves(scene, own_words(block, "".join(WORDS), {code}))

@@ -38,7 +38,10 @@ class Splines:
         self.codes = (CUBIC, QUADRATIC, *((NURBS, NURBS_END) if nurbs else ()))
         self.poles: list[tuple[float, float, float]] = []
         self.order = LEAST_ORDER
-        self.last: tuple[float, float] = (0.0, 0.0)  # I J of a G5 that does not name them: -P -Q of the last one
+        self.last: tuple[float, float] = (
+            0.0,
+            0.0,
+        )  # I J of a G5 that does not name them: -P -Q of the last one
         self.scene: Scene | None = None
 
     @property
@@ -56,7 +59,9 @@ class Splines:
     def end(self) -> None:
         """Another motion code behind G5.2: LinuxCNC drops the control points without a word. Raises ProgramError."""
         if self.poles and self.scene is not None:
-            raise self.scene.fault("a motion code between G5.2 and G5.3", "end the NURBS by G5.3 before")
+            raise self.scene.fault(
+                "a motion code between G5.2 and G5.3", "end the NURBS by G5.3 before"
+            )
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The lines of a spline, or none before it is complete. Raises ProgramError."""
@@ -111,17 +116,28 @@ class Splines:
         if any(named) != all(named):
             raise scene.fault("a control point with one of X and Y", "LinuxCNC wants both")
         if not any(named) and not (first and weight):
-            raise scene.fault("a block of G5.2 without a control point", "only the first one may name P alone")
+            raise scene.fault(
+                "a block of G5.2 without a control point", "only the first one may name P alone"
+            )
         if any(named) and (weight is None or weight <= 0):
-            raise scene.fault("a control point without a weight P above 0", "LinuxCNC takes a missing one for 0")
+            raise scene.fault(
+                "a control point without a weight P above 0", "LinuxCNC takes a missing one for 0"
+            )
         if weight is not None and weight <= 0:
             raise scene.fault(f"a weight of {weight:g}", "weights are above 0")
         if order is not None and (order != int(order) or not 1 <= order <= MOST_ORDER):
-            raise scene.fault(f"L{order:g} is no order of a NURBS", "it is a whole number: 3 (quadratic), 4 (cubic)")
+            raise scene.fault(
+                f"L{order:g} is no order of a NURBS",
+                "it is a whole number: 3 (quadratic), 4 (cubic)",
+            )
         if first:
             self.order = LEAST_ORDER
             self.poles = [(*_start(scene), 1.0 if any(named) or weight is None else weight)]
-        self.order = max(LEAST_ORDER, int(order)) if order is not None and order > LEAST_ORDER else self.order
+        self.order = (
+            max(LEAST_ORDER, int(order))
+            if order is not None and order > LEAST_ORDER
+            else self.order
+        )
         if any(named) and weight is not None:
             self.poles.append((*_place(scene, block), weight))
 
@@ -131,10 +147,13 @@ class Splines:
             raise scene.fault("G5.3 without G5.2", "G5.2 and its control points begin a NURBS")
         if len(poles) < self.order:
             raise scene.fault(
-                f"a NURBS of order {self.order} with {len(poles)} control points", "it needs as many as its order L"
+                f"a NURBS of order {self.order} with {len(poles)} control points",
+                "it needs as many as its order L",
             )
         if any(abs(a - b) > NEAR for a, b in zip(_start(scene), poles[0], strict=False)):
-            raise scene.fault("the coordinates or the axes moved between G5.2 and G5.3", "move them before G5.2")
+            raise scene.fault(
+                "the coordinates or the axes moved between G5.2 and G5.3", "move them before G5.2"
+            )
         places = np.array(poles)
         return uniform(places[:, :2], places[:, 2], self.order)
 

@@ -80,7 +80,9 @@ class LinuxcncThread:
             return Outcome([block.text], m.finish())
         depths = thread.depths()
         if len(depths) > MOST_PASSES:
-            raise scene.fault(f"the thread takes more than {MOST_PASSES:,} passes", "check J, K and R")
+            raise scene.fault(
+                f"the thread takes more than {MOST_PASSES:,} passes", "check J, K and R"
+            )
         m = Moves(scene, own_words(block, LETTERS, {code}))
         (x0, z0), (x1, z1) = thread.start, thread.end
         far = z1 + thread.depth * math.tan(thread.angle)
@@ -90,7 +92,10 @@ class LinuxcncThread:
         for depth in depths:
             below = depth * math.tan(thread.angle)
             bottom = x0 + thread.out * (thread.offset + depth)
-            top, clear = bottom - thread.out * thread.depth, bottom - thread.out * (thread.depth + thread.offset)
+            top, clear = (
+                bottom - thread.out * thread.depth,
+                bottom - thread.out * (thread.depth + thread.offset),
+            )
             m.move("G0", {"X": clear, "Z": z0 - below})
             if thread.taper and thread.ends & ENTRY:
                 m.move("G33", {"X": top}, *slanted)
@@ -112,21 +117,29 @@ class LinuxcncThread:
         if scene.code("cutter") in (410, 411, 420, 421):
             raise scene.fault("G76 with cutter radius compensation on", "end it before: G40")
         if scene.spindle not in (3, 4):
-            raise scene.fault("G76 cuts a thread, and the spindle does not turn", "start it before: S and M3 or M4")
+            raise scene.fault(
+                "G76 cuts a thread, and the spindle does not turn",
+                "start it before: S and M3 or M4",
+            )
         if block.get("X") is None and block.get("Z") is None:
             raise scene.fault("G76 without Z", "write where the thread ends")
         missing = [x for x in "PIJK" if values[x] is None]
         if missing:
-            raise scene.fault(f"G76 without {' and '.join(missing)}", "LinuxCNC wants P, I, J and K")
+            raise scene.fault(
+                f"G76 without {' and '.join(missing)}", "LinuxCNC wants P, I, J and K"
+            )
         pitch, i, j, k = (values[x] or 0.0 for x in "PIJK")
         half = 2 if scene.is_diameter("X") else 1
         if i == 0 or j <= 0 or k <= j:
             raise scene.fault(
-                f"I{i:g} J{j:g} K{k:g} make no thread", "I is not 0, J above 0, and K, the full depth, above J"
+                f"I{i:g} J{j:g} K{k:g} make no thread",
+                "I is not 0, J above 0, and K, the full depth, above J",
             )
         h, e, flags = values["H"] or 0.0, max(values["E"] or 0.0, 0.0), values["L"] or 0.0
         if h != int(h) or not 0 <= h <= MOST_PASSES or flags != int(flags) or flags < 0:
-            raise scene.fault(f"H{h:g} L{flags:g}", "H is a whole number of spring passes, L is 0, 1, 2 or 3")
+            raise scene.fault(
+                f"H{h:g} L{flags:g}", "H is a whole number of spring passes, L is 0, 1, 2 or 3"
+            )
         end = {}
         for axis in "XZ":
             value = block.get(axis)

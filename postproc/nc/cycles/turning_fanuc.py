@@ -38,7 +38,10 @@ ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
 ESCAPE = {"R": "escape from a cut"}
 ROUGH_FINISH = "the allowance of a rough finishing pass"
 NOT_WRITTEN = {"I": ROUGH_FINISH, "K": ROUGH_FINISH}
-TYPE_II = {True: {"R": "a type other than 1"}, False: {"R": "it chooses type II on a Haas"}}  # whether it is Haas'
+TYPE_II = {
+    True: {"R": "a type other than 1"},
+    False: {"R": "it chooses type II on a Haas"},
+}  # whether it is Haas'
 
 
 @dataclass
@@ -57,14 +60,26 @@ class Repetitive:
             return (Form(KIND, SHAPE),)
         first, second = "first of two blocks", "second block, or one alone"
         if role == "repeat":
-            whole = {"U": "distance of the first cut along X, a radius", "W": "the same along Z", "R": "how many cuts"}
+            whole = {
+                "U": "distance of the first cut along X, a radius",
+                "W": "the same along Z",
+                "R": "how many cuts",
+            }
             alone = {"I": "as U of the first block", "K": "as W of it", "D": "as R of it"}
-            return Form(KIND, whole, name=first, unless="PQ"), Form(KIND, SHAPE | ALLOWANCE | alone, name=second)
+            return Form(KIND, whole, name=first, unless="PQ"), Form(
+                KIND, SHAPE | ALLOWANCE | alone, name=second
+            )
         depth = {"U" if role == "rough" else "W": "depth of a cut"}
         alone, one = {"D": "depth of a cut"}, "R" * self.haas
         return (
             Form(KIND, depth | ESCAPE, name=first, unless="PQ"),
-            Form(KIND, SHAPE | ALLOWANCE | alone, refused=NOT_WRITTEN | TYPE_II[self.haas], one=one, name=second),
+            Form(
+                KIND,
+                SHAPE | ALLOWANCE | alone,
+                refused=NOT_WRITTEN | TYPE_II[self.haas],
+                one=one,
+                name=second,
+            ),
         )
 
     def end(self) -> None:
@@ -77,7 +92,9 @@ class Repetitive:
         """The plain lines of a block. Raises ProgramError."""
         role = self.roles[code]
         if scene.code("cutter") in (410, 420):
-            raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
+            raise scene.fault(
+                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
+            )
         own = own_words(block, OWN, {code})
         if role != "finish" and not any(block.word(x) for x in "PQ"):
             self._hold(scene, block, role)
@@ -116,7 +133,9 @@ class Repetitive:
             return ""
         name = f"G{side // 10} in the shape of G{code / 10:g}"
         if self.haas and self.roles[code] == "repeat":
-            raise scene.fault(name, "give the roughing a shape of its own without it, and G70 the one with it")
+            raise scene.fault(
+                name, "give the roughing a shape of its own without it, and G70 the one with it"
+            )
         said = (
             "holds in the cut along the shape: those before it end on the shape as programmed, by as much as the nose differs"
             if self.haas
@@ -129,11 +148,17 @@ class Repetitive:
     def _hold(self, scene: Scene, block: Block, role: str) -> None:
         """The first of two blocks: depth of cut, escape, divisions."""
         if not any(block.word(x) for x in "UWR"):
-            raise scene.fault("a turning cycle without its words", "P and Q name the blocks of its shape")
+            raise scene.fault(
+                "a turning cycle without its words", "P and Q name the blocks of its shape"
+            )
         kept = self.held.setdefault(role, {})
         for word in block.words:
             if word.letter in "UWR" and word.value is not None:
-                kept[word.letter] = word.value if role == "repeat" and word.letter == "R" else scene.length(word, "X")
+                kept[word.letter] = (
+                    word.value
+                    if role == "repeat" and word.letter == "R"
+                    else scene.length(word, "X")
+                )
 
     # -- G71 G72 -------------------------------------------------------------------------------------------------------
 
@@ -142,7 +167,9 @@ class Repetitive:
         start: tuple[float, float], m: Moves, nose: str,
     ) -> None:  # fmt: skip
         """Cuts parallel to Z (G71) or X (G72), then one along the shape."""
-        deep, along = (1, 0) if role == "rough" else (0, 1)  # which of (z, x) is gone down in, and which is cut along
+        deep, along = (
+            (1, 0) if role == "rough" else (0, 1)
+        )  # which of (z, x) is gone down in, and which is cut along
         word = block.word("D")
         letter = "U" if role == "rough" else "W"
         depth = scene.counted(word, "X") if word else self.held.get(role, {}).get(letter, 0.0)
@@ -159,11 +186,20 @@ class Repetitive:
                 "let it be G0 or G1 to the first point of the shape",
             )
         if not rest:
-            raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
-        if self.haas and len(rest) > 1 and rest[-1].code == 0 and _turns([e.end[along] - e.start[along] for e in rest]):
+            raise scene.fault(
+                "the shape has one block", "it needs one to its first point, and the shape"
+            )
+        if (
+            self.haas
+            and len(rest) > 1
+            and rest[-1].code == 0
+            and _turns([e.end[along] - e.start[along] for e in rest])
+        ):
             rest.pop()  # it draws the tool out
         self._monotonic(scene, rest, along)
-        if (rest[-1].end[deep] - rest[0].start[deep]) * (first.end[deep] - first.start[deep]) > 1e-9:
+        if (rest[-1].end[deep] - rest[0].start[deep]) * (
+            first.end[deep] - first.start[deep]
+        ) > 1e-9:
             raise scene.fault(
                 f"the shape goes deeper in {'ZX'[deep]} behind its first block",
                 "its first block must go to the greatest depth: other shapes, with pockets, are not written out",
@@ -177,12 +213,16 @@ class Repetitive:
         level = c[deep]
         passes = int(abs(target - c[deep]) / depth) + 1
         if passes > MOST_PASSES:
-            raise scene.fault(f"{passes:,} cuts of {depth:g} (limit {MOST_PASSES:,})", "check the depth of cut")
+            raise scene.fault(
+                f"{passes:,} cuts of {depth:g} (limit {MOST_PASSES:,})", "check the depth of cut"
+            )
         for k in range(1, passes + 1):
             level = c[deep] + sense * k * depth
             if (target - level) * sense <= 1e-9:
                 break
-            stop = next((v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along])
+            stop = next(
+                (v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along]
+            )
             begin = first.crossing(deep, level)  # on the first block, where it moves both axes too
             assert begin is not None
             self._to(scene, m, infeed, *((begin, level) if deep else (level, begin)))
@@ -208,10 +248,14 @@ class Repetitive:
                     "that is no part of the contour: end the shape before it, the cycle goes back by itself",
                 )
             raise scene.fault(
-                f"{'ZX'[axis]} turns back within the shape", "such a shape (type II, pockets) is not written out"
+                f"{'ZX'[axis]} turns back within the shape",
+                "such a shape (type II, pockets) is not written out",
             )
         if not all(e.monotonic for e in elements):
-            raise scene.fault("an arc of the shape goes beyond a quadrant", "such a shape (type II) is not written out")
+            raise scene.fault(
+                "an arc of the shape goes beyond a quadrant",
+                "such a shape (type II) is not written out",
+            )
 
     # -- G73 G70 -------------------------------------------------------------------------------------------------------
 
@@ -222,10 +266,13 @@ class Repetitive:
         """The whole shape, nearer each time."""
         kept = self.held.get("repeat", {})
         words = [block.get(x) for x in "IKD"]
-        x, z, times = (w if w is not None else kept.get(c) for w, c in zip(words, "UWR", strict=True))
+        x, z, times = (
+            w if w is not None else kept.get(c) for w, c in zip(words, "UWR", strict=True)
+        )
         if times is None or times != int(times) or not 1 <= times <= MOST_PASSES:
             raise scene.fault(
-                "how often the shape is cut is not in the program", "write R in the block before: a whole number"
+                "how often the shape is cut is not in the program",
+                "write R in the block before: a whole number",
             )
         for k in range(int(times)):
             share = (times - 1 - k) / (times - 1) if times > 1 else 0.0
@@ -243,7 +290,9 @@ class Repetitive:
         texts += [b.text for b in profile.texts]
         back = [b"G0", *(scene.text(x, value) for x, value in start.items())]
         if scene.incremental or any(910 in b.codes for b in profile.texts):
-            raise scene.fault("G70 in G91", "write the shape in absolute words: the way back is not known here")
+            raise scene.fault(
+                "G70 in G91", "write the shape in absolute words: the way back is not known here"
+            )
         nose = [c for b in profile.texts for c in b.codes if c in NOSE]
         if nose and nose[-1] != 400:
             raise scene.fault(

@@ -25,7 +25,11 @@ from postproc.nc.cycles.words import Form
 LETTERS = "XZPQDERIUW"
 KIND = "a turning cycle"
 BEGIN = {"Q": "subroutine of the shape", "X": "start point", "Z": "start point"}
-FINISH = BEGIN | {"D": "distance of the first pass", "E": "distance of the last one", "P": "how many passes"}
+FINISH = BEGIN | {
+    "D": "distance of the first pass",
+    "E": "distance of the last one",
+    "P": "how many passes",
+}
 ROUGH = BEGIN | {"D": "distance left", "I": "depth of a cut", "R": "escape from a cut"}
 MOVES = {"U": "it moves the shape", "W": "it moves the shape"}
 ENDLESS = "LinuxCNC never ends with it"
@@ -64,7 +68,9 @@ class LinuxcncTurning:
         corner = begin["Z"] or 0.0, (begin["X"] or 0.0) / half
         elements = shape(scene, profile, corner, scene.code("motion"))
         if len(elements) < 2:
-            raise scene.fault("the shape has one block", "it needs one to its first point, and the shape")
+            raise scene.fault(
+                "the shape has one block", "it needs one to its first point, and the shape"
+            )
         m = Moves(scene, own_words(block, LETTERS, {code}))
         if code == 700:
             self._finish(scene, block, elements, m)
@@ -75,7 +81,9 @@ class LinuxcncTurning:
     def _check(self, scene: Scene, block: Block, code: int) -> None:
         name = f"G{code / 10:g}"
         if code == 722:
-            raise scene.fault(f"{name}: {ENDLESS}", "write G72, or the pockets as shapes of their own")
+            raise scene.fault(
+                f"{name}: {ENDLESS}", "write G72, or the pockets as shapes of their own"
+            )
         if scene.incremental:
             raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
         if scene.code("plane") != 180:
@@ -86,9 +94,14 @@ class LinuxcncTurning:
     @staticmethod
     def _closes(scene: Scene, e: Element) -> None:
         if e.is_arc and abs(math.dist(e.start, e.centre) - math.dist(e.end, e.centre)) > NEAR:
-            raise scene.fault("an arc of the shape misses its own end", "LinuxCNC moves the end then: write I K finer")
+            raise scene.fault(
+                "an arc of the shape misses its own end",
+                "LinuxCNC moves the end then: write I K finer",
+            )
 
-    def _at(self, scene: Scene, elements: list[Element], distance: float, along: int) -> list[Element]:
+    def _at(
+        self, scene: Scene, elements: list[Element], distance: float, along: int
+    ) -> list[Element]:
         """The shape at a distance from itself, on the side of the start point."""
         if not distance:
             return elements
@@ -98,10 +111,15 @@ class LinuxcncTurning:
         way = rest[-1].end[0] - rest[0].start[0], rest[-1].end[1] - rest[0].start[1]
         aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
         side = way[0] * aside[1] - way[1] * aside[0]
-        moved = offset(rest, distance, 1 if side > 0 else -1, along) if distance > 0 and abs(side) > NEAR else None
+        moved = (
+            offset(rest, distance, 1 if side > 0 else -1, along)
+            if distance > 0 and abs(side) > NEAR
+            else None
+        )
         if moved is None:
             raise scene.fault(
-                f"a distance of {distance:g} to this shape", "its elements are too short for it, or meet in no corner"
+                f"a distance of {distance:g} to this shape",
+                "its elements are too short for it, or meet in no corner",
             )
         return [replace(first, end=moved[0].start), *moved]
 
@@ -109,13 +127,27 @@ class LinuxcncTurning:
         """The blocks of the subroutine that Q names."""
         q = block.get("Q")
         if q is None or q != int(q):
-            raise scene.fault("a turning cycle without the subroutine of its shape", "write Q and its number")
+            raise scene.fault(
+                "a turning cycle without the subroutine of its shape", "write Q and its number"
+            )
         lines = scene.lines()
         name = rb"[ \t]*[oO][ \t]*<?[ \t]*%d[ \t]*>?[ \t]*" % int(q)
-        begin = next((i for i, text in enumerate(lines) if re.match(name + rb"[sS][uU][bB]", text)), None)
-        end = next((i for i, text in enumerate(lines) if re.match(name + rb"[eE][nN][dD][sS][uU][bB]", text)), None)
+        begin = next(
+            (i for i, text in enumerate(lines) if re.match(name + rb"[sS][uU][bB]", text)), None
+        )
+        end = next(
+            (
+                i
+                for i, text in enumerate(lines)
+                if re.match(name + rb"[eE][nN][dD][sS][uU][bB]", text)
+            ),
+            None,
+        )
         if begin is None or end is None or end < begin:
-            raise scene.fault(f"there is no subroutine O{q:g} in this file", "write the shape as O.. sub to O.. endsub")
+            raise scene.fault(
+                f"there is no subroutine O{q:g} in this file",
+                "write the shape as O.. sub to O.. endsub",
+            )
         texts = []
         for text in lines[begin + 1 : end]:
             part = Block.of(text, scene.dialect.grammar)
@@ -132,14 +164,21 @@ class LinuxcncTurning:
     def _followed(scene: Scene, part: Block) -> None:
         """LinuxCNC passes over all words of the shape but those of its motions, and takes an arc without G2 or G3
         for clockwise: all that is refused."""
-        strange = next((w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None)
+        strange = next(
+            (w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None
+        )
         if strange:
             raise scene.fault(
                 f"{strange.letter}{strange.raw} in the shape of a cycle: LinuxCNC passes over it",
                 "take it out of the subroutine",
             )
-        if any(part.word(x) for x in "IKR") and not any(c in (CLOCKWISE, COUNTER) for c in part.codes):
-            raise scene.fault("an arc of the shape without G2 or G3", "LinuxCNC takes it for G2: name it in each block")
+        if any(part.word(x) for x in "IKR") and not any(
+            c in (CLOCKWISE, COUNTER) for c in part.codes
+        ):
+            raise scene.fault(
+                "an arc of the shape without G2 or G3",
+                "LinuxCNC takes it for G2: name it in each block",
+            )
 
     def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
         """G70: along the shape, P times, from distance D to E."""
@@ -149,7 +188,10 @@ class LinuxcncTurning:
             raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
         first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
         if flat and (d or e):
-            raise scene.fault("a distance to a shape of one X", "LinuxCNC takes the wrong side of it: write it out")
+            raise scene.fault(
+                "a distance to a shape of one X",
+                "LinuxCNC takes the wrong side of it: write it out",
+            )
         oblique = min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR
         if any(x.end[0] > x.start[0] + NEAR for x in elements) and (times > 1 or d or e or oblique):
             raise scene.fault(
@@ -163,17 +205,24 @@ class LinuxcncTurning:
             for x in path[1:]:
                 self._element(m, x)
 
-    def _rough(self, scene: Scene, block: Block, elements: list[Element], m: Moves, code: int) -> None:
+    def _rough(
+        self, scene: Scene, block: Block, elements: list[Element], m: Moves, code: int
+    ) -> None:
         """G71 and G72, with pockets, without, or pockets alone."""
         deep = 1 if code < 720 else 0
         along = 1 - deep
         flat = abs(elements[-1].end[deep] - elements[0].end[deep]) < NEAR
-        if (flat and block.get("D")) or abs(elements[-1].end[along] - elements[0].end[along]) < NEAR:
+        if (flat and block.get("D")) or abs(
+            elements[-1].end[along] - elements[0].end[along]
+        ) < NEAR:
             raise scene.fault(
-                "the shape does not vary in both X and Z", "LinuxCNC takes the wrong side of it: write it out"
+                "the shape does not vary in both X and Z",
+                "LinuxCNC takes the wrong side of it: write it out",
             )
         side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
-        if (elements[0].end[along] - elements[0].start[along]) * side < 0:  # it begins beside its first point then
+        if (
+            elements[0].end[along] - elements[0].start[along]
+        ) * side < 0:  # it begins beside its first point then
             begin = list(elements[0].start)
             begin[along] = elements[0].end[along]
             elements = [replace(elements[0], start=(begin[0], begin[1])), *elements[1:]]
@@ -183,13 +232,20 @@ class LinuxcncTurning:
         step = block.get("I")
         retract = block.get("R")
         step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract
-        if step <= 0 or retract <= 0 or abs(elements[0].end[deep] - elements[0].start[deep]) / step > MOST_PASSES:
+        if (
+            step <= 0
+            or retract <= 0
+            or abs(elements[0].end[deep] - elements[0].start[deep]) / step > MOST_PASSES
+        ):
             raise scene.fault(
-                f"I{step:g} R{retract:g}", f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)"
+                f"I{step:g} R{retract:g}",
+                f"I, the depth of a cut, and R are above 0 ({MOST_PASSES:,} cuts at most)",
             )
         rough = roughing(elements, deep, step, retract)
         if any(turning_back(rough.pieces)):
-            raise scene.fault("the shape turns back along its cuts", "LinuxCNC refuses it: not monotonic")
+            raise scene.fault(
+                "the shape turns back along its cuts", "LinuxCNC refuses it: not monotonic"
+            )
         try:
             way = rough.way(code % 10)
         except TooMany:

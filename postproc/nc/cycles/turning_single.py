@@ -46,7 +46,9 @@ class Turn:
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if scene.code("cutter") in (410, 420):
-            raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
+            raise scene.fault(
+                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
+            )
         m = Moves(scene, own_words(block, "XZUW" + self.tapers, {code}))
         if not self.wants(scene, block):
             return Outcome(m.finish())
@@ -60,10 +62,17 @@ class Turn:
                 self.to[axis] = start[axis] + value if scene.incremental else value
         missing = [x for x in "XZ" if x not in self.to]
         if missing:
-            raise scene.fault(f"G{code / 10:g} without {missing[0]}", "name X and Z in the first block of the cycle")
+            raise scene.fault(
+                f"G{code / 10:g} without {missing[0]}",
+                "name X and Z in the first block of the cycle",
+            )
         tapers = [w for w in block.words if w.letter in self.tapers]
         if len(tapers) > 1:
-            raise scene.fault(f"{tapers[0].letter} and {tapers[1].letter} both say the taper", "write one", tapers[1])
+            raise scene.fault(
+                f"{tapers[0].letter} and {tapers[1].letter} both say the taper",
+                "write one",
+                tapers[1],
+            )
         if tapers:
             self.taper = scene.length(tapers[0], "Z" if self.facing else "X")
         half = 2.0 if scene.is_diameter("X") else 1.0

@@ -47,7 +47,11 @@ class Form:
     def letters(self, scene: Scene) -> set[str]:
         """All letters that are followed, or kept, on this machine."""
         axes = set(scene.tracker.setup.axes) if self.axes else set()
-        by = {u for u, x in scene.dialect.increments.items() if x in axes} if self.increments else set()
+        by = (
+            {u for u, x in scene.dialect.increments.items() if x in axes}
+            if self.increments
+            else set()
+        )
         return {*self.takes, *self.keeps} | axes | by
 
     def check(self, scene: Scene, block: Block, code: int) -> None:
@@ -58,22 +62,34 @@ class Form:
         for word in block.words:
             if word.letter in GENERAL:
                 continue
-            meant = scene.dialect.increments.get(word.letter, word.letter) if self.increments else word.letter
+            meant = (
+                scene.dialect.increments.get(word.letter, word.letter)
+                if self.increments
+                else word.letter
+            )
             if meant in seen:
-                raise scene.fault(f"{meant} is named twice in {where}", "which one holds differs: write it once", word)
+                raise scene.fault(
+                    f"{meant} is named twice in {where}",
+                    "which one holds differs: write it once",
+                    word,
+                )
             seen.add(meant)
             if word.letter not in letters and not self._idle(word):
                 raise self._fault(scene, word, where)
 
     def _idle(self, word: Word) -> bool:
         """Whether a word has the value with which it may stand."""
-        return (word.letter in self.zero and word.value == 0) or (word.letter in self.one and word.value == 1)
+        return (word.letter in self.zero and word.value == 0) or (
+            word.letter in self.one and word.value == 1
+        )
 
     def _fault(self, scene: Scene, word: Word, where: str) -> Exception:
         meaning = self.refused.get(word.letter)
         if meaning is None:
             return scene.fault(
-                f"{word.letter} in {where}: that is no word of it", "take it out, or write it in another block", word
+                f"{word.letter} in {where}: that is no word of it",
+                "take it out, or write it in another block",
+                word,
             )
         return scene.fault(
             f"{word.letter}{word.raw} in {where}: {meaning}, which is not followed",
@@ -84,7 +100,9 @@ class Form:
 
 def form_of(forms: tuple[Form, ...], block: Block) -> Form:
     """The way in which a block is written."""
-    return next(f for f in forms if f is forms[-1] or not any(w.letter in f.unless for w in block.words))
+    return next(
+        f for f in forms if f is forms[-1] or not any(w.letter in f.unless for w in block.words)
+    )
 
 
 def named(meanings: Mapping[str, str], letters: str) -> dict[str, str]:

@@ -12,11 +12,26 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
-from postproc.nc.codes import CALL, CYCLE_KEYS, END_OF_PROGRAM, FRAME_KEYS, KEYWORD, STAY_KEYS, Code, code_number
+from postproc.nc.codes import (
+    CALL,
+    CYCLE_KEYS,
+    END_OF_PROGRAM,
+    FRAME_KEYS,
+    KEYWORD,
+    STAY_KEYS,
+    Code,
+    code_number,
+)
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
-HOLES = ("drill", "tap", "there and back", "tap Z", "tap X")  # of CYCLE_KEYS; all but the first go with the spindle
+HOLES = (
+    "drill",
+    "tap",
+    "there and back",
+    "tap Z",
+    "tap X",
+)  # of CYCLE_KEYS; all but the first go with the spindle
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -123,7 +138,9 @@ class Dialect:
     m_text: tuple[int, ...] = ()
     bare_letters: bool = False
     first_turn: int = 1
-    returns: int = -1  # ten times G98 or G99 that holds in cycles before either is named; -1: G98, and not said
+    returns: int = (
+        -1
+    )  # ten times G98 or G99 that holds in cycles before either is named; -1: G98, and not said
     arc_centre: str = "incremental"
     length_letter: str = "H"
     carried_codes: tuple[int, ...] = ()
@@ -215,7 +232,9 @@ class Dialect:
     @cached_property
     def hole_axis(self) -> dict[int, str]:
         """The axis of cycles, by number, that drill along the same one in every plane: those of lathes."""
-        return {code.number: code.does[-1] for code in self.codes if code.does in ("tap Z", "tap X")}
+        return {
+            code.number: code.does[-1] for code in self.codes if code.does in ("tap Z", "tap X")
+        }
 
     @cached_property
     def modal_stops(self) -> tuple[int, ...]:
@@ -226,12 +245,18 @@ class Dialect:
     def calls(self) -> tuple[int, ...]:
         """Ten times the G codes that hand the words of their block over to a macro."""
         sentence = CALL.partition(":")[0]
-        return tuple(code_number(c.word) for c in self.codes if c.word[0] == "G" and c.refuses.startswith(sentence))
+        return tuple(
+            code_number(c.word)
+            for c in self.codes
+            if c.word[0] == "G" and c.refuses.startswith(sentence)
+        )
 
     @cached_property
     def beside(self) -> tuple[int, ...]:
         """Codes by which the control shifts the path sideways by the tool's radius."""
-        return tuple(code.number for code in self.codes if code.group == "cutter" and code.does == "cutter")
+        return tuple(
+            code.number for code in self.codes if code.group == "cutter" and code.does == "cutter"
+        )
 
     @cached_property
     def kind(self) -> np.ndarray:
@@ -294,7 +319,12 @@ def _grammar(dialect: Dialect) -> Grammar:
     if dialect.other_codes_are_macros:
         own = "|".join(re.escape(code.word[1:]) for code in dialect.codes)
         alone = "" if dialect.one_command else r"(?![^;\n]*[GM][ \t]*[0-9])"
-        macros += ((rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))[ \t]*[0-9.]+{alone}[^;\n]*", 0),)
+        macros += (
+            (
+                rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))[ \t]*[0-9.]+{alone}[^;\n]*",
+                0,
+            ),
+        )
     return dialect.grammar._replace(
         macros=macros, ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end,
         untold=dialect.language in ("linuxcnc", "fanuc"),

@@ -10,19 +10,39 @@ is refused by its name, or is no code here (G20, G53). Tool lengths hold with D,
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, DWELL, MOTION, NO_MOTION, PLANE, RETURN, SPINDLE, rows
+from postproc.nc.rows import (
+    CUTTER,
+    DISTANCE,
+    DWELL,
+    MOTION,
+    NO_MOTION,
+    PLANE,
+    RETURN,
+    SPINDLE,
+    rows,
+)
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
 _STATEMENT = r"\([ \t]*(?:P\d+[ \t]*=|V\.|IF\b|GOTO\b|RPT\b|CALL\b|PCALL\b|MCALL\b|MEXEC\b|EXEC\b|PROBE\b|ORG|SUB\b|RET\b|MDOFF\b)"
 _QUIET = r"#[ \t]*(?:MSG|WARNING|ERROR|DGWZ|DGSPDL|FLUSH|HSC|ESBLK|DSBLK|KIN[ \t]+ID)\b[^;\n]*|#[ \t]*(?:RTCP|CS|ACS|MCS)[ \t]+OFF\b"
 _ELSE = r"(?![^;\n]*(?<![A-Z0-9])G[ \t]*0*(?:33|34|36|37|38|39|51|63|69|73|8\d)(?!\d))(?![^;\n]*M[ \t]*0*19(?!\d))"
-_POLAR = r"(?=[^;(\n]*(?<![A-Z])[RQ][ \t]*[-+.\d])(?![^;(\n]*(?<![A-Z])[XYZ][ \t]*[-+.\d])" + _ELSE + r"[^;\n]*"
-_CENTRE = "its centre is given another way: let the CAM program write I J K from the start of the arc"
-_ANOTHER_CIRCLE = "its circle follows from other places: write the arc with its centre I J K or with R"
+_POLAR = (
+    r"(?=[^;(\n]*(?<![A-Z])[RQ][ \t]*[-+.\d])(?![^;(\n]*(?<![A-Z])[XYZ][ \t]*[-+.\d])"
+    + _ELSE
+    + r"[^;\n]*"
+)
+_CENTRE = (
+    "its centre is given another way: let the CAM program write I J K from the start of the arc"
+)
+_ANOTHER_CIRCLE = (
+    "its circle follows from other places: write the arc with its centre I J K or with R"
+)
 _DATUM = "it moves the datum, in ways in which these controls differ: program in G54 to G57, with --offset G54="
 _DIFFER = "the 8055 and the 8065 mean different cycles by it: let the CAM program write the hole out as G0 and G1"
 _UNSEEN = "how it goes out is in no text that was found: let the CAM program write the hole out as G0 and G1"
-_POLE = "it sets a pole on one control and the feed on another: let the CAM program write X Y and G94"
+_POLE = (
+    "it sets a pole on one control and the feed on another: let the CAM program write X Y and G94"
+)
 _AXES = "it gives the words to other axes: name the plane by G17, G18 or G19"
 
 DIALECT = Dialect(

@@ -8,7 +8,18 @@ point: parameter 3401 bit 0 (DPI), B-64310EN.
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import BLANKS, CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, UNITS, rows
+from postproc.nc.rows import (
+    BLANKS,
+    CUTTER,
+    DISTANCE,
+    FANUC_LATHE,
+    FEED_MODE,
+    MACRO_SIGNS,
+    RETURN,
+    SET,
+    UNITS,
+    rows,
+)
 
 DIALECT = Dialect(
     name="fanuc-lathe",

@@ -6,7 +6,18 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import BLANKS, CUTTER, DISTANCE, FANUC_LATHE, FEED_MODE, MACRO_SIGNS, RETURN, SET, THREAD, rows
+from postproc.nc.rows import (
+    BLANKS,
+    CUTTER,
+    DISTANCE,
+    FANUC_LATHE,
+    FEED_MODE,
+    MACRO_SIGNS,
+    RETURN,
+    SET,
+    THREAD,
+    rows,
+)
 
 DIALECT = Dialect(
     name="fanuc-lathe-c",

@@ -15,7 +15,11 @@ _POLE = "its centre is the pole, which I and J set for all blocks behind: --expa
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
 _DATUM = "it moves the datum, by the tables of the control or by its last one: program in one datum, with --offset G54="
-_AT_ONCE = (220, 221, 239)  # move as soon as they are defined: two patterns of points, the load of an axis
+_AT_ONCE = (
+    220,
+    221,
+    239,
+)  # move as soon as they are defined: two patterns of points, the load of an axis
 _CALLED = tuple(n for n in (*range(200, 247), *range(251, 280)) if n not in _AT_ONCE)
 
 DIALECT = Dialect(

@@ -8,7 +8,16 @@ firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other 
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.marlin import _SHIFTS, BARE_WORDS, HEAD, MODES, NAMED, PRINTS, SETS, SLICED
+from postproc.nc.dialects.marlin import (
+    _SHIFTS,
+    BARE_WORDS,
+    HEAD,
+    MODES,
+    NAMED,
+    PRINTS,
+    SETS,
+    SLICED,
+)
 from postproc.nc.lexer import Grammar
 from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
 

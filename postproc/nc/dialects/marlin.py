@@ -84,9 +84,13 @@ TEXT = HEAD + r"(?:(?![GMTN][ \t]*-?\d)[A-Z][ \t]*[A-Z_]|P[ \t]*\d)[^;\n]*"
 BARE_WORDS = HEAD + r"[XYZEF][ \t]*[-+.]?\d[^;\n]*"
 # What stands behind G90 and its kin means nothing to them: G90 E0.
 # A remark behind //, where the firmware reads on and finds no word with a number: of G0 and G1 it takes no other.
-REMARK = r"^([ \t]*(?:N\d+[ \t]*)?G0*[01](?![\d.])[^\n;/(]*)//(?:(?![A-Z][ \t]*[-+.\d])[^\n;*])*(?=$|;)"
+REMARK = (
+    r"^([ \t]*(?:N\d+[ \t]*)?G0*[01](?![\d.])[^\n;/(]*)//(?:(?![A-Z][ \t]*[-+.\d])[^\n;*])*(?=$|;)"
+)
 MODES = r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?(G[ \t]*0*(?:1[789]|2[01]|9[01]))(?![0-9.]|[^;\n]*[GMT][ \t]*\d)[^;\n]*"
-ONLY_IF = HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"  # G28 O: unless it has homed before
+ONLY_IF = (
+    HEAD + r"G[ \t]*0*28(?![0-9.])[^;\n]*O(?![A-Z])[^;\n]*"
+)  # G28 O: unless it has homed before
 # What every printer's program shows, whatever its firmware, and what slicers remark.
 PRINTS = (
     r"M10[4579]\b|M106\b",

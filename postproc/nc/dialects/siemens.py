@@ -9,7 +9,17 @@ come with D, at once. R is a variable here (R1=5), never a radius; ( ) are argum
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import CUTTER, DISTANCE, DWELL, FEED_MODE, MACHINE_FRAME, MOTION, PLANE, THREAD, rows
+from postproc.nc.rows import (
+    CUTTER,
+    DISTANCE,
+    DWELL,
+    FEED_MODE,
+    MACHINE_FRAME,
+    MOTION,
+    PLANE,
+    THREAD,
+    rows,
+)
 
 _QUIET = (
     "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON CDOF CDOF2 "
@@ -27,9 +37,7 @@ _CYCLES = (
 )
 _DRILLED = ("MCALL", "CYCLE81", "CYCLE82", "CYCLE83", "CYCLE85")  # --expand writes these out
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
-_PARAMETERS = (
-    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"  # words that move no slide
-)
+_PARAMETERS = "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"  # words that move no slide
 _KEYWORDS = (
     "TRANS", "ATRANS", *_FRAMES.split(), "SUPA", "DIAMON", "DIAMOF", "DIAM90", "CIP", "CT", "INVCW", "INVCCW", "POLY",
     "ASPLINE", "BSPLINE", "CSPLINE", "REPOSL", "REPOSQ", "REPOSH", "TRAFOOF", "TRANSMIT", "TRACYL", "TRAANG", "TRAORI",

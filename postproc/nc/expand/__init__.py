@@ -52,7 +52,9 @@ def fault(
 ) -> ProgramError:
     """An error at a line of a program; start and stop: offsets into `text`."""
     columns = (start + 1, stop + 1) if stop else (0, 0)
-    return ProgramError(message, advice, Place(name, source, text[:1000].decode("latin-1"), *columns))
+    return ProgramError(
+        message, advice, Place(name, source, text[:1000].decode("latin-1"), *columns)
+    )
 
 
 def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:

@@ -20,7 +20,16 @@ from collections.abc import Iterator, Sequence
 from postproc.errors import BlockFault
 from postproc.nc.expand import Limits, Line, Program
 from postproc.nc.expand.fanuc_blocks import Block, Kind
-from postproc.nc.expand.fanuc_calls import Frame, Library, Modal, arguments, called, subprogram, times, word_of
+from postproc.nc.expand.fanuc_calls import (
+    Frame,
+    Library,
+    Modal,
+    arguments,
+    called,
+    subprogram,
+    times,
+    word_of,
+)
 from postproc.nc.expand.fanuc_functions import Misread, Value, index
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
@@ -48,13 +57,17 @@ class Runner:
         self.semicolon = tracker.dialect.grammar.semicolon
         self.source = Source(program, self.semicolon, self.variables.haas)
         self.library = Library(program, self.semicolon, self.variables.haas)
-        self.variables.mentions = lambda what: any(s.mentions(what) for s in (self.source, *self.library.sources()))
+        self.variables.mentions = lambda what: any(
+            s.mentions(what) for s in (self.source, *self.library.sources())
+        )
         self.frames: list[Frame] = []
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
         self.ended, self.place = False, (0, 0)
         # A program that begins again (M99) is run twice where variables could tell the times apart.
-        self.seen: list[bytes] | None = [] if self.source.mentions(AGAIN) and self._varies() else None
+        self.seen: list[bytes] | None = (
+            [] if self.source.mentions(AGAIN) and self._varies() else None
+        )
         self.second = -1  # lines of the second time, -1: the first
 
     def run(self) -> Iterator[Line]:
@@ -66,7 +79,10 @@ class Runner:
                 self.seen.append(line.text)
                 yield line
             elif self.second == len(self.seen) or self.seen[self.second] != line.text:
-                wrong = Misread("M99 in the main program: the second time it would be another program", NOT_AGAIN)
+                wrong = Misread(
+                    "M99 in the main program: the second time it would be another program",
+                    NOT_AGAIN,
+                )
                 raise self.source.fault(self.program.name, line.source - 1, wrong)
             else:
                 self.second += 1
@@ -82,7 +98,9 @@ class Runner:
                 until = min(stop if special < 0 else special, at + self.most - self.steps)
                 self.steps += until - at
                 file = source.file
-                for text, number in zip(source.texts[at:until], source.numbers[at:until], strict=True):
+                for text, number in zip(
+                    source.texts[at:until], source.numbers[at:until], strict=True
+                ):
                     yield Line(text, number, file)
                 frame.at = at = until
             if at >= stop:
@@ -126,7 +144,9 @@ class Runner:
             return self._execute(frame, at, block.then) if block.formula(variables) else None
         if kind is Kind.GOTO:
             assert block.target
-            frame.at = frame.source.jump(frame.section, at, _label(block.target(variables)), block.place)
+            frame.at = frame.source.jump(
+                frame.section, at, _label(block.target(variables)), block.place
+            )
         elif kind in (Kind.DO, Kind.END):
             partner = frame.source.partner(frame.section, at, block.place)
             if kind is Kind.END:
@@ -162,7 +182,10 @@ class Runner:
             start = modal.section.start
             self._set_modal(force[:-1])
             self._enter(
-                Frame(modal.source, modal.section, start, start, modal.times - 1, modal.local, force), block.place
+                Frame(
+                    modal.source, modal.section, start, start, modal.times - 1, modal.local, force
+                ),
+                block.place,
             )
         return text
 
@@ -170,7 +193,11 @@ class Runner:
         """The text of a call's block without the words of the call; None where nothing is left."""
         text, words = rendered(block.raw, block.words, self.variables, block.first, leave)
         if self.modal and self._moves(words):
-            raise Misread("a call, or M99, and a motion in one block under G66", "give them a block each", *block.place)
+            raise Misread(
+                "a call, or M99, and a motion in one block under G66",
+                "give them a block each",
+                *block.place,
+            )
         if block.units:
             self.variables.forget_units()
         self.ended |= block.ends
@@ -212,12 +239,22 @@ class Runner:
             source, section, count = frame.source, frame.section, times(words, variables)
             label = called(words, "P", variables, what, place)
         else:
-            number, count = subprogram(words, variables, what, place, lambda n: self._find(n, block.code) is not None)
+            number, count = subprogram(
+                words, variables, what, place, lambda n: self._find(n, block.code) is not None
+            )
             source, section = self._program(number, block)
             label = called(words, "Q", variables, what, place) if word_of(words, "Q") else -1
-        start = source.find(section, label, at if source is frame.source else -1) if label >= 0 else section.start
+        start = (
+            source.find(section, label, at if source is frame.source else -1)
+            if label >= 0
+            else section.start
+        )
         if start < 0:
-            raise Misread(f"there is no N{label} in that program", "write it before the block to begin with", *place)
+            raise Misread(
+                f"there is no N{label} in that program",
+                "write it before the block to begin with",
+                *place,
+            )
         leave = [w for w in words if w.place == place or w.letter in "PQL"]
         text = self._rest(block, leave)
         self._enter(Frame(source, section, start, start, count - 1, frame.local), place)
@@ -230,29 +267,45 @@ class Runner:
         stray = next((word for word in words[:code] if word.letter != "G"), None)
         if stray:
             raise Misread(
-                f"{stray.letter} before G{block.code:g}", "what is handed over stands behind it", *stray.place
+                f"{stray.letter} before G{block.code:g}",
+                "what is handed over stands behind it",
+                *stray.place,
             )
         behind = words[code + 1 :]
-        source, section = self._program(called(behind, "P", variables, f"G{block.code:g}", place), block)
+        source, section = self._program(
+            called(behind, "P", variables, f"G{block.code:g}", place), block
+        )
         count = times(behind, variables)
         local = arguments([word for word in behind if word.letter not in "PL"], variables)
         text = self._rest(block, words[code:])
         if block.kind is Kind.MODAL:
             self._set_modal([*self.modal, Modal(source, section, count, local)])
         else:
-            self._enter(Frame(source, section, section.start, section.start, count - 1, local), place)
+            self._enter(
+                Frame(source, section, section.start, section.start, count - 1, local), place
+            )
         return text
 
     def _return(self, frame: Frame, at: int, block: Block) -> bytes | None:
         """M99: again from the start, back to the caller, or with P to a block of the caller."""
-        label = called(block.words, "P", self.variables, "M99", block.place) if word_of(block.words, "P") else -1
-        text = self._rest(block, [w for w in block.words if w.place == block.place or w.letter in "PL"])
+        label = (
+            called(block.words, "P", self.variables, "M99", block.place)
+            if word_of(block.words, "P")
+            else -1
+        )
+        text = self._rest(
+            block, [w for w in block.words if w.place == block.place or w.letter in "PL"]
+        )
         if len(self.frames) == 1:
             if label < 0 and self._ends_at(at):
                 return frame.source.texts[at] if self.ended else None
             if label < 0:
                 advice = "M30 ends it after one piece; / before M99 and block delete leave it out"
-                raise Misread("M99 in the main program: it would run from its top without end", advice, *block.place)
+                raise Misread(
+                    "M99 in the main program: it would run from its top without end",
+                    advice,
+                    *block.place,
+                )
             frame.at = frame.source.jump(frame.section, at, label, block.place)
         elif label < 0 and frame.left:
             frame.left, frame.at = frame.left - 1, frame.start
@@ -283,7 +336,9 @@ class Runner:
     def _enter(self, frame: Frame, place: tuple[int, int] = (0, 0)) -> None:
         if len(self.frames) > self.limits.depth:
             advice = "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10 subprograms)"
-            raise Misread(f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place)
+            raise Misread(
+                f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place
+            )
         self.frames.append(frame)
         self._in_force()
 
@@ -303,14 +358,18 @@ class Runner:
 
     def _find(self, number: int, code: float) -> tuple[Source, Section] | None:
         """A program by its O number; M198 looks in the library alone."""
-        return self.library.find(number, *((self.frames[-1].source, self.source) if code != 198 else ()))
+        return self.library.find(
+            number, *((self.frames[-1].source, self.source) if code != 198 else ())
+        )
 
     def _program(self, number: int, block: Block) -> tuple[Source, Section]:
         found = self._find(number, block.code)
         if found is None:
             where = "in the library" if block.code == 198 else "in this text nor in the library"
             raise Misread(
-                f"there is no program O{number} {where}", f"add it: O{number} before its first block", *block.place
+                f"there is no program O{number} {where}",
+                f"add it: O{number} before its first block",
+                *block.place,
             )
         return found
 
@@ -321,7 +380,9 @@ class Runner:
         source, stop, name = frame.source, frame.section.stop, self.program.name
         if len(self.frames) > 1:
             what = f"O{frame.section.number}" if frame.section.number >= 0 else "the subprogram"
-            wrong = Misread(f"{what} ends without M99", "M99 goes back to the program that called it")
+            wrong = Misread(
+                f"{what} ends without M99", "M99 goes back to the program that called it"
+            )
             raise source.fault(name, max(stop - 1, 0), wrong)
         if stop < len(source.texts) and stop != source.closing:
             number = next(section.number for section in source.sections if section.start == stop)
@@ -332,7 +393,12 @@ class Runner:
         """Blank lines and comments behind the end, and the "%"."""
         source, main = self.source, self.frames[0]
         at = main.at
-        while at < len(source.texts) and at != source.closing and len(self.frames) == 1 and not source.code(at):
+        while (
+            at < len(source.texts)
+            and at != source.closing
+            and len(self.frames) == 1
+            and not source.code(at)
+        ):
             yield Line(source.texts[at], source.numbers[at])
             at += 1
         if source.closing >= 0:
@@ -348,5 +414,7 @@ class Runner:
 def _label(value: Value) -> int:
     number = round(value or 0.0)
     if value is None or abs(value - number) > 1e-6 or not 0 <= number < 10**9:
-        raise Misread(f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole")
+        raise Misread(
+            f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole"
+        )
     return number

@@ -88,7 +88,11 @@ class Block:
 
 def bare(raw: bytes, semicolon: str) -> tuple[str, list[int]]:
     """The code of a block without blanks, comments and the end of block, in upper case, and the offset of each character."""
-    text = COMMENTS[semicolon].sub(lambda found: b" " * len(found[0]), raw) if b"(" in raw or b";" in raw else raw
+    text = (
+        COMMENTS[semicolon].sub(lambda found: b" " * len(found[0]), raw)
+        if b"(" in raw or b";" in raw
+        else raw
+    )
     if semicolon != "comment":
         text = text.replace(b";", b" ")
     at = [i for i, character in enumerate(text) if character not in b" \t\r"]
@@ -145,13 +149,17 @@ class BlockReader:
 
     def _end(self, reader: Reader) -> None:
         if reader.at < len(self.code):
-            raise reader.fault(f"{self.code[reader.at :][:20]!r} behind the statement", "one statement to a block")
+            raise reader.fault(
+                f"{self.code[reader.at :][:20]!r} behind the statement", "one statement to a block"
+            )
 
     def _set(self, start: int) -> Block:
         reader = Reader(self.code, start, haas=self.haas)
         target = reader.number_of_variable()
         if self.code[reader.at : reader.at + 1] != "=":
-            raise reader.fault("a variable alone says nothing", "#100=5 sets it, X#100 uses it", start)
+            raise reader.fault(
+                "a variable alone says nothing", "#100=5 sets it, X#100 uses it", start
+            )
         reader.at += 1
         value = reader.expression()
         self._end(reader)
@@ -176,7 +184,9 @@ class BlockReader:
         if rest.startswith("TH"):
             reader.at += 4 if rest.startswith("THEN") else 2
         elif not rest.startswith("GO") and not (self.haas and self.code[start] == "["):
-            raise reader.fault("a condition without GOTO or THEN", "IF[#1 EQ 0]GOTO 10, or IF[#1 EQ 0]THEN #2=5")
+            raise reader.fault(
+                "a condition without GOTO or THEN", "IF[#1 EQ 0]GOTO 10, or IF[#1 EQ 0]THEN #2=5"
+            )
         if reader.at >= len(self.code):
             raise reader.fault("nothing to do behind THEN", "IF[#1 EQ 0]THEN #2=5")
         return self._made(Kind.IF, start, formula=condition, then=self.statement(reader.at))
@@ -199,7 +209,9 @@ class BlockReader:
             if calculated or KEYWORD.search(self.code):
                 raise
             return self._made(Kind.PLAIN, start)
-        block = self._made(Kind.WORDS if any(not w.digits for w in words) else Kind.PLAIN, start, words=words)
+        block = self._made(
+            Kind.WORDS if any(not w.digits for w in words) else Kind.PLAIN, start, words=words
+        )
         for word in words:
             self._classify(block, word)
             if block.kind in (Kind.CALL, Kind.MODAL) and block.code < 90:
@@ -221,7 +233,9 @@ class BlockReader:
             kind = {65: Kind.CALL, 67: Kind.CANCEL}.get(int(value), Kind.MODAL)
             if value == 66.1:
                 raise Misread(
-                    "G66.1 calls a macro in every block", "write G65 in the blocks that shall call it", *word.place
+                    "G66.1 calls a macro in every block",
+                    "write G65 in the blocks that shall call it",
+                    *word.place,
                 )
         if kind:
             if block.kind not in (Kind.PLAIN, Kind.WORDS):
@@ -256,5 +270,9 @@ class BlockReader:
             else:
                 raise Misread(f"the letter {letter} has no number", "give it one", begin, i)
             negative = code[from_] == "-"
-            words.append(Word(letter, at[begin], at[from_], at[i - 1] + 1, digits, value, negative, (begin, i)))
+            words.append(
+                Word(
+                    letter, at[begin], at[from_], at[i - 1] + 1, digits, value, negative, (begin, i)
+                )
+            )
         return words

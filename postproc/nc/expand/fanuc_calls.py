@@ -92,15 +92,25 @@ def arguments(words: list[Word], variables: Variables) -> dict[int, Value]:
         if word.letter in "IJK":
             sets, last = sets + (word.letter <= last), word.letter
             if sets > 10:
-                raise Misread(f"{sets} sets of I, J, K", "a call takes 10 of them (#4 to #33)", *word.place)
+                raise Misread(
+                    f"{sets} sets of I, J, K", "a call takes 10 of them (#4 to #33)", *word.place
+                )
             variable = 3 * sets + "IJK".index(word.letter) + 1
         elif word.letter in ARGUMENTS:
             variable = ARGUMENTS[word.letter]
         else:
-            raise Misread(f"{word.letter} can not hand over a value", "G, L, N, O and P are no arguments", *word.place)
+            raise Misread(
+                f"{word.letter} can not hand over a value",
+                "G, L, N, O and P are no arguments",
+                *word.place,
+            )
         value = word.worth(variables)
         pointed = not word.digits or "." in word.digits or word.letter in COUNTS
-        if value is not None and not pointed and variables.tracker.dialect.integers == "least increments":
+        if (
+            value is not None
+            and not pointed
+            and variables.tracker.dialect.integers == "least increments"
+        ):
             value = float(f"{value:.0f}e-{variables.places(word.letter)}")
         local[variable] = value
     return local
@@ -119,12 +129,16 @@ def times(words: list[Word], variables: Variables) -> int:
     count = word.count(variables)
     if count < 1:
         raise Misread(
-            f"the call is repeated {count} times", "L1 calls once; leave the block out to call never", *word.place
+            f"the call is repeated {count} times",
+            "L1 calls once; leave the block out to call never",
+            *word.place,
         )
     return count
 
 
-def called(words: list[Word], letter: str, variables: Variables, what: str, place: tuple[int, int]) -> int:
+def called(
+    words: list[Word], letter: str, variables: Variables, what: str, place: tuple[int, int]
+) -> int:
     """The whole number behind a letter of a call. Raises Misread where it is missing."""
     word = word_of(words, letter)
     if word is None or word.worth(variables) is None:
@@ -133,7 +147,11 @@ def called(words: list[Word], letter: str, variables: Variables, what: str, plac
 
 
 def subprogram(
-    words: list[Word], variables: Variables, what: str, place: tuple[int, int], exists: Callable[[int], bool]
+    words: list[Word],
+    variables: Variables,
+    what: str,
+    place: tuple[int, int],
+    exists: Callable[[int], bool],
 ) -> tuple[int, int]:
     """Number of the program that M98 calls, and how often: L, or on a Fanuc the digits before the last four of P."""
     number, count = called(words, "P", variables, what, place), times(words, variables)

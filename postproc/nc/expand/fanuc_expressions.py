@@ -36,7 +36,11 @@ DEEPEST = 40  # brackets in each other; the control itself allows 5
 OPERATOR = re.compile(r"\*|/|\+|-|AND|AN|MOD|XOR|XO|OR|EQ|NE|GT|GE|LT|LE")
 NUMBER = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
 NAME = re.compile(r"[A-Z]+2?", re.ASCII)
-PRODUCT, SUM, COMPARE = ("*", "/", "AND", "MOD"), ("+", "-", "OR", "XOR"), ("EQ", "NE", "GT", "GE", "LT", "LE")
+PRODUCT, SUM, COMPARE = (
+    ("*", "/", "AND", "MOD"),
+    ("+", "-", "OR", "XOR"),
+    ("EQ", "NE", "GT", "GE", "LT", "LE"),
+)
 
 
 class Memory(Protocol):
@@ -104,7 +108,11 @@ class Reader:
             inner = self.variable()
             self.depth -= 1
             return inner
-        raise self.fault("# without the number of a variable", "names of variables are not read: #100, #[#1+2]", start)
+        raise self.fault(
+            "# without the number of a variable",
+            "names of variables are not read: #100, #[#1+2]",
+            start,
+        )
 
     def expression(self) -> Formula:
         """A sum, or two of them compared."""
@@ -114,10 +122,16 @@ class Reader:
             return left
         right = self._sum()
         if self._operator(COMPARE):
-            raise self.fault("two comparisons in one pair of brackets", "[[#1 GT 0] AND [#2 GT 0]] joins them", start)
+            raise self.fault(
+                "two comparisons in one pair of brackets",
+                "[[#1 GT 0] AND [#2 GT 0]] joins them",
+                start,
+            )
         if name in ("EQ", "NE"):
             wanted = name == "EQ"
-            return lambda m: float((left(m) == right(m)) is wanted)  # the vacant one equals itself alone
+            return lambda m: float(
+                (left(m) == right(m)) is wanted
+            )  # the vacant one equals itself alone
         return applied(name, ARITHMETIC[name], [left, right], (start, self.at))
 
     def _inside(self) -> Formula:
@@ -130,7 +144,8 @@ class Reader:
         self.depth += 1
         if self.depth > DEEPEST:
             raise self.fault(
-                f"brackets nested deeper than {DEEPEST}", "the control reads 5 levels: use variables between"
+                f"brackets nested deeper than {DEEPEST}",
+                "the control reads 5 levels: use variables between",
             )
 
     def _sum(self) -> Formula:
@@ -176,7 +191,9 @@ class Reader:
             self.at = found.end()
             number = float(found[0])
             if not math.isfinite(number):
-                raise self.fault("a number too large for any control", "write fewer digits", found.start())
+                raise self.fault(
+                    "a number too large for any control", "write fewer digits", found.start()
+                )
             return lambda m: number
         return self._function()
 
@@ -196,13 +213,17 @@ class Reader:
         if name in ("ATAN", "ATAN2") and self.code[self.at : self.at + 2] == "/[":
             if name == "ATAN" and self.haas:
                 what = "ATAN[ ]/[ ] may be a quotient on a Haas; on a Fanuc the two are sides"
-                raise self.fault(what, "write ATAN2[ ]/[ ] for sides, [ATAN[ ]]/[ ] for a quotient", start)
+                raise self.fault(
+                    what, "write ATAN2[ ]/[ ] for sides, [ATAN[ ]]/[ ] for a quotient", start
+                )
             self.at += 1
             arguments.append(self.bracketed())
         wanted = 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
         if len(arguments) != wanted:
             raise self.fault(
-                f"{name} takes {wanted} values, not {len(arguments)}", "as in SIN[30], POW[2,3], ATAN[1]/[2]", start
+                f"{name} takes {wanted} values, not {len(arguments)}",
+                "as in SIN[30], POW[2,3], ATAN[1]/[2]",
+                start,
             )
         function = turn if wanted == 2 and name == "ATAN" else FUNCTIONS[name]
         if name == "ASIN" and self.haas:
@@ -226,6 +247,8 @@ class Reader:
         self.at += 1
 
 
-def applied(name: str, function: Callable[..., float], arguments: list[Formula], place: tuple[int, int]) -> Formula:
+def applied(
+    name: str, function: Callable[..., float], arguments: list[Formula], place: tuple[int, int]
+) -> Formula:
     """A function or an operator on formulas."""
     return lambda m: computed(name, function, [argument(m) or 0.0 for argument in arguments], place)

@@ -39,7 +39,9 @@ def index(value: Value) -> int:
     """The number of a variable: rounded, as the control does."""
     number = value or 0.0
     if not 0 <= number < 1e8:
-        raise Misread(f"there is no variable #{number:g}", "variables: #1 to #33, #100 to #199, #500 to #999")
+        raise Misread(
+            f"there is no variable #{number:g}", "variables: #1 to #33, #100 to #199, #500 to #999"
+        )
     return int(nearest(number))
 
 
@@ -52,7 +54,9 @@ def _mod(a: float, b: float) -> float:
 
 
 def _bits(name: str) -> Callable[[float, float], float]:
-    join: Callable[[int, int], int] = {"AND": int.__and__, "OR": int.__or__, "XOR": int.__xor__}[name]
+    join: Callable[[int, int], int] = {"AND": int.__and__, "OR": int.__or__, "XOR": int.__xor__}[
+        name
+    ]
 
     def work(a: float, b: float) -> float:
         return float(join(whole(a, f"an operand of {name}"), whole(b, f"an operand of {name}")))
@@ -68,7 +72,9 @@ ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 
 
 def _sin(degrees: float) -> float:
-    return round(math.sin(math.radians(math.fmod(degrees, 360))), 15)  # so that SIN[30] is 0.5 and SIN[180] is 0
+    return round(
+        math.sin(math.radians(math.fmod(degrees, 360))), 15
+    )  # so that SIN[30] is 0.5 and SIN[180] is 0
 
 
 def _cos(degrees: float) -> float:
@@ -113,7 +119,9 @@ def to_places(value: float, places: int) -> float:
     return nearest(value * 10.0**places) / 10.0**places if abs(value) < 1e15 else value
 
 
-def computed(name: str, function: Callable[..., float], values: Sequence[float], place: tuple[int, int]) -> float:
+def computed(
+    name: str, function: Callable[..., float], values: Sequence[float], place: tuple[int, int]
+) -> float:
     """What a function or an operator makes of numbers; what has no value is a Misread at `place`."""
     try:
         result = function(*values)

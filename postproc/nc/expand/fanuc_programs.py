@@ -69,7 +69,9 @@ class Source:
     def mentions(self, what: re.Pattern[bytes]) -> bool:
         """Whether a block of it matches."""
         if what not in self.mentioned:
-            self.mentioned[what] = what.search(COMMENTS[self.semicolon].sub(b" ", self.program.text)) is not None
+            self.mentioned[what] = (
+                what.search(COMMENTS[self.semicolon].sub(b" ", self.program.text)) is not None
+            )
         return self.mentioned[what]
 
     def _flagged(self, start: int = 0) -> Iterator[int]:
@@ -83,7 +85,9 @@ class Source:
         """Take lines of several blocks apart, where a block of them is special or may be jumped to."""
         apart = set(self._flagged())
         if all_of_them or labels:
-            apart |= {i for i, text in enumerate(self.texts) if all_of_them or SECOND_LABEL.search(text)}
+            apart |= {
+                i for i, text in enumerate(self.texts) if all_of_them or SECOND_LABEL.search(text)
+            }
         texts: list[bytes] = []
         numbers: list[int] = []
         special, at = bytearray(), 0
@@ -105,7 +109,11 @@ class Source:
         if not tapes:
             return -1
         stop = tapes[0] + 1
-        self.texts, self.numbers, self.special = self.texts[:stop], self.numbers[:stop], self.special[:stop]
+        self.texts, self.numbers, self.special = (
+            self.texts[:stop],
+            self.numbers[:stop],
+            self.special[:stop],
+        )
         return tapes[0]
 
     def _sections(self) -> list[Section]:
@@ -129,7 +137,9 @@ class Source:
         """An entry, read once."""
         block = self.blocks.get(entry)
         if block is None:
-            block = self.blocks[entry] = BlockReader(self.texts[entry], self.semicolon, self.haas).block()
+            block = self.blocks[entry] = BlockReader(
+                self.texts[entry], self.semicolon, self.haas
+            ).block()
         return block
 
     def section(self, number: int) -> Section | None:
@@ -161,21 +171,30 @@ class Source:
                 if found:
                     _pair(section, open_, i, found[1] == "DO", int(found[2]))
             for i, loop in open_:
-                section.broken[i] = f"DO{loop} without END{loop}", f"END{loop} closes it, in the same program"
+                section.broken[i] = (
+                    f"DO{loop} without END{loop}",
+                    f"END{loop} closes it, in the same program",
+                )
         return section.partner
 
     def partner(self, section: Section, at: int, place: tuple[int, int]) -> int:
         """The END of a DO, or the DO of an END. Raises Misread where there is none."""
         found = self.loops(section).get(at)
         if found is None:
-            raise Misread(*section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *place)
+            raise Misread(
+                *section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *place
+            )
         return found
 
     def jump(self, section: Section, source: int, label: int, place: tuple[int, int]) -> int:
         """The entry to which a jump from `source` to an N number leads. Raises Misread where it must not, or there is none."""
         target = self.find(section, label, source)
         if target < 0:
-            raise Misread(f"there is no N{label} in this program", f"write N{label} before the block to go to", *place)
+            raise Misread(
+                f"there is no N{label} in this program",
+                f"write N{label} before the block to go to",
+                *place,
+            )
         for start, end in self.loops(section).items():
             if start < target <= end and not start <= source <= end:
                 what = f"N{label} lies inside the loop of line {self.numbers[start]}"
@@ -191,7 +210,9 @@ class Source:
         if wrong.stop and place:
             start = place[min(wrong.start, len(place) - 1)]
             stop = place[min(max(wrong.stop, wrong.start + 1), len(place)) - 1] + 1
-        return fault(self.file or name, self.numbers[at], raw, wrong.message, wrong.advice, start, stop)
+        return fault(
+            self.file or name, self.numbers[at], raw, wrong.message, wrong.advice, start, stop
+        )
 
 
 def _special(code: bytes, lines: int) -> bytearray:
@@ -219,16 +240,28 @@ def _pieces(text: bytes) -> list[bytes]:
 def _pair(section: Section, open_: list[tuple[int, int]], i: int, opens: bool, loop: int) -> None:
     assert section.partner is not None
     if not 1 <= loop <= 3:
-        section.broken[i] = f"{'DO' if opens else 'END'}{loop}: loops are numbered 1 to 3", "three loops may be nested"
+        section.broken[i] = (
+            f"{'DO' if opens else 'END'}{loop}: loops are numbered 1 to 3",
+            "three loops may be nested",
+        )
     elif opens and any(loop == other for _, other in open_):
-        section.broken[i] = f"DO{loop} inside DO{loop}", "nested loops need different numbers, 1 to 3"
+        section.broken[i] = (
+            f"DO{loop} inside DO{loop}",
+            "nested loops need different numbers, 1 to 3",
+        )
     elif opens:
         open_.append((i, loop))
     elif not any(loop == other for _, other in open_):
-        section.broken[i] = f"END{loop} without DO{loop}", f"WHILE[..]DO{loop} opens the loop, in the same program"
+        section.broken[i] = (
+            f"END{loop} without DO{loop}",
+            f"WHILE[..]DO{loop} opens the loop, in the same program",
+        )
     else:
         while open_[-1][1] != loop:
             start, other = open_.pop()
-            section.broken[start] = f"DO{other} is cut by END{loop}", "loops may be nested but not overlap"
+            section.broken[start] = (
+                f"DO{other} is cut by END{loop}",
+                "loops may be nested but not overlap",
+            )
         start, _ = open_.pop()
         section.partner[start], section.partner[i] = i, start

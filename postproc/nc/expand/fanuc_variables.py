@@ -57,7 +57,9 @@ class Variables:
         self._decimals: dict[str, int] = {}
         self._places: dict[str, int] = {}
         axes = tracker.setup.axes
-        self.axes = list("XYZABC") if self.haas else sorted(axes, key=lambda x: (LETTERS + x).index(x))
+        self.axes = (
+            list("XYZABC") if self.haas else sorted(axes, key=lambda x: (LETTERS + x).index(x))
+        )
         lathe = bool(tracker.dialect.increments) or tracker.dialect.tool_offsets
         self.groups = HAAS if self.haas else LATHE if lathe else MILL
 
@@ -78,9 +80,13 @@ class Variables:
         if letter not in self._places:
             setup, dialect = self.tracker.setup, self.tracker.dialect
             axis = dialect.increments.get(letter, letter) if letter not in setup.axes else letter
-            least = setup.least_increment.get(axis) or min(setup.least_increment.values(), default=1e-4)
+            least = setup.least_increment.get(axis) or min(
+                setup.least_increment.values(), default=1e-4
+            )
             found = round(-math.log10(least)) + (self.tracker.inch and axis not in "ABC")
-            self._places[letter] = found if axis in setup.axes or letter in "XYZABCUVWIJKRQEF" else 0
+            self._places[letter] = (
+                found if axis in setup.axes or letter in "XYZABCUVWIJKRQEF" else 0
+            )
         return self._places[letter]
 
     # -- reading and writing -------------------------------------------------------------------------------------------
@@ -111,16 +117,23 @@ class Variables:
             raise Misread("#0 is always vacant and can not be set", "use another variable")
         elif self._offset_of(number):
             raise Misread(
-                f"#{number} is a work offset, set in the middle of a program", "G10 L2 P1 X.. says the same in a block"
+                f"#{number} is a work offset, set in the middle of a program",
+                "G10 L2 P1 X.. says the same in a block",
             )
         else:
-            what = next((what for first, last, what in FOREIGN if first <= number <= last), "no variable of a program")
+            what = next(
+                (what for first, last, what in FOREIGN if first <= number <= last),
+                "no variable of a program",
+            )
             raise Misread(
-                f"#{number} is set: {what}", "this has no plain block: take it out, or do it before the program"
+                f"#{number} is set: {what}",
+                "this has no plain block: take it out, or do it before the program",
             )
 
     def _is_common(self, number: int) -> bool:
-        return 100 <= number <= 199 or 500 <= number <= 999 or (self.haas and 10000 <= number <= 10999)
+        return (
+            100 <= number <= 199 or 500 <= number <= 999 or (self.haas and 10000 <= number <= 10999)
+        )
 
     def _unknown(self, number: int, why: str, advice: str = SAY) -> NoReturn:
         raise Misread(f"#{number} is read: {why}", advice)
@@ -137,13 +150,20 @@ class Variables:
             feed = self.tracker.state.feed
             return feed if math.isfinite(feed) else self._unknown(number, "no F has been given yet")
         if number == 4115:
-            return float(self.program) if self.program else self._unknown(number, "the program has no O number")
+            return (
+                float(self.program)
+                if self.program
+                else self._unknown(number, "the program has no O number")
+            )
         if number == 4120:
             tool = self.tracker.state.next_tool
             return float(tool) if tool >= 0 else self._unknown(number, "no T has been given yet")
         if number in ADDRESSES:
             self._unknown(number, f"the last {ADDRESSES[number]} is not followed here")
-        why = next((what for first, last, what in FOREIGN if first <= number <= last), "it is not known here")
+        why = next(
+            (what for first, last, what in FOREIGN if first <= number <= last),
+            "it is not known here",
+        )
         self._unknown(number, why)
 
     def _code(self, number: int) -> float:
@@ -155,9 +175,15 @@ class Variables:
             self._unknown(number, "that group of G codes is not followed here")
         code = self.tracker.code(group)
         if code < 0:
-            self._unknown(number, f"no G code for {group!r} has been given yet", "give it at the top of the program")
+            self._unknown(
+                number,
+                f"no G code for {group!r} has been given yet",
+                "give it at the top of the program",
+            )
         if group == "motion" and (code > 330 or self.mentions(CYCLES)):
-            self._unknown(number, "canned cycles, which are in this text, are written out and change it")
+            self._unknown(
+                number, "canned cycles, which are in this text, are written out and change it"
+            )
         known = self.tracker.dialect.by_number.get(code)
         return float(known.word[1:]) if known else code / 10
 
@@ -171,7 +197,9 @@ class Variables:
         row, index = divmod(number - 5001, 20)
         axis, tracker = self._axis(number, index), self.tracker
         if row != 1 and self.mentions(TURNS):
-            self._unknown(number, "turned, scaled or polar coordinates are in this text, and are written out")
+            self._unknown(
+                number, "turned, scaled or polar coordinates are in this text, and are written out"
+            )
         if row == 1:
             machine = tracker.machine(axis) if self._settled(axis) else None
             place = None if machine is None else self._length(machine, axis)
@@ -190,7 +218,13 @@ class Variables:
         tracker, state = self.tracker, self.tracker.state
         code = tracker.code("work offset")
         known = tracker.dialect.by_number.get(code)
-        name = state.frame.extended if state.frame and state.frame.extended else known.word if known else ""
+        name = (
+            state.frame.extended
+            if state.frame and state.frame.extended
+            else known.word
+            if known
+            else ""
+        )
         stated = not name or tracker.offset(name, axis) is not None
         tool = not state.tool or tracker.offset(state.tool, axis) is not None
         return stated and tool and not (state.frame and state.frame.unknown)
@@ -198,7 +232,9 @@ class Variables:
     def _tool_shifts(self, axis: str) -> bool:
         state = self.tracker.state
         row = self.tracker.setup.axes.index(axis)
-        length = state.frame is not None and (state.frame.length[row] != 0 or "length" in state.frame.unknown)
+        length = state.frame is not None and (
+            state.frame.length[row] != 0 or "length" in state.frame.unknown
+        )
         return bool(length or (state.tool and self.tracker.offset(state.tool, axis) != 0))
 
     def _length(self, value: float, axis: str) -> float:
@@ -226,5 +262,7 @@ class Variables:
             if offset is not None:
                 return self._length(offset, axis)
         self._unknown(
-            number, f"the offset {names[0]} is not stated", f"say it: --offset {names[0]}={axis}0 (mm, radius)"
+            number,
+            f"the offset {names[0]} is not stated",
+            f"say it: --offset {names[0]}={axis}0 (mm, radius)",
         )

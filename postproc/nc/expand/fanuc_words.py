@@ -38,7 +38,11 @@ class Word:
         """Its value now."""
         if self.value is None:
             if len(self.digits) > LONGEST_NUMBER:
-                raise Misread(f"{self.letter} has {len(self.digits)} digits", "write fewer digits", *self.place)
+                raise Misread(
+                    f"{self.letter} has {len(self.digits)} digits",
+                    "write fewer digits",
+                    *self.place,
+                )
             return float(self.digits)
         try:
             value = self.value(variables)
@@ -53,7 +57,9 @@ class Word:
         value = self.worth(variables)
         if value is None or abs(value) >= LARGEST or abs(value - round(value)) > 1e-6:
             what = "vacant" if value is None else f"{value:g}"
-            raise Misread(f"{self.letter} is {what}, not a whole number", "write a whole number", *self.place)
+            raise Misread(
+                f"{self.letter} is {what}, not a whole number", "write a whole number", *self.place
+            )
         return round(value)
 
 
@@ -62,9 +68,14 @@ def written(letter: str, value: float, variables: Variables, pointed: bool) -> s
     tracker = variables.tracker
     if abs(value) >= LARGEST:
         raise Misread(
-            f"{letter} would be {value:g}, more than any control takes (limit {LARGEST:g})", "look at the variables"
+            f"{letter} would be {value:g}, more than any control takes (limit {LARGEST:g})",
+            "look at the variables",
         )
-    if letter not in COUNTED or letter in tracker.setup.axes or letter in tracker.dialect.increments:
+    if (
+        letter not in COUNTED
+        or letter in tracker.setup.axes
+        or letter in tracker.dialect.increments
+    ):
         return number(value, variables.decimals(letter))
     if letter == "G":
         near = nearest(value * 10) / 10
@@ -84,7 +95,9 @@ def rendered(
     """The text of a block from offset `first` on, with numbers in the place of expressions, and the words that are left:
     one whose variable is vacant goes, and so do those of `leave`."""
     out, at, kept = [], first, []
-    scales = any(word.letter == "G" and word.digits in ("51", "051") for word in words)  # P is a factor there
+    scales = any(
+        word.letter == "G" and word.digits in ("51", "051") for word in words
+    )  # P is a factor there
     for word in words:
         if word in leave:
             text = None
@@ -109,5 +122,9 @@ def _checked(word: Word, value: float, variables: Variables, pointed: bool) -> s
         wrong.start, wrong.stop = word.place
         raise
     if text in CALLS.get(word.letter, ()):
-        raise Misread(f"{word.letter}{text} as the value of an expression", "write the code itself", *word.place)
+        raise Misread(
+            f"{word.letter}{text} as the value of an expression",
+            "write the code itself",
+            *word.place,
+        )
     return text

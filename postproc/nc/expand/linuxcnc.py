@@ -53,7 +53,9 @@ class Run:
     def lines(self) -> Iterator[Line]:
         """Execute it."""
         flow, steps = self.flow, 0
-        most = self.limits.steps + len(self.main.lines)  # a program without loops may be as long as it likes
+        most = self.limits.steps + len(
+            self.main.lines
+        )  # a program without loops may be as long as it likes
         while True:
             file, at = flow.file, flow.at
             special = file.special.find(1, at)
@@ -81,7 +83,9 @@ class Run:
             except Refusal as e:
                 raise self._fault(Place("", file, at), e) from None
             except BlockFault as e:
-                before = Refusal(f"what holds here is not known, because of a line before: {e.message}", e.advice)
+                before = Refusal(
+                    f"what holds here is not known, because of a line before: {e.message}", e.advice
+                )
                 raise self._fault(Place("", file, at), before) from None
             for line in back:
                 yield Line(line, at + 1, file.name)
@@ -91,7 +95,9 @@ class Run:
                 for line in plain.split(b"\n"):
                     yield Line(line, at + 1, file.name)
                 if at == self.opening and file is self.main:
-                    _ = self.tracker.state  # read alone: of what stands behind "%" in the same text, nothing is read
+                    _ = (
+                        self.tracker.state
+                    )  # read alone: of what stands behind "%" in the same text, nothing is read
             if self.ended:
                 yield from self._closing(file, at)
                 return
@@ -120,12 +126,21 @@ class Run:
         for value in outcome.m:
             code = whole(value, "M")
             if code in CALLS:
-                raise Refusal(f"M{code} is not the first word of its line", f"write M{code} into a line of its own")
+                raise Refusal(
+                    f"M{code} is not the first word of its line",
+                    f"write M{code} into a line of its own",
+                )
             if code in STATES:
                 if len(outcome.m) > 1 or outcome.g or outcome.letters.strip("mn"):
-                    raise Refusal(f"M{code} beside other words", f"write M{code} into a line of its own")
+                    raise Refusal(
+                        f"M{code} beside other words", f"write M{code} into a line of its own"
+                    )
                 lines = self.states.take(code)
-                return outcome.text if code in (70, 71) and not flow.calls else b"\n".join(lines) or None
+                return (
+                    outcome.text
+                    if code in (70, 71) and not flow.calls
+                    else b"\n".join(lines) or None
+                )
             self.ended |= code in ENDS
         if outcome.text is not None and ("@" in outcome.letters or "^" in outcome.letters):
             codes = {round(10 * value) for value in outcome.g}
@@ -136,7 +151,10 @@ class Run:
         """A line "%": the first one of a program opens it, the next one ends it. Raises Refusal."""
         if file is not self.main:
             if self.flow.skip is None:
-                raise Refusal(f"'%' within {self.flow.sub}", f"{self.flow.way_back} ends it before the end of its file")
+                raise Refusal(
+                    f"'%' within {self.flow.sub}",
+                    f"{self.flow.way_back} ends it before the end of its file",
+                )
             return None
         if at != self.opening:
             self._run_out()
@@ -161,7 +179,10 @@ class Run:
         if flow.skip is not None and flow.since:
             raise self._fault(*flow.since)
         if flow.calls:
-            wrong = Refusal(f"the file ends within {flow.sub}", f"{flow.way_back} goes back to where it was called")
+            wrong = Refusal(
+                f"the file ends within {flow.sub}",
+                f"{flow.way_back} goes back to where it was called",
+            )
             raise self._fault(Place("", flow.file, max(len(flow.file.lines) - 1, 0)), wrong)
 
     def _fault(self, place: Place, wrong: Refusal) -> ProgramError:

@@ -16,7 +16,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from postproc.nc.expand.linuxcnc_expressions import NUMBER, Code, Node, Reader, Refusal, Scope, compact, whole
+from postproc.nc.expand.linuxcnc_expressions import (
+    NUMBER,
+    Code,
+    Node,
+    Reader,
+    Refusal,
+    Scope,
+    compact,
+    whole,
+)
 from postproc.nc.expand.linuxcnc_parameters import LOCAL, Memory
 from postproc.nc.expand.tracker import number
 
@@ -37,7 +46,9 @@ LETTERS = "abcdefghijklmpqrstuvwxyz@^$"
 WHOLE_WORDS, WHOLE_IF_WHOLE = "mthl$", "dp"
 LEAST_WHOLE = 1e-6
 MOST_DIGITS = 17
-ACTIVE = re.compile(rb"\(\s*(?:msg|print|debug|log\w*|probe(?:open|close))\s*[,)]")  # comments that do something
+ACTIVE = re.compile(
+    rb"\(\s*(?:msg|print|debug|log\w*|probe(?:open|close))\s*[,)]"
+)  # comments that do something
 STOPS = re.compile(rb"\(\s*abort\s*,\s*([^)]*)\)")
 PYTHON = re.compile(rb"\(\s*py(?:run|reload)?\s*[,)]|;py,")
 
@@ -139,7 +150,9 @@ def written(letter: str, value: float, memory: Memory) -> str:
         if 10.0 * value - tenths > 0.999:
             tenths += 1
         elif 10.0 * value - tenths > 0.001 or not 0 <= tenths <= 999:
-            raise Refusal(f"G{value:.10g} is no G code", "correct the expression or the values in it")
+            raise Refusal(
+                f"G{value:.10g} is no G code", "correct the expression or the values in it"
+            )
         return f"{tenths // 10}.{tenths % 10}" if tenths % 10 else str(tenths // 10)
     if letter in WHOLE_WORDS:
         return str(whole(value, upper))
@@ -147,7 +160,10 @@ def written(letter: str, value: float, memory: Memory) -> str:
         return str(round(value))
     decimals = memory.decimals(upper)
     if abs(value) >= 10.0 ** (MOST_DIGITS - decimals):
-        raise Refusal(f"{upper} would be {value:.10g}", "no control holds that: correct the expression or its values")
+        raise Refusal(
+            f"{upper} would be {value:.10g}",
+            "no control holds that: correct the expression or its values",
+        )
     return number(value, decimals)
 
 
@@ -172,10 +188,19 @@ class Control:
     def _bracketed(self) -> list[Node]:
         reader = Reader(self.code, self.at)
         needs = self.kind in ("while", "repeat", "if", "elseif")
-        most = 1 if needs or self.kind in ("return", "endsub") else len(LOCAL) if self.kind == "call" else 0
+        most = (
+            1
+            if needs or self.kind in ("return", "endsub")
+            else len(LOCAL)
+            if self.kind == "call"
+            else 0
+        )
         found: list[Node] = []
         if needs and reader.next != "[":
-            raise reader.wrong(f"'[' is missing behind {self.kind}", "a condition stands in brackets: o1 if [#1 GT 0]")
+            raise reader.wrong(
+                f"'[' is missing behind {self.kind}",
+                "a condition stands in brackets: o1 if [#1 GT 0]",
+            )
         while reader.next == "[" and len(found) < most:
             found.append(reader.expression())
             while self.kind == "call" and reader.taken("("):
@@ -184,9 +209,12 @@ class Control:
             pass
         if reader.next:
             if reader.next == "[" and self.kind == "call":
-                raise reader.wrong(f"more than {len(LOCAL)} arguments", "hand the others over in #31 and on")
+                raise reader.wrong(
+                    f"more than {len(LOCAL)} arguments", "hand the others over in #31 and on"
+                )
             raise reader.wrong(
-                f"{self.kind or 'an O number'} is followed by more than a comment", "give it its own line"
+                f"{self.kind or 'an O number'} is followed by more than a comment",
+                "give it its own line",
             )
         return found
 
@@ -198,12 +226,17 @@ class Control:
             letter = reader.next
             if letter not in "pl" or letter in found:
                 raise reader.wrong(
-                    "M98 is followed by more than P and L", "LinuxCNC ignores it: give it a line of its own"
+                    "M98 is followed by more than P and L",
+                    "LinuxCNC ignores it: give it a line of its own",
                 )
             reader.at += 1
             found[letter] = reader.value()
         if "p" not in found:
-            raise Refusal("M98 without P", "P says which program is called", *self.code.span(0, len(self.code.text)))
+            raise Refusal(
+                "M98 without P",
+                "P says which program is called",
+                *self.code.span(0, len(self.code.text)),
+            )
         return [found[letter] for letter in "pl" if letter in found]
 
 
@@ -256,11 +289,17 @@ def _block(line: bytes, reader: Reader) -> Block:
         if STOPS.match(comment):
             reason = line[start:stop].strip(b"()").split(b",", 1)[1].strip().decode("latin-1")
             raise Refusal(
-                f"the program ends itself here: {reason}", "it found something wrong in its values", start, stop
+                f"the program ends itself here: {reason}",
+                "it found something wrong in its values",
+                start,
+                stop,
             )
         if PYTHON.match(comment) and (comment[:1] == b"(" or not start):
             raise Refusal(
-                "this comment runs Python in the control", "gcomp can not: write out what it does", start, stop
+                "this comment runs Python in the control",
+                "gcomp can not: write out what it does",
+                start,
+                stop,
             )
     while reader.next:
         start = reader.at
@@ -271,7 +310,9 @@ def _block(line: bytes, reader: Reader) -> Block:
             block.edits.append(_assignment(reader))
             continue
         if letter not in LETTERS:
-            raise reader.wrong(f"{letter!r} begins no word", "LinuxCNC reads a letter and its value, or #..=..")
+            raise reader.wrong(
+                f"{letter!r} begins no word", "LinuxCNC reads a letter and its value, or #..=.."
+            )
         reader.at += 1
         first = reader.at
         literal = NUMBER.match(reader.text, first)

@@ -94,7 +94,9 @@ def compact(line: bytes) -> Code:
                 break
         elif first == b"(":
             raise Refusal(
-                "a comment is opened and not closed in its line, or opened twice", "close it with ')'", *piece.span()
+                "a comment is opened and not closed in its line, or opened twice",
+                "close it with ')'",
+                *piece.span(),
             )
         text.append(first.decode("latin-1"))
         starts.append(piece.start())
@@ -132,10 +134,14 @@ def _power(a: float, b: float) -> float:
     try:
         return math.pow(a, b)
     except (ValueError, OverflowError):
-        raise Refusal(f"{a:.10g} ** {b:.10g} is no number, or none that a control holds", CORRECT) from None
+        raise Refusal(
+            f"{a:.10g} ** {b:.10g} is no number, or none that a control holds", CORRECT
+        ) from None
 
 
-def _within(name: str, function: Callable[[float], float], low: float, high: float) -> Callable[[float], float]:
+def _within(
+    name: str, function: Callable[[float], float], low: float, high: float
+) -> Callable[[float], float]:
     def checked(value: float) -> float:
         if not low <= value <= high:
             raise Refusal(f"{name} of {value:.10g} does not exist", CORRECT)
@@ -201,7 +207,10 @@ class Reader:
     def wrong(self, message: str, advice: str = SYNTAX) -> Refusal:
         """A Refusal at the place where reading has come to."""
         if self.next == "(":
-            message, advice = message + ": a comment stands there", "put comments between words, not into them"
+            message, advice = (
+                message + ": a comment stands there",
+                "put comments between words, not into them",
+            )
         return Refusal(message, advice, *self.code.span(self.at, self.at + 1))
 
     def value(self) -> Node:
@@ -212,11 +221,15 @@ class Reader:
             self.at = found.end()
             constant = float(found[0])
             if not math.isfinite(constant):
-                raise Refusal(f"a number of {len(found[0])} digits", CORRECT, *self.code.span(start, self.at))
+                raise Refusal(
+                    f"a number of {len(found[0])} digits", CORRECT, *self.code.span(start, self.at)
+                )
             return lambda scope: constant
         self.depth += 1
         if self.depth > DEEPEST:
-            raise self.wrong(f"more than {DEEPEST} brackets, signs or # within each other", "calculate in steps")
+            raise self.wrong(
+                f"more than {DEEPEST} brackets, signs or # within each other", "calculate in steps"
+            )
         try:
             if self.next in ("+", "-"):
                 minus, value = self.next == "-", (self.taken(self.next), self.value())[1]
@@ -313,7 +326,9 @@ class Reader:
         name = self.name() if self.next == "<" else None
         literal = NUMBER.match(self.text, self.at) if name is None else None
         index = self.value() if name is None else None
-        fixed = int(literal[0]) if literal and len(literal[0]) < 10 and literal[0].isdigit() else None
+        fixed = (
+            int(literal[0]) if literal and len(literal[0]) < 10 and literal[0].isdigit() else None
+        )
         span = self.code.span(start, self.at)
 
         def evaluate(scope: Scope) -> float:

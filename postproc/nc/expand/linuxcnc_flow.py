@@ -17,7 +17,13 @@ from postproc.nc.expand.linuxcnc_expressions import CORRECT, Refusal, whole
 from postproc.nc.expand.linuxcnc_parameters import Memory
 
 GLOBAL = ("sub", "", "endsub", "return", "call")  # keywords whose labels are known everywhere
-CLOSED_BY = {"sub": "endsub", "if": "endif", "while": "endwhile", "repeat": "endrepeat", "do": "while"}
+CLOSED_BY = {
+    "sub": "endsub",
+    "if": "endif",
+    "while": "endwhile",
+    "repeat": "endrepeat",
+    "do": "while",
+}
 MOST_REPEATS = 2**31
 
 
@@ -74,10 +80,14 @@ class Flow:
         self.at = 0  # the line that is read next
         self.labels: dict[str, Place] = {}
         self.calls: list[Call] = []
-        self.left = [-1]  # how often M98 with L runs its program once more, for each level of calls (-1: none runs)
+        self.left = [
+            -1
+        ]  # how often M98 with L runs its program once more, for each level of calls (-1: none runs)
         self.skip: str | None = None  # the label up to which lines are skipped
         self.seek = False  # it is a sub to call
-        self.since: tuple[Place, Refusal] | None = None  # where skipping began, and what to say if it never ends
+        self.since: tuple[Place, Refusal] | None = (
+            None  # where skipping began, and what to say if it never ends
+        )
         self.defining = ""  # the sub whose definition is skipped
         self.was_true, self.breaking, self.continuing = True, False, False
 
@@ -99,10 +109,15 @@ class Flow:
                 self._call_fanuc(control, place) if kind == "m98" else self._return(control, "")
             return
         label = control.label(self.memory)
-        name = label if kind in GLOBAL else f"{self.calls[-1].name if self.calls else self.defining}#{label}"
+        name = (
+            label
+            if kind in GLOBAL
+            else f"{self.calls[-1].name if self.calls else self.defining}#{label}"
+        )
         if kind in ("sub", "") and self.defining:
             raise Refusal(
-                f"o{shown(label)} begins within the definition of sub o{shown(self.defining)}", "end that one before"
+                f"o{shown(label)} begins within the definition of sub o{shown(self.defining)}",
+                "end that one before",
             )
         if self.skip is not None and (name != self.skip or (self.seek and kind not in ("sub", ""))):
             return
@@ -132,7 +147,11 @@ class Flow:
         """The place where a label's block begins."""
         place, label = self.labels.get(name), shown(name.rpartition("#")[2])
         if place is None or place.kind not in kinds:
-            what = "is not open" if place is None else f"belongs to the {place.kind} of line {place.at + 1}"
+            what = (
+                "is not open"
+                if place is None
+                else f"belongs to the {place.kind} of line {place.at + 1}"
+            )
             raise Refusal(
                 f"{control.kind}: o{label} {what}",
                 f"it goes with o{label} {' or '.join(kinds)} in the same sub, before it",
@@ -144,7 +163,10 @@ class Flow:
         known = self.labels.setdefault(name, place)
         if not known.is_at(place):
             label = shown(name.rpartition("#")[2])
-            raise Refusal(f"o{label} is used already, in line {known.at + 1}", "give each block a label of its own")
+            raise Refusal(
+                f"o{label} is used already, in line {known.at + 1}",
+                "give each block a label of its own",
+            )
         return known
 
     def _branch(self, control: Control, name: str, place: Place) -> None:
@@ -223,7 +245,11 @@ class Flow:
         control.values()
         fanuc = not control.kind
         if self.calls and self.calls[-1].fanuc != fanuc:
-            what, way = ("a Fanuc-style program", f"M98 P{name}") if fanuc else ("a sub", f"o{shown(name)} call")
+            what, way = (
+                ("a Fanuc-style program", f"M98 P{name}")
+                if fanuc
+                else ("a sub", f"o{shown(name)} call")
+            )
             raise Refusal(f"o{shown(name)} is {what}", f"call it with {way}")
         if self.skip is not None or not (self.calls or fanuc):
             self._define(name, place)
@@ -233,8 +259,13 @@ class Flow:
         if not self.calls:
             self.defining = name
             self._skip_to(name, place, "sub")
-        elif (known := self.labels.get(base(self.calls[-1].name))) is None or not known.is_at(place):
-            raise Refusal(f"sub o{shown(name)} begins within {self.sub}", f"{self.way_back} ends that one before")
+        elif (known := self.labels.get(base(self.calls[-1].name))) is None or not known.is_at(
+            place
+        ):
+            raise Refusal(
+                f"sub o{shown(name)} begins within {self.sub}",
+                f"{self.way_back} ends that one before",
+            )
 
     def _define(self, name: str, place: Place) -> None:
         known = self.labels.get(name)
@@ -258,7 +289,9 @@ class Flow:
             if left == -1:
                 left = whole(nodes[1](self.memory), "L")
                 if left < 0:
-                    raise Refusal(f"L is {left}", "it says how often the program runs: 0, 1, 2 and on")
+                    raise Refusal(
+                        f"L is {left}", "it says how often the program runs: 0, 1, 2 and on"
+                    )
             self.left[-1] = left - 1 if left > 1 else -1
             if left > 1:
                 back = place
@@ -285,8 +318,14 @@ class Flow:
         if file:
             self.file, self.at, where = file, 0, f"in {file.name}"
         what = "program O" + short if values is None else f"sub o{shown(short)}"
-        advice = "define it before its call or behind M2, or have its file where gcomp looks (--library)"
-        self.skip, self.seek, self.since = short, True, (place, Refusal(f"there is no {what} {where}", advice))
+        advice = (
+            "define it before its call or behind M2, or have its file where gcomp looks (--library)"
+        )
+        self.skip, self.seek, self.since = (
+            short,
+            True,
+            (place, Refusal(f"there is no {what} {where}", advice)),
+        )
 
     def _load(self, name: str) -> File | None:
         if name not in self.files:
@@ -304,15 +343,22 @@ class Flow:
         kind = control.kind
         if not self.calls:
             if kind == "m99":
-                raise Refusal("M99 in the main program: it begins again without end", "M2 or M30 ends it")
+                raise Refusal(
+                    "M99 in the main program: it begins again without end", "M2 or M30 ends it"
+                )
             if not self.defining:
-                raise Refusal(f"{kind} outside of any sub", f"it goes with o{shown(name)} sub before it")
+                raise Refusal(
+                    f"{kind} outside of any sub", f"it goes with o{shown(name)} sub before it"
+                )
             self.memory.give_back(control.values(), defining=True)
             if kind == "endsub":
                 self.skip, self.defining = None, ""
             return
         if self.calls[-1].fanuc != (kind == "m99"):
-            raise Refusal(f"{kind} within {self.sub}, which was called in the other way", f"{self.way_back} ends it")
+            raise Refusal(
+                f"{kind} within {self.sub}, which was called in the other way",
+                f"{self.way_back} ends it",
+            )
         self.memory.give_back(control.values())
         call = self.calls.pop()
         self.left.pop()

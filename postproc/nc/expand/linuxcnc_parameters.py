@@ -26,7 +26,13 @@ LAST = 5601  # the largest parameter number
 LOCAL = range(1, 31)  # parameters that every call has its own of
 AXES = "XYZABCUVW"  # in the order of the parameters
 PROBE, FIRST_REFERENCE, SECOND_REFERENCE = range(5061, 5071), range(5161, 5170), range(5181, 5190)
-PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = range(5210, 5220), range(5220, 5391), 5399, range(5400, 5410), range(5410, 5414)
+PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = (
+    range(5210, 5220),
+    range(5220, 5391),
+    5399,
+    range(5400, 5410),
+    range(5410, 5414),
+)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
 SAY = "say it with --start or --offset, or write the value itself in its place"
 WRITE_VALUE = "write the value itself in its place: gcomp knows the program, not what the machine finds while it runs"
@@ -87,7 +93,10 @@ class Memory:
                "_call_level": len(self.locals) - 1.0}.get(name)  # fmt: skip
         if own is not None:
             if math.isnan(own):
-                raise Refusal(f"#<{name}> is not known: no sub has run since the last definition", "call one before")
+                raise Refusal(
+                    f"#<{name}> is not known: no sub has run since the last definition",
+                    "call one before",
+                )
             return own
         if name in PREDEFINED:
             self._check_stale(name, f"#<{name}>")
@@ -97,7 +106,8 @@ class Memory:
         if self.defining:
             return 0.0
         raise Refusal(
-            f"#<{name}> has no value yet", "give it one before this line; a name without _ is known in its own sub only"
+            f"#<{name}> has no value yet",
+            "give it one before this line; a name without _ is known in its own sub only",
         )
 
     def exists(self, parameter: int | str) -> bool:
@@ -121,9 +131,13 @@ class Memory:
         try:
             value = read(self.tracker)
         except (BlockFault, GcompError) as e:
-            raise Refusal(f"{what} is not known, because of a line before: {e.message}", e.advice) from None
+            raise Refusal(
+                f"{what} is not known, because of a line before: {e.message}", e.advice
+            ) from None
         if value is None:
-            raise Refusal(f"{what} is not known: nothing in the program before this line says it", SAY)
+            raise Refusal(
+                f"{what} is not known: nothing in the program before this line says it", SAY
+            )
         return value
 
     # -- writing
@@ -180,7 +194,11 @@ def _check(index: int) -> None:
 
 
 def _is_predefined(name: str) -> bool:
-    return name in PREDEFINED or name in UNKNOWN or name in ("_value", "_value_returned", "_line", "_call_level")
+    return (
+        name in PREDEFINED
+        or name in UNKNOWN
+        or name in ("_value", "_value_returned", "_line", "_call_level")
+    )
 
 
 # -- what the control tells of itself --------------------------------------------------------------------------------------
@@ -196,7 +214,10 @@ def _work(tracker: Tracker, axis: str) -> float | None:
     if axis not in tracker.setup.axes:
         return 0.0
     if tracker.code("cutter") in (410, 411, 420, 421):
-        raise Refusal("the position is read while cutter radius compensation is on", "LinuxCNC refuses this: G40 first")
+        raise Refusal(
+            "the position is read while cutter radius compensation is on",
+            "LinuxCNC refuses this: G40 first",
+        )
     value = tracker.work(axis)
     return value / 2 if value is not None and tracker.is_diameter(axis) else value
 
@@ -206,7 +227,9 @@ def _machine(tracker: Tracker, axis: str) -> float | None:
     if axis not in tracker.setup.axes:
         return 0.0
     value = tracker.machine(axis)
-    return value / MM_PER_INCH if value is not None and tracker.inch and axis not in "ABC" else value
+    return (
+        value / MM_PER_INCH if value is not None and tracker.inch and axis not in "ABC" else value
+    )
 
 
 def _preset(tracker: Tracker, index: int) -> float | None:
@@ -214,7 +237,11 @@ def _preset(tracker: Tracker, index: int) -> float | None:
     frame, axis = _frame(tracker), AXES[index - 5211]
     if index == 5210 or "preset" in frame.unknown:
         return None
-    return float(frame.preset[tracker.setup.axes.index(axis)] / TICKS_PER_MM) if axis in tracker.setup.axes else 0.0
+    return (
+        float(frame.preset[tracker.setup.axes.index(axis)] / TICKS_PER_MM)
+        if axis in tracker.setup.axes
+        else 0.0
+    )
 
 
 def _work_offset(tracker: Tracker, index: int) -> float | None:

@@ -14,7 +14,20 @@ from postproc.nc.expand.linuxcnc_parameters import SAY, Memory
 from postproc.nc.expand.tracker import number
 
 WORD = re.compile(rb"\([^()]*\)|;.*|([@^])[ \t]*([-+]?[ \t]*[\d.][\d. \t]*)", re.DOTALL)
-NO_MOTION = {40, 100, 280, 281, 300, 301, 520, 920, 921, 922, 923, 431}  # codes that take the axis words, or have none
+NO_MOTION = {
+    40,
+    100,
+    280,
+    281,
+    300,
+    301,
+    520,
+    920,
+    921,
+    922,
+    923,
+    431,
+}  # codes that take the axis words, or have none
 UNITS, DISTANCE = {200: True, 210: False}, {900: False, 910: True}
 
 
@@ -30,12 +43,16 @@ def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> 
     if plane not in (-1, 170):
         raise Refusal("@ or ^ outside of G17", "LinuxCNC refuses it: write G17 before")
     if codes & NO_MOTION or 530 in codes:
-        raise Refusal("@ or ^ in a line that is no motion, or with G53", "LinuxCNC refuses it: write X and Y")
+        raise Refusal(
+            "@ or ^ in a line that is no motion, or with G53", "LinuxCNC refuses it: write X and Y"
+        )
     by = next((DISTANCE[c] for c in codes if c in DISTANCE), tracker.code("distance") == 910)
     radius, angle = found.get(b"@"), found.get(b"^")
     here = _here(codes, memory) if by or radius is None or angle is None else (0.0, 0.0)
     if angle is None and math.hypot(*here) < 1e-12:
-        raise Refusal("@ without ^, and the tool stands at the zero of the program", "name the angle")
+        raise Refusal(
+            "@ without ^, and the tool stands at the zero of the program", "name the angle"
+        )
     at, to = math.hypot(*here), math.degrees(math.atan2(here[1], here[0]))
     radius = at + (radius or 0.0) if by or radius is None else radius
     angle = to + (angle or 0.0) if by or angle is None else angle
@@ -43,7 +60,9 @@ def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> 
     if by:
         x, y = x - here[0], y - here[1]
     half = 2.0 if _diameter(codes, memory) else 1.0
-    words = f"X{number(x * half, memory.decimals('X'))} Y{number(y, memory.decimals('Y'))} ".encode()
+    words = (
+        f"X{number(x * half, memory.decimals('X'))} Y{number(y, memory.decimals('Y'))} ".encode()
+    )
     written: list[bytes] = []
 
     def put(match: re.Match[bytes]) -> bytes:

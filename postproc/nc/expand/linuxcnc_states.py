@@ -25,14 +25,20 @@ GROUPS = {
     "plane": 170, "units": 210, "distance": 900, "feed mode": 940, "arc centre": 911, "diameter": 80, "return": 990,
     "work offset": -1,
 }  # fmt: skip
-STILL = {"cutter": "cutter radius compensation", "tool length": "the tool length", "spindle mode": "G96 or G97"}
+STILL = {
+    "cutter": "cutter radius compensation",
+    "tool length": "the tool length",
+    "spindle mode": "G96 or G97",
+}
 TOUCHES = re.compile(
     rb"M[ \t0]*(?P<m>[345789]|4[ \t]*[89]|5[ \t]*[0-3])(?![ \t]*\d)|(?<![A-Za-z<_])S[ \t]*(?P<s>[-+\d. \t]*[\d.]|(?=[\[#]))"
     rb"|G[ \t0]*6[ \t]*[14]",
     re.IGNORECASE,
 )
 TURNS = {b"3": "spindle", b"4": "spindle", b"5": "spindle", b"7": "mist", b"8": "flood"}
-BEGINS = re.compile(rb"(?<![A-Za-z<_])M[ \t0]*7[ \t]*[0-3](?![ \t]*\d)", re.IGNORECASE)  # a program that keeps modes
+BEGINS = re.compile(
+    rb"(?<![A-Za-z<_])M[ \t0]*7[ \t]*[0-3](?![ \t]*\d)", re.IGNORECASE
+)  # a program that keeps modes
 WRITE = "write the codes that hold, and those that come back"
 
 
@@ -69,8 +75,14 @@ class States:
         text = text.split(b"(")[0].split(b";")[0]
         for found in TOUCHES.finditer(text):
             number = (found["m"] or b"").replace(b" ", b"").replace(b"\t", b"")
-            if b"$" in text or found["s"] == b"" or not (found["s"] or number in TURNS or number == b"9"):
-                for kept in self.levels:  # a spindle of several, a speed that is worked out, or what does not come back
+            if (
+                b"$" in text
+                or found["s"] == b""
+                or not (found["s"] or number in TURNS or number == b"9")
+            ):
+                for kept in (
+                    self.levels
+                ):  # a spindle of several, a speed that is worked out, or what does not come back
                     if kept is not None:
                         kept.touched.add(found[0].strip().upper())
             elif found["s"]:
@@ -94,18 +106,26 @@ class States:
     def take(self, code: int) -> list[bytes]:
         """M70, M71, M72 or M73: the lines that stand for it. Raises Refusal."""
         if code in (72, 73) and self.tracker.dialect.m_refuses.get(code) == RESTORED:
-            raise Refusal(f"M{code} of {self.tracker.dialect.title}: what it brings back is not measured", WRITE)
+            raise Refusal(
+                f"M{code} of {self.tracker.dialect.title}: what it brings back is not measured",
+                WRITE,
+            )
         if code == 71:
             self.levels[-1] = None
         elif code == 72:
             kept = self.levels[-1]
             if kept is None:
-                raise Refusal("M72, and no state is kept at this level of calls", "M70 before it, in the same sub")
+                raise Refusal(
+                    "M72, and no state is kept at this level of calls",
+                    "M70 before it, in the same sub",
+                )
             return self._back(kept, "M72")
         else:
             state = self.tracker.state
             codes = {group: self._code(state, group) for group in (*GROUPS, *STILL)}
-            self.levels[-1] = Kept(codes, state.feed, _shifts(state), dict(self.machine), code == 73)
+            self.levels[-1] = Kept(
+                codes, state.feed, _shifts(state), dict(self.machine), code == 73
+            )
         return []
 
     @staticmethod
@@ -117,12 +137,16 @@ class States:
         state = self.tracker.state
         if kept.touched:
             what = b" ".join(sorted(kept.touched)).decode("latin-1")
-            raise Refusal(f"{word} brings back what {what} has changed, which is not followed", WRITE)
+            raise Refusal(
+                f"{word} brings back what {what} has changed, which is not followed", WRITE
+            )
         for group, name in STILL.items():
             if kept.codes[group] != self._code(state, group):
                 raise Refusal(f"{word} brings {name} back, which is not followed", WRITE)
         if any(not np.array_equal(a, b) for a, b in zip(kept.shifts, _shifts(state), strict=True)):
-            raise Refusal(f"{word} brings G92 or the tool length back, which is not followed", WRITE)
+            raise Refusal(
+                f"{word} brings G92 or the tool length back, which is not followed", WRITE
+            )
         words = []
         for group in GROUPS:
             if kept.codes[group] == self._code(state, group):
@@ -132,7 +156,11 @@ class States:
             words.append(self.tracker.dialect.by_number[kept.codes[group]].word.encode())
         lines = ([b" ".join(words)] if words else []) + self._turned(kept, word)
         same = kept.feed == state.feed or (math.isnan(kept.feed) and math.isnan(state.feed))
-        if same and kept.codes["units"] == self._code(state, "units") and kept.codes["feed mode"] != 930:
+        if (
+            same
+            and kept.codes["units"] == self._code(state, "units")
+            and kept.codes["feed mode"] != 930
+        ):
             return lines
         if kept.codes["feed mode"] != 930:  # under G93 every block names its own
             lines.append(b"F0" if math.isnan(kept.feed) else b"F" + number(kept.feed, 6).encode())
@@ -144,12 +172,19 @@ class States:
         new = next((self.machine[name] for name in changed if name not in kept.machine), None)
         if new is not None:
             what = new.decode("latin-1")
-            raise Refusal(f"{word} brings back what {what} has changed, and nothing said before what held", WRITE)
+            raise Refusal(
+                f"{word} brings back what {what} has changed, and nothing said before what held",
+                WRITE,
+            )
         self.machine = dict(kept.machine)
         lines = [kept.machine[name] for name in ("speed", "spindle") if name in changed]
         if not {"mist", "flood"} & set(changed):
             return lines
-        on = [kept.machine[name] for name in ("mist", "flood") if kept.machine.get(name, b"M9") != b"M9"]
+        on = [
+            kept.machine[name]
+            for name in ("mist", "flood")
+            if kept.machine.get(name, b"M9") != b"M9"
+        ]
         return [*lines, b"M9", *on]
 
 

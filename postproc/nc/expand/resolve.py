@@ -24,8 +24,21 @@ from postproc.nc.expand.tracker import Tracker
 
 PLAIN_MOTIONS = (0, 10, 20, 30)
 # Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked anew.
-QUIET = ("motion", "cycle", "distance", "feed mode", "return", "plane", "spindle mode", "path", "arc centre", "cutter")
-READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")  # no motion: a tape mark, a program number
+QUIET = (
+    "motion",
+    "cycle",
+    "distance",
+    "feed mode",
+    "return",
+    "plane",
+    "spindle mode",
+    "path",
+    "arc centre",
+    "cutter",
+)
+READABLE = re.compile(
+    rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)"
+)  # no motion: a tape mark, a program number
 
 
 class Resolver:
@@ -62,10 +75,14 @@ class Resolver:
         self.scene.fault_at, self.scene.lines = self._fault, self._lines
         table = self.scene.table
         self.shifts = {
-            n for n, c in table.items() if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD
+            n
+            for n, c in table.items()
+            if (c.group == "work offset" or c.does in FRAME_KEYS) and n < KEYWORD
         }
         ours = {*self.family.cycles, *(self.control.codes if self.control else ())}
-        self.interest = _interest(sorted(ours | self.shifts) if ours else [], tracker.dialect.tool_offsets)
+        self.interest = _interest(
+            sorted(ours | self.shifts) if ours else [], tracker.dialect.tool_offsets
+        )
 
     def take(self, line: Line) -> list[Line]:
         """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
@@ -91,7 +108,8 @@ class Resolver:
         if self.control is not None and self.control.frames.factor() not in (1.0, -1.0):
             self.scene.block = Block.of(line.text, self.grammar)
             raise self.scene.fault(
-                f"RND or CHF within {self.control.frames.why}", "a corner does not keep its size: write it out"
+                f"RND or CHF within {self.control.frames.why}",
+                "a corner does not keep its size: write it out",
             )
 
     def _unread(self, error: BlockFault) -> ProgramError:
@@ -107,7 +125,13 @@ class Resolver:
                 return []
             if line.file != file or line.source > last:
                 self.skip = None
-        idle = not (self.active or self.missing is not None or self.scene.unsure or self._turned or self.loose)
+        idle = not (
+            self.active
+            or self.missing is not None
+            or self.scene.unsure
+            or self._turned
+            or self.loose
+        )
         if idle and not self.interest.search(line.text):
             self.heard.append(line)
             self.tracker.take(line.text)
@@ -115,7 +139,9 @@ class Resolver:
             return [line]
         self.line, self.scene.source = line, line.source
         try:
-            texts = [text for block in blocks(line.text, self.grammar) for text in self._block(block)]
+            texts = [
+                text for block in blocks(line.text, self.grammar) for text in self._block(block)
+            ]
         except BlockFault as error:
             raise self._unread(error) from None
         return [line] if texts == [line.text] else [line._replace(text=text) for text in texts]
@@ -159,14 +185,24 @@ class Resolver:
             block = self._completed(block, codes)
         lead: list[bytes] = []
         offset = any(scene.group_of(c) == "work offset" for c in codes)
-        if offset and self._turned and not self._taken(codes) and any(w.letter in AXES for w in block.words):
-            lead, block = self._apart(block)  # where the axes stand in the new coordinates, only the tracker knows
+        if (
+            offset
+            and self._turned
+            and not self._taken(codes)
+            and any(w.letter in AXES for w in block.words)
+        ):
+            lead, block = self._apart(
+                block
+            )  # where the axes stand in the new coordinates, only the tracker knows
             scene.block = block
         return lead + self._out([block.text], self._loud(block, codes))
 
     def _counted(self, block: Block) -> None:
         """Nothing may count from where a cycle may have left an axis. Raises ProgramError."""
-        by = next((w for w in block.words if self.tracker.dialect.increments.get(w.letter) == self.loose), None)
+        by = next(
+            (w for w in block.words if self.tracker.dialect.increments.get(w.letter) == self.loose),
+            None,
+        )
         if by is not None:
             raise self.scene.fault(
                 f"{by.letter}{by.raw} counts from where the cycle left {self.loose}, and that is not certain",
@@ -183,13 +219,21 @@ class Resolver:
     def _taken(self, codes: list[int]) -> bool:
         """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean (G53)."""
         takers = self.control.takers if self.control else ()
-        return any(c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes) for c in codes)
+        return any(
+            c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes)
+            for c in codes
+        )
 
     def _idle(self, block: Block) -> None:
         """A block in a cycle that runs nothing must hold none of the cycle's words. Raises ProgramError."""
         assert self.active is not None
         own = form_of(self.active.forms(self.code), block)
-        letters = {*own.takes, *own.keeps, *self.tracker.setup.axes, *self.tracker.dialect.increments}
+        letters = {
+            *own.takes,
+            *own.keeps,
+            *self.tracker.setup.axes,
+            *self.tracker.dialect.increments,
+        }
         word = next((w for w in block.words if w.letter in letters), None)
         if word is not None and not own.stays and not any(w.letter == "M" for w in block.words):
             raise self.scene.fault(
@@ -198,7 +242,9 @@ class Resolver:
             )  # fmt: skip
 
     def _ends(self, codes: list[int]) -> bool:
-        return any(c == 800 or c in PLAIN_MOTIONS or self.scene.group_of(c) == "motion" for c in codes)
+        return any(
+            c == 800 or c in PLAIN_MOTIONS or self.scene.group_of(c) == "motion" for c in codes
+        )
 
     def _end(self, codes: list[int]) -> None:
         """G80 or another motion code: the cycle is over."""
@@ -207,7 +253,8 @@ class Resolver:
         self.active = None
         if self.family.until_g80 and 800 not in codes:
             raise self.scene.fault(
-                "a motion code within a cycle", "this control goes on with the cycle there: write G80 before it"
+                "a motion code within a cycle",
+                "this control goes on with the cycle there: write G80 before it",
             )
         if not any(self.scene.group_of(c) == "motion" and c != 800 for c in codes):
             if self.family.restores:
@@ -226,7 +273,8 @@ class Resolver:
         code, self.missing = self.missing, None
         if code == UNDEFINED:
             raise self.scene.fault(
-                "no motion code is named behind the cycle", "which one holds there differs: name G0 or G1"
+                "no motion code is named behind the cycle",
+                "which one holds there differs: name G0 or G1",
             )
         if code not in PLAIN_MOTIONS:
             return block
@@ -240,17 +288,25 @@ class Resolver:
         others = [c for c in codes if c != code]
         if self._taken(others):
             other = next(c for c in others if self._taken([c]))
-            raise scene.fault(f"G{other / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
+            raise scene.fault(
+                f"G{other / 10:g} and G{code / 10:g} in one block",
+                "write each in a block of its own",
+            )
         second = next((c for c in codes if c in self.family.cycles and c != code), None)
         if second is not None:
-            raise scene.fault(f"G{second / 10:g} and G{code / 10:g} in one block", "write each in a block of its own")
+            raise scene.fault(
+                f"G{second / 10:g} and G{code / 10:g} in one block",
+                "write each in a block of its own",
+            )
         if self.active is None:
             self.before = scene.code("motion") if self.missing is None else self.missing
         elif self.active is not cycle:
             self.active.end()
         self.missing = None
         lead: list[bytes] = []
-        if self._loud(block, codes):  # G54, G20, T0101: they hold first, and the tracker says what they do
+        if self._loud(
+            block, codes
+        ):  # G54, G20, T0101: they hold first, and the tracker says what they do
             lead, block = self._apart(block)
         scene.note(block)
         scene.block = block
@@ -280,9 +336,15 @@ class Resolver:
                 self._told(text)
             return lead + outcome.lines
         if not self.control.frames.map.leaves(scene.plane[2]):
-            raise scene.fault(f"tapping within {self.control.frames.why}", "write the holes in plain coordinates")
+            raise scene.fault(
+                f"tapping within {self.control.frames.why}", "write the holes in plain coordinates"
+            )
         kept = self.control.snapshot()
-        lines = [line for text in outcome.lines for line in self.control.take(Block.of(text, self.grammar))]
+        lines = [
+            line
+            for text in outcome.lines
+            for line in self.control.take(Block.of(text, self.grammar))
+        ]
         self.control.restore(kept)
         self._out(outcome.told, False, places=True)
         return lead + lines
@@ -292,7 +354,9 @@ class Resolver:
         table = self.scene.table
         return (
             any(
-                c >= KEYWORD or c not in table or (table[c].group not in QUIET and c not in (40, 90))
+                c >= KEYWORD
+                or c not in table
+                or (table[c].group not in QUIET and c not in (40, 90))
                 for c in codes
                 if c not in self.family.cycles
             )
@@ -305,7 +369,11 @@ class Resolver:
         first = {
             i
             for i, w in enumerate(block.words)
-            if (w.letter == "G" and scene.group_of(round((w.value or 0) * 10)) not in QUIET and not self._ours(w.value))
+            if (
+                w.letter == "G"
+                and scene.group_of(round((w.value or 0) * 10)) not in QUIET
+                and not self._ours(w.value)
+            )
             or w.letter in "NTHD"
             or (w.letter == "P" and 541 in block.codes)
         }
@@ -315,7 +383,9 @@ class Resolver:
 
     def _ours(self, value: float | None) -> bool:
         code = round((value or 0.0) * 10)
-        return code in self.family.cycles or (self.control is not None and code in self.control.codes)
+        return code in self.family.cycles or (
+            self.control is not None and code in self.control.codes
+        )
 
     # -- what leaves ---------------------------------------------------------------------------------------------------
 
@@ -349,7 +419,9 @@ class Resolver:
         for block in (Block.of(text, self.grammar) for text in texts):
             tool = self.tracker.dialect.tool_offsets and block.get("T") is not None
             if tool or any(c in self.shifts for c in block.codes):
-                taken = any(c in self.scene.table and self.scene.table[c].takes for c in block.codes)
+                taken = any(
+                    c in self.scene.table and self.scene.table[c].takes for c in block.codes
+                )
                 self.scene.shifted(set() if taken else {w.letter for w in block.words})
 
     def _tell(self, texts: list[bytes], loud: bool) -> list[bytes]:
@@ -390,7 +462,14 @@ def _polar(block: Block) -> bool:
 
 def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
     """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned), a tool's offset."""
-    codes, names = [], [rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])" for n in numbers if n >= KEYWORD]
+    codes, names = (
+        [],
+        [
+            rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])"
+            for n in numbers
+            if n >= KEYWORD
+        ],
+    )
     names += [r"[AR]P[ \t]*="] if names else []
     for number in (n for n in numbers if n < KEYWORD):
         whole, tenth = divmod(number, 10)
@@ -398,6 +477,8 @@ def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
         codes.append(r"[ \t]*".join(str(whole)) + point)
     if not codes:
         return re.compile(rb"(?!)")
-    found = rf"G[ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|M[ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
+    found = (
+        rf"G[ \t]*0*[ \t]*(?:{'|'.join(codes)})(?![ \t]*[0-9.])|M[ \t]*0*[ \t]*[345](?![ \t]*[0-9])"
+    )
     found = "|".join([found, *names, *([r"T[ \t]*[0-9]"] if tools else [])])
     return re.compile(found.encode(), re.IGNORECASE)

@@ -66,7 +66,9 @@ class Frame:
     scope: Scope
     at: int = 0
     repeats: list[Repeat] = field(default_factory=list)
-    ends: dict[int, float] = field(default_factory=dict)  # end values of the FOR loops that run, by line
+    ends: dict[int, float] = field(
+        default_factory=dict
+    )  # end values of the FOR loops that run, by line
     passes: int = 1
     again: Callable[[], Scope] | None = None
 
@@ -121,7 +123,9 @@ class Run:
             raw = source.lines[at]
             if steps > limit:
                 message = f"the program is not at its end after {limit} lines"
-                raise self.fault(frame, at, raw, Refusal(message, "correct the loop that does not end"))
+                raise self.fault(
+                    frame, at, raw, Refusal(message, "correct the loop that does not end")
+                )
             if plain(raw):
                 yield from self.drilled(frame, Line(raw, at + 1, source.file))
                 if frame.repeats:
@@ -133,11 +137,17 @@ class Run:
                 text = self.execute(frame, raw)
             except Refusal as e:
                 raise self.fault(frame, at, raw, e) from None
-            except BlockFault as e:  # the tracker has followed the lines up to here only when it was asked
-                refusal = Refusal(f"a line before this one can not be followed: {e.message}", e.advice)
+            except (
+                BlockFault
+            ) as e:  # the tracker has followed the lines up to here only when it was asked
+                refusal = Refusal(
+                    f"a line before this one can not be followed: {e.message}", e.advice
+                )
                 raise self.fault(frame, at, raw, refusal) from None
             if text is not None or self.hole:
-                yield from self.drilled(frame, Line(text or b"", at + 1, source.file), text is not None)
+                yield from self.drilled(
+                    frame, Line(text or b"", at + 1, source.file), text is not None
+                )
 
     def drilled(self, frame: Frame, line: Line, own: bool = True) -> Iterator[Line]:
         """A line, and the hole that is drilled behind it. own: whether the line itself is to be written."""
@@ -152,7 +162,9 @@ class Run:
         try:
             texts = hole.lines(self.tracker, self.feed)
         except Refusal as e:
-            raise self.fault(frame, line.source - 1, frame.source.lines[line.source - 1], e) from None
+            raise self.fault(
+                frame, line.source - 1, frame.source.lines[line.source - 1], e
+            ) from None
         for text in texts:
             yield Line(text, line.source, line.file)
 
@@ -183,7 +195,10 @@ class Run:
         elif statement.ends:
             if scope.inner and statement.ends not in ("M17", "RET"):
                 message = f"{statement.ends} stands in a subprogram"
-                raise Refusal(message, "end a subprogram with M17 or RET: what a control does here depends on it")
+                raise Refusal(
+                    message,
+                    "end a subprogram with M17 or RET: what a control does here depends on it",
+                )
             if scope.inner:
                 self.leave()
             else:
@@ -201,11 +216,16 @@ class Run:
             if jump.condition and not truth(jump.condition(scope)):
                 continue
             target = jump.target
-            if jump.computed or (target in scope.variables and scope.variables[target].kind == "STRING"):
+            if jump.computed or (
+                target in scope.variables and scope.variables[target].kind == "STRING"
+            ):
                 found = jump.computed(scope) if jump.computed else scope.variables[target].values[0]
                 if not isinstance(found, str):
                     raise Refusal(
-                        "the destination of a jump is a name or a string", "correct it", jump.start, jump.stop
+                        "the destination of a jump is a name or a string",
+                        "correct it",
+                        jump.start,
+                        jump.stop,
                     )
                 target = found
             to = frame.source.destination(jump, target, at)
@@ -218,7 +238,9 @@ class Run:
         """A program is at its end: again, or back behind the line that called it."""
         frame = self.frames.pop()
         if frame.passes > 1 and frame.again:
-            self.frames.append(Frame(frame.source, frame.again(), passes=frame.passes - 1, again=frame.again))
+            self.frames.append(
+                Frame(frame.source, frame.again(), passes=frame.passes - 1, again=frame.again)
+            )
         elif self.frames:
             caller = self.frames[-1]
             caller.go(caller.at, caller.at + 1)
@@ -226,7 +248,10 @@ class Run:
     def nested(self, frame: Frame) -> None:
         """Raises Refusal where calls and repeated sections are nested too deep."""
         if max(len(self.frames), len(frame.repeats)) > self.limits.depth:
-            raise Refusal(f"more than {self.limits.depth} calls are nested in each other", "a program may call itself")
+            raise Refusal(
+                f"more than {self.limits.depth} calls are nested in each other",
+                "a program may call itself",
+            )
 
     def call(self, frame: Frame, call: Call) -> None:
         """A subprogram from the same folder."""
@@ -234,7 +259,12 @@ class Run:
         if call.computed:
             value = call.computed(frame.scope)
             if not isinstance(value, str):
-                raise Refusal("CALL takes the name of a program as a string", "correct it", call.start, call.stop)
+                raise Refusal(
+                    "CALL takes the name of a program as a string",
+                    "correct it",
+                    call.start,
+                    call.stop,
+                )
             name = value
         found = FILE_NAME.fullmatch(name)
         name = found[1] if found else name
@@ -244,7 +274,12 @@ class Run:
             return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))
         if not 0 <= passes <= MOST_PASSES:
-            raise Refusal(f"P {passes} is not a number of passes", f"0 to {MOST_PASSES}", call.start, call.stop)
+            raise Refusal(
+                f"P {passes} is not a number of passes",
+                f"0 to {MOST_PASSES}",
+                call.start,
+                call.stop,
+            )
         source = self.library(name)
         if source is None:
             message = f"{name} is neither a command that gcomp knows nor a subprogram that it has"
@@ -256,7 +291,9 @@ class Run:
         parameters = self.parameters(source)
         if len(call.values) > len(parameters) and any(call.values):
             message = f"{name} takes {len(parameters)} values, here are {len(call.values)}"
-            raise Refusal(message, f"correct the call, or the PROC line of {name}", call.start, call.stop)
+            raise Refusal(
+                message, f"correct the call, or the PROC line of {name}", call.start, call.stop
+            )
         given = call.values + [None] * len(parameters)
         shared, outer = self.scope, frame.scope
 
@@ -268,10 +305,16 @@ class Run:
                     alias = outer.variables.get(entry.name)
                     if alias is None or alias.kind != parameter.kind:
                         message = f"{parameter.name} of {name} takes a variable of type {parameter.kind} by its name"
-                        raise Refusal(message, "define one and give its name", entry.start, entry.stop)
+                        raise Refusal(
+                            message, "define one and give its name", entry.start, entry.stop
+                        )
                     inner.variables[parameter.name] = alias
                 else:
-                    value = EMPTY[parameter.kind] if node is None else converted(parameter.kind, node(outer))
+                    value = (
+                        EMPTY[parameter.kind]
+                        if node is None
+                        else converted(parameter.kind, node(outer))
+                    )
                     inner.variables[parameter.name] = Variable(parameter.kind, (), [value])
             return inner
 
@@ -279,7 +322,9 @@ class Run:
 
     def drilling(self, frame: Frame, call: Call) -> Drilling:
         """A drilling cycle of the control with its values."""
-        return Drilling.of(call.name.upper(), [entry.node(frame.scope) if entry else None for entry in call.values])
+        return Drilling.of(
+            call.name.upper(), [entry.node(frame.scope) if entry else None for entry in call.values]
+        )
 
     def modal_call(self, frame: Frame, statement: Statement) -> None:
         """MCALL."""
@@ -292,7 +337,9 @@ class Run:
         if key not in self.sources:
             text = self.program.library(name) if name else None
             found = Program(name, text).lines() if text is not None else None
-            self.sources[key] = Source(name, name, _without_end(found), self.skips) if found is not None else None
+            self.sources[key] = (
+                Source(name, name, _without_end(found), self.skips) if found is not None else None
+            )
         return self.sources[key]
 
     def parameters(self, source: Source) -> tuple[Parameter, ...]:
@@ -302,7 +349,9 @@ class Run:
                 try:
                     return read(raw.decode("latin-1")).parts
                 except Refusal as e:
-                    raise fault(source.name, i + 1, raw, e.message, e.advice, e.start, e.stop) from None
+                    raise fault(
+                        source.name, i + 1, raw, e.message, e.advice, e.start, e.stop
+                    ) from None
         return ()
 
     # -- control lines --------------------------------------------------------------------------------------------------
@@ -320,7 +369,11 @@ class Run:
             try:
                 self.declare(frame.scope, declaration)
             except Refusal as e:
-                raise e if e.stop else Refusal(e.message, e.advice, declaration.start, declaration.stop) from None
+                raise (
+                    e
+                    if e.stop
+                    else Refusal(e.message, e.advice, declaration.start, declaration.stop)
+                ) from None
         frame.go(frame.at, frame.at + 1)
 
     def declare(self, scope: Scope, declaration: Declaration) -> None:
@@ -365,7 +418,11 @@ class Run:
         target, _, last = self.counting(frame, begin).parts
         end = frame.ends.get(begin)
         if end is None or not equal(end, numeric(last(frame.scope))):
-            message = "a jump leads into the loop" if end is None else "the end value of FOR changes within the loop"
+            message = (
+                "a jump leads into the loop"
+                if end is None
+                else "the end value of FOR changes within the loop"
+            )
             raise Refusal(message, "write the loop with WHILE")
         variable, place = frame.scope.find(target.name, target.places(frame.scope))
         variable.values[place] = converted(variable.kind, numeric(variable.values[place] or 0) + 1)
@@ -373,18 +430,25 @@ class Run:
 
     def counting(self, frame: Frame, begin: int) -> Statement:
         """The FOR line of a loop."""
-        return self.kept.get((frame.source.file, begin)) or read(frame.source.lines[begin].decode("latin-1"))
+        return self.kept.get((frame.source.file, begin)) or read(
+            frame.source.lines[begin].decode("latin-1")
+        )
 
     def pass_on(self, frame: Frame, begin: int, target: Target) -> None:
         variable, place = frame.scope.find(target.name, target.places(frame.scope))
         behind = frame.source.partner(begin) + 1
-        frame.go(frame.at, behind if less(frame.ends[begin], numeric(variable.values[place] or 0)) else begin + 1)
+        frame.go(
+            frame.at,
+            behind if less(frame.ends[begin], numeric(variable.values[place] or 0)) else begin + 1,
+        )
 
     def case(self, frame: Frame, statement: Statement) -> None:
         """CASE OF DEFAULT: the jump of the first constant that is equal."""
         tested, cases, default = statement.parts
         value = tested(frame.scope)
-        chosen = next((jump for constant, jump in cases if equal(value, constant(frame.scope))), default)
+        chosen = next(
+            (jump for constant, jump in cases if equal(value, constant(frame.scope))), default
+        )
         self.jump(frame, [chosen] if chosen else [])
 
     def repeat(self, frame: Frame, statement: Statement) -> None:

@@ -13,23 +13,40 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from postproc.nc.expand.siemens_expressions import FOREIGN, TOKEN, Parser
-from postproc.nc.expand.siemens_values import Axis, Node, Refusal, Scope, Value, converted, rounded, undefined
+from postproc.nc.expand.siemens_values import (
+    Axis,
+    Node,
+    Refusal,
+    Scope,
+    Value,
+    converted,
+    rounded,
+    undefined,
+)
 from postproc.nc.expand.siemens_words import ADDRESSES, COMMANDS, WRAPPERS, argument, word
 
 NAME = r"[A-Z_]{2}[A-Z0-9_]*"
 HEAD = re.compile(
-    rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?(?:({NAME}[ \t]*:(?!=))[ \t]*)?", re.IGNORECASE | re.ASCII
+    rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?(?:({NAME}[ \t]*:(?!=))[ \t]*)?",
+    re.IGNORECASE | re.ASCII,
 )
 WORD = re.compile(
-    r"[ \t]*([A-Z])[ \t]*([+-]?(?>\d+\.?\d*|\.\d+))(EX[+-]?\d+)?(?![ \t]*(?:=(?!=)|\[|\())", re.IGNORECASE | re.ASCII
+    r"[ \t]*([A-Z])[ \t]*([+-]?(?>\d+\.?\d*|\.\d+))(EX[+-]?\d+)?(?![ \t]*(?:=(?!=)|\[|\())",
+    re.IGNORECASE | re.ASCII,
 )
-NUMBERED = re.compile(r"[ \t]*(L\d+)(?=[ \t]*\()", re.IGNORECASE | re.ASCII)  # L140(2): a subprogram with values
+NUMBERED = re.compile(
+    r"[ \t]*(L\d+)(?=[ \t]*\()", re.IGNORECASE | re.ASCII
+)  # L140(2): a subprogram with values
 PLAIN_VALUE = re.compile(r'[+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|"[^"]*"', re.ASCII)
-DESTINATION = re.compile(r"[ \t]*:?([A-Z0-9_]+)(?![A-Z0-9_]|[ \t]*(?:<<|\[))", re.IGNORECASE | re.ASCII)
+DESTINATION = re.compile(
+    r"[ \t]*:?([A-Z0-9_]+)(?![A-Z0-9_]|[ \t]*(?:<<|\[))", re.IGNORECASE | re.ASCII
+)
 PASSES = re.compile(r"[ \t]*P[ \t]*(?:=|(?=[0-9]))", re.IGNORECASE)
 LIST = re.compile(r"[ \t]*\((?:[^(),]|\([^()]*\))*,")  # a comma that no inner parentheses hold
 BLANK = re.compile(r"[ \t]*")
-EMPTY_CODE = re.compile(r"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?", re.IGNORECASE | re.ASCII)
+EMPTY_CODE = re.compile(
+    r"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?", re.IGNORECASE | re.ASCII
+)
 END_OF_PROGRAM = (2, 17, 30)
 JUMPS = ("GOTOF", "GOTOB", "GOTO", "GOTOC", "GOTOS")
 
@@ -133,7 +150,12 @@ class Statement:
 
 
 def filled(
-    text: str, start: int, stop: int, entries: Sequence[Entry | None], say: Callable[[Value], str], scope: Scope
+    text: str,
+    start: int,
+    stop: int,
+    entries: Sequence[Entry | None],
+    say: Callable[[Value], str],
+    scope: Scope,
 ) -> str:
     """A part of a line with numbers in the place of the entries."""
     out, at = [], start
@@ -153,11 +175,16 @@ def assign(scope: Scope, target: Target, right: Right) -> None:
     if not right.kind:
         entry = right.entries[0]
         if entry is None or entry.wrapped:
-            raise Refusal(f"{target.name} is a variable and takes one value", "write a number or an expression")
+            raise Refusal(
+                f"{target.name} is a variable and takes one value",
+                "write a number or an expression",
+            )
         variable.values[place] = converted(variable.kind, entry.node(scope))
         return
     if not variable.shape:
-        raise Refusal(f"{target.name} is no array and takes one value", "assign the values one by one")
+        raise Refusal(
+            f"{target.name} is no array and takes one value", "assign the values one by one"
+        )
     values = [None if e is None else e.node(scope) for e in right.entries]
     room = len(variable.values) - place
     if right.kind == "REP":
@@ -165,7 +192,8 @@ def assign(scope: Scope, target: Target, right: Right) -> None:
         values = values[:1] * max(0, min(count, room + 1))
     if len(values) > room:
         raise Refusal(
-            f"the list is longer than the {room} elements from here to the end", "correct the list or the DEF"
+            f"the list is longer than the {room} elements from here to the end",
+            "correct the list or the DEF",
         )
     for i, value in enumerate(values):
         if value is not None:
@@ -190,7 +218,9 @@ class Words(Parser):
     def end(self, after: str) -> None:
         """Nothing may follow."""
         if not self.done():
-            raise self.wrong(f"this does not belong behind {after}", "put it into a line of its own")
+            raise self.wrong(
+                f"this does not belong behind {after}", "put it into a line of its own"
+            )
 
     def words(self) -> Statement:
         """All that is left of the line."""
@@ -219,14 +249,19 @@ class Words(Parser):
         if found[3]:
             self.at = found.start(2)
             node = self.operand()
-            self.piece(found.start(1), self.at, lambda scope: found[1] + word(scope, letter, node(scope)))
+            self.piece(
+                found.start(1), self.at, lambda scope: found[1] + word(scope, letter, node(scope))
+            )
         return int(letter != "N")
 
     def named_word(self, others: int) -> int:
         """What begins with a name: a jump, an assignment, a command, a call."""
         token = self.next()
         if token is None or not token["name"]:
-            raise self.wrong(f"{self.text[self.at :].strip()[:1]!r} does not belong to a block here", "take it out")
+            raise self.wrong(
+                f"{self.text[self.at :].strip()[:1]!r} does not belong to a block here",
+                "take it out",
+            )
         start, name = token.start("name"), "".join(token["name"].upper().split())
         if name in JUMPS or name == "IF":
             condition = self.expression() if self.taken("IF") else None
@@ -251,7 +286,9 @@ class Words(Parser):
         text, entries = self.into.text, [*indices, *self.arguments()]
         stop = self.at
         if any(entry and not entry.plain for entry in entries):
-            self.piece(start, stop, lambda scope: filled(text, start, stop, entries, argument, scope))
+            self.piece(
+                start, stop, lambda scope: filled(text, start, stop, entries, argument, scope)
+            )
 
     def next_is(self, mark: str) -> bool:
         token = self.next()
@@ -265,7 +302,12 @@ class Words(Parser):
         text, name, right = self.into.text, target.name, self.right()
         start, stop = target.start, self.at
         if name[0] == "$":
-            raise Refusal(f"{name} changes what the control holds, which is not followed", FOREIGN, start, stop)
+            raise Refusal(
+                f"{name} changes what the control holds, which is not followed",
+                FOREIGN,
+                start,
+                stop,
+            )
         parameter = name[0] == "R" and (name == "R" or name[1:].isdigit())
         letter = not parameter and (len(name) == 1 or name[1:].isdigit())
 
@@ -276,14 +318,24 @@ class Words(Parser):
             if name == "AX" and len(target.indices) == 1:
                 axis = target.indices[0].node(scope)
                 if not isinstance(axis, Axis):
-                    raise Refusal("AX[ ] takes the name of an axis", "write one, or a variable of type AXIS")
+                    raise Refusal(
+                        "AX[ ] takes the name of an axis", "write one, or a variable of type AXIS"
+                    )
                 address, left = axis.name, axis.name
             elif letter or name in ADDRESSES or name in COMMANDS or scope.is_axis(name):
-                address, left = name, filled(text, start, target.stop, target.indices, argument, scope)
+                address, left = (
+                    name,
+                    filled(text, start, target.stop, target.indices, argument, scope),
+                )
             else:
                 raise undefined(name)
             return left + filled(
-                text, target.stop, stop, right.entries, lambda value: word(scope, address, value), scope
+                text,
+                target.stop,
+                stop,
+                right.entries,
+                lambda value: word(scope, address, value),
+                scope,
             )
 
         if not letter or target.indices or any(e and not e.plain for e in right.entries):
@@ -342,7 +394,11 @@ class Words(Parser):
         """The same, but a number, a string or a lone name that is no variable stays as it stands."""
         token = TOKEN.fullmatch(self.text, entry.start, entry.stop)
         name = (token["name"] or "").upper() if token else ""
-        return entry if name[:1] == "$" or (name[:1] == "R" and name[1:].isdigit()) else replace(entry, name=name)
+        return (
+            entry
+            if name[:1] == "$" or (name[:1] == "R" and name[1:].isdigit())
+            else replace(entry, name=name)
+        )
 
     def jump(self, condition: Node | None) -> Jump:
         """GOTOF and its kin with their destination."""
@@ -356,12 +412,16 @@ class Words(Parser):
             return Jump(kind, found[1].upper(), None, condition, begin, self.at)
         return Jump(kind, "", self.expression(), condition, begin, self.at)
 
-    def call(self, name: str, start: int, stop: int, others: int, computed: Node | None = None) -> None:
+    def call(
+        self, name: str, start: int, stop: int, others: int, computed: Node | None = None
+    ) -> None:
         """A subprogram call with its values and passes; it stands alone in its line."""
         self.at = stop
         if others:
             message = f"{name} is no word that gcomp knows, and a subprogram call stands alone in its line"
-            raise Refusal(message, "correct the word, or put the call into a line of its own", start, stop)
+            raise Refusal(
+                message, "correct the word, or put the call into a line of its own", start, stop
+            )
         values = self.arguments()
         count = None
         if passes := PASSES.match(self.text, self.at):

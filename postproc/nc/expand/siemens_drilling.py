@@ -21,14 +21,20 @@ NAMES = {
 }  # fmt: skip
 AXIS = {170: "Z", 180: "Y", 190: "X"}
 DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE and AXN, for the axis of the hole
-SHALLOW, AHEAD, PART, MOST_AHEAD = 30.0, 0.6, 50.0, 7.0  # mm: how far CYCLE83 keeps off the bottom that it has reached
+SHALLOW, AHEAD, PART, MOST_AHEAD = (
+    30.0,
+    0.6,
+    50.0,
+    7.0,
+)  # mm: how far CYCLE83 keeps off the bottom that it has reached
 CHIP = 1.0  # mm, by which it goes back to break chips
 MOST_STROKES = 10_000
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
 # A line whose axis words are a motion of its own; behind the others MCALL calls nothing.
 MOVES = re.compile(rb"(?<![A-Z_0-9])[XYZABCUVW][ \t]*(?:=|[-+.0-9])", re.IGNORECASE)
 STILL = re.compile(
-    rb"(?<![A-Z_])(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|G0*(?:4|25|26|110|111|112|74|75))(?![A-Z0-9])", re.IGNORECASE
+    rb"(?<![A-Z_])(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|G0*(?:4|25|26|110|111|112|74|75))(?![A-Z0-9])",
+    re.IGNORECASE,
 )
 FEED = re.compile(rb"(?<![A-Z_0-9])F[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
 
@@ -51,7 +57,9 @@ class Drilling:
         """Raises Refusal for values that are none of a cycle that can be written out."""
         words = NAMES[name].split()
         if len(values) > len(words):
-            raise Refusal(f"{name} takes {len(words)} values, here are {len(values)}", "correct the call")
+            raise Refusal(
+                f"{name} takes {len(words)} values, here are {len(values)}", "correct the call"
+            )
         given = {}
         for word, value in zip(words, values, strict=False):
             if isinstance(value, str) or (value is not None and not isinstance(value, int | float)):
@@ -69,12 +77,19 @@ class Drilling:
 
         def move(code: str, place: float) -> bytes:
             text = number(place, decimals)
-            return f"{code} {axis}=AC({text})".encode() if relative else f"{code} {axis}{text}".encode()
+            return (
+                f"{code} {axis}=AC({text})".encode()
+                if relative
+                else f"{code} {axis}{text}".encode()
+            )
 
         level, bottom = self._levels()
         found = [move("G0", level)]
         if self.name == "CYCLE83":
-            found += [move(code, place) if code else self._dwell(place) for code, place in self._pecks(inch)]
+            found += [
+                move(code, place) if code else self._dwell(place)
+                for code, place in self._pecks(inch)
+            ]
         else:
             found.append(move("G1" + self._feed("FFR"), bottom))
             if self.given.get("DTB"):
@@ -98,7 +113,9 @@ class Drilling:
         return f" F{number(value, 3)}" if value else ""
 
     def _dwell(self, seconds: float) -> bytes:
-        return (f"G4 F{number(seconds, 3)}" if seconds > 0 else f"G4 S{number(-seconds, 3)}").encode()
+        return (
+            f"G4 F{number(seconds, 3)}" if seconds > 0 else f"G4 S{number(-seconds, 3)}"
+        ).encode()
 
     def _check(self, axis: str) -> None:
         """Values that ask for something else than what is written out. Raises Refusal."""
@@ -124,10 +141,17 @@ class Drilling:
         if "DP" not in g and "DPR" not in g:
             raise Refusal(f"{self.name} without DP and DPR", "write its depth")
         incremental = by == 1 or (by == 0 and bool(g.get("DPR")))
-        bottom = g["RFP"] - up * abs(g.get("DPR") or g.get("DP", 0.0)) if incremental else g.get("DP", 0.0)
+        bottom = (
+            g["RFP"] - up * abs(g.get("DPR") or g.get("DP", 0.0))
+            if incremental
+            else g.get("DP", 0.0)
+        )
         level = g["RFP"] + up * abs(g.get("SDIS", 0.0))
         if (level - bottom) * up <= 0 or (g["RTP"] - level) * up < 0:
-            raise Refusal(f"the planes of {self.name} are not in order", "RTP, RFP + SDIS and DP in this order")
+            raise Refusal(
+                f"the planes of {self.name} are not in order",
+                "RTP, RFP + SDIS and DP in this order",
+            )
         return level, bottom
 
     def _strokes(self, bottom: float) -> Iterator[float]:
@@ -135,12 +159,16 @@ class Drilling:
         g = self.given
         up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
         depth = abs(g["RFP"] - bottom)
-        first = abs(g["FDPR"]) if g.get("FDPR") else abs(g["RFP"] - g["FDEP"]) if "FDEP" in g else depth
+        first = (
+            abs(g["FDPR"]) if g.get("FDPR") else abs(g["RFP"] - g["FDEP"]) if "FDEP" in g else depth
+        )
         less, least = abs(g.get("DAM", 0.0)), abs(g.get("MDEP", 0.0))
         if g.get("DAM", 0.0) < 0 or least:
             raise Refusal("CYCLE83 with a factor as DAM, or with MDEP", WRITE_OUT)
         if first > depth or first <= 0:
-            raise Refusal("the first drilling depth of CYCLE83 is not within the hole", "correct FDEP or FDPR")
+            raise Refusal(
+                "the first drilling depth of CYCLE83 is not within the hole", "correct FDEP or FDPR"
+            )
         reached, stroke = first, first
         for _ in range(MOST_STROKES):
             if reached >= depth - 1e-9:

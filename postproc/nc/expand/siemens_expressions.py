@@ -77,7 +77,9 @@ class Parser:
     def expression(self, least: int = 0) -> Node:
         """An expression with operators of at least this priority."""
         first, rest = self.operand(), []
-        while (token := self.next()) and (found := BINARY.get((token["mark"] or token["name"] or "").upper())):
+        while (token := self.next()) and (
+            found := BINARY.get((token["mark"] or token["name"] or "").upper())
+        ):
             if found[0] < least:
                 break
             self.at = token.end()
@@ -97,7 +99,9 @@ class Parser:
         """A value, with its signs."""
         self.depth += 1
         if self.depth > DEEPEST:
-            raise self.wrong(f"more than {DEEPEST} parentheses or signs within each other", "calculate in steps")
+            raise self.wrong(
+                f"more than {DEEPEST} parentheses or signs within each other", "calculate in steps"
+            )
         try:
             sign = self.taken(*UNARY)
             if sign:
@@ -128,14 +132,18 @@ class Parser:
             known: Value = math.pi if name == "$PI" else name == "TRUE"
             return lambda scope: known
         if name in BINARY or name in UNARY:
-            raise Refusal(f"a value is missing before {name}", "see the manual for its syntax", start, self.at)
+            raise Refusal(
+                f"a value is missing before {name}", "see the manual for its syntax", start, self.at
+            )
         if self.taken("("):
             return self.function(name, start)
         indices = self.indices()
         if name in POSITIONS and len(indices) == 1:
             return lambda scope: position(scope, name, indices[0](scope))
         if name[0] == "$":
-            raise Refusal(f"the system variable {name} is known to the control only", FOREIGN, start, self.at)
+            raise Refusal(
+                f"the system variable {name} is known to the control only", FOREIGN, start, self.at
+            )
         stop = self.at
 
         def read(scope: Scope) -> Value:
@@ -165,7 +173,12 @@ class Parser:
             values.append(self.expression())
         self.need(")")
         if len(values) != count:
-            raise Refusal(f"{name} takes {count} values, here are {len(values)}", "correct the call", start, self.at)
+            raise Refusal(
+                f"{name} takes {count} values, here are {len(values)}",
+                "correct the call",
+                start,
+                self.at,
+            )
         return lambda scope: function(*[value(scope) for value in values])
 
     def indices(self) -> list[Node]:
@@ -184,7 +197,11 @@ def _constant(token: re.Match[str]) -> Value:
     if token["string"]:
         return token["string"][1:-1]
     if token["bits"]:
-        value = int(token["bits"][1:], 16 if token["bits"][0] in "Hh" else 2) if len(token["bits"]) < 64 else 2**64
+        value = (
+            int(token["bits"][1:], 16 if token["bits"][0] in "Hh" else 2)
+            if len(token["bits"]) < 64
+            else 2**64
+        )
         return fitting(value)
     text = token["number"].upper()
     if text.isdigit() and len(text) < 16:

@@ -11,23 +11,49 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from postproc.nc.expand.siemens_blocks import HEAD, JUMPS, NAME, PASSES, Jump, Right, Statement, Target, Words
+from postproc.nc.expand.siemens_blocks import (
+    HEAD,
+    JUMPS,
+    NAME,
+    PASSES,
+    Jump,
+    Right,
+    Statement,
+    Target,
+    Words,
+)
 from postproc.nc.expand.siemens_drilling import NAMES
 from postproc.nc.expand.siemens_values import Node, Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 
 TYPES = ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS")
 STRUCTURE = re.compile(
-    HEAD.pattern + r"(IF|ELSE|ENDIF|LOOP|ENDLOOP|WHILE|ENDWHILE|FOR|ENDFOR|REPEAT|UNTIL)(?![A-Z0-9_])",
+    HEAD.pattern
+    + r"(IF|ELSE|ENDIF|LOOP|ENDLOOP|WHILE|ENDWHILE|FOR|ENDFOR|REPEAT|UNTIL)(?![A-Z0-9_])",
     re.IGNORECASE | re.ASCII,
 )
 MARK = re.compile(
-    rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)(\d+)[ \t]*)?(?:({NAME})[ \t]*:(?!=))?", re.IGNORECASE | re.ASCII
+    rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)(\d+)[ \t]*)?(?:({NAME})[ \t]*:(?!=))?",
+    re.IGNORECASE | re.ASCII,
 )
 LABEL = re.compile(rf"[ \t]*({NAME}|N\d+)(?![A-Z0-9_])", re.IGNORECASE | re.ASCII)
 ATTRIBUTE = re.compile(r"[ \t]*([A-Z]+)", re.IGNORECASE)
-OPENS = {"ENDIF": "IF", "ELSE": "IF", "ENDLOOP": "LOOP", "ENDWHILE": "WHILE", "ENDFOR": "FOR", "UNTIL": "REPEAT"}
-CLOSES = {"IF": "ENDIF", "ELSE": "ENDIF", "LOOP": "ENDLOOP", "WHILE": "ENDWHILE", "FOR": "ENDFOR", "REPEAT": "UNTIL"}
+OPENS = {
+    "ENDIF": "IF",
+    "ELSE": "IF",
+    "ENDLOOP": "LOOP",
+    "ENDWHILE": "WHILE",
+    "ENDFOR": "FOR",
+    "UNTIL": "REPEAT",
+}
+CLOSES = {
+    "IF": "ENDIF",
+    "ELSE": "ENDIF",
+    "LOOP": "ENDLOOP",
+    "WHILE": "ENDWHILE",
+    "FOR": "ENDFOR",
+    "REPEAT": "UNTIL",
+}
 REASONS = {
     "DEFINE": "macros are not followed: write their text where they stand",
     "MCALL": f"of modal calls {', '.join(NAMES)} are: write the other calls out",
@@ -83,7 +109,9 @@ def read(text: str) -> Statement:
     if token and keyword == "MCALL":
         return _modal(words, token)
     if token and keyword in REASONS:
-        raise Refusal(f"{keyword} can not be written out", REASONS[keyword], token.start("name"), token.end())
+        raise Refusal(
+            f"{keyword} can not be written out", REASONS[keyword], token.start("name"), token.end()
+        )
     if keyword == "IF" and token:
         words.at = token.end()
         words.into.parts = (words.expression(),)
@@ -103,7 +131,9 @@ def _modal(words: Words, token: re.Match[str]) -> Statement:
         return words.into
     name = words.next()
     if not name or (name["name"] or "").upper() not in NAMES:
-        raise Refusal("MCALL can not be written out", REASONS["MCALL"], token.start("name"), token.end())
+        raise Refusal(
+            "MCALL can not be written out", REASONS["MCALL"], token.start("name"), token.end()
+        )
     words.call(name["name"].upper(), name.start("name"), name.end(), 0)
     return words.into
 
@@ -158,8 +188,14 @@ def _type(words: Words) -> str:
     found = ATTRIBUTE.match(words.text, words.at)
     kind = found[1].upper() if found else ""
     if kind not in TYPES or not found:
-        reason = "frames as variables are not followed" if kind == "FRAME" else "a type is missing: REAL, INT, BOOL ..."
-        raise words.wrong(reason, "program the shift with TRANS" if kind == "FRAME" else "see the manual for DEF")
+        reason = (
+            "frames as variables are not followed"
+            if kind == "FRAME"
+            else "a type is missing: REAL, INT, BOOL ..."
+        )
+        raise words.wrong(
+            reason, "program the shift with TRANS" if kind == "FRAME" else "see the manual for DEF"
+        )
     words.at = found.end()
     if kind == "STRING":
         words.indices()
@@ -172,7 +208,9 @@ def _name(words: Words) -> tuple[str, int]:
         raise words.wrong("a name is missing")
     name = "".join(token["name"].upper().split())
     if (len(name) == 1 or name[1:].isdigit()) and name[0] != "R":
-        raise words.wrong(f"{name} is an address", "the first two characters of a name are letters or underscores")
+        raise words.wrong(
+            f"{name} is an address", "the first two characters of a name are letters or underscores"
+        )
     words.at = token.end()
     return name, token.start("name")
 
@@ -211,7 +249,9 @@ def _procedure(words: Words) -> None:
     while attribute := ATTRIBUTE.match(words.text, words.at):
         if attribute[1].upper() == "SAVE":
             advice = "take SAVE out and write the codes behind each call"
-            raise words.wrong(f"{name} gives back the modal codes of before (SAVE), which is not followed", advice)
+            raise words.wrong(
+                f"{name} gives back the modal codes of before (SAVE), which is not followed", advice
+            )
         words.at = attribute.end()
     words.into.parts = tuple(found)
 
@@ -227,7 +267,9 @@ def _call(words: Words) -> None:
     keyword, words.into.control = words.into.control, ""
     start = words.at - len(keyword)
     if keyword == "PCALL":
-        found = re.compile(r"[ \t]*([A-Z0-9_/.]+)", re.IGNORECASE | re.ASCII).match(words.text, words.at)
+        found = re.compile(r"[ \t]*([A-Z0-9_/.]+)", re.IGNORECASE | re.ASCII).match(
+            words.text, words.at
+        )
         if not found:
             raise words.wrong("PCALL needs a name")
         words.call(found[1].upper(), start, found.end(), 0)
@@ -282,7 +324,10 @@ class Source:
             ):
                 continue
             if keyword in OPENS:
-                if not opened or (opened[-1][0] != OPENS[keyword] and (opened[-1][0], keyword) != ("ELSE", "ENDIF")):
+                if not opened or (
+                    opened[-1][0] != OPENS[keyword]
+                    and (opened[-1][0], keyword) != ("ELSE", "ENDIF")
+                ):
                     found[i] = f"{keyword} without {OPENS[keyword]}"
                     continue
                 begin = opened.pop()[1]
@@ -297,7 +342,9 @@ class Source:
         """The line that a line of a control structure depends on. Raises Refusal where the structure is broken."""
         found = self.partners.get(at, "this is no part of a control structure")
         if isinstance(found, str):
-            raise Refusal(found, "complete the control structure; blocks with / may have been left out")
+            raise Refusal(
+                found, "complete the control structure; blocks with / may have been left out"
+            )
         return found
 
     def destination(self, jump: Jump, target: str, at: int) -> int | None:
@@ -318,7 +365,9 @@ class Source:
             return behind[0] if behind else before[-1]
         if jump.kind == "GOTOC":
             return None
-        where = {"GOTOB": "before this line", "GOTOF": "behind this line"}.get(jump.kind, "in this program")
+        where = {"GOTOB": "before this line", "GOTOF": "behind this line"}.get(
+            jump.kind, "in this program"
+        )
         raise Refusal(
             f"there is no {name} {where}",
             "correct the name of the label or block, or the direction",
@@ -329,12 +378,17 @@ class Source:
     def section(self, first: str, last: str, at: int) -> tuple[int, int]:
         """First and last line of the part that a REPEAT at line `at` repeats. Raises Refusal."""
         starts = self.marks.get(first, [])
-        start = max((i for i in starts if i < at), default=min((i for i in starts if i > at), default=None))
+        start = max(
+            (i for i in starts if i < at), default=min((i for i in starts if i > at), default=None)
+        )
         if start is None:
             raise Refusal(f"there is no {first} in this program", "correct the name of the label")
         ends = [i for i in self.marks.get(last or "ENDLABEL", []) if i >= start]
         if ends and (last or start > at or ends[0] < at):
             return start, ends[0]
         if last or start > at:
-            raise Refusal(f"there is no {last or 'ENDLABEL'} behind {first}", "write it at the end of what is repeated")
+            raise Refusal(
+                f"there is no {last or 'ENDLABEL'} behind {first}",
+                "write it at the end of what is repeated",
+            )
         return start, at - 1

@@ -50,16 +50,29 @@ class Variable:
     def offset(self, name: str, index: list[int]) -> int:
         """The place of an element. Raises Refusal where it is outside."""
         if len(index) != len(self.shape):
-            raise Refusal(f"{name} has {len(self.shape)} indices, here are {len(index)}", "write one per dimension")
+            raise Refusal(
+                f"{name} has {len(self.shape)} indices, here are {len(index)}",
+                "write one per dimension",
+            )
         place = 0
         for i, length in zip(index, self.shape, strict=True):
             if not 0 <= i < length:
-                raise Refusal(f"index {i} of {name} is outside 0 to {length - 1}", "correct the index or the DEF")
+                raise Refusal(
+                    f"index {i} of {name} is outside 0 to {length - 1}",
+                    "correct the index or the DEF",
+                )
             place = place * length + i
         return place
 
 
-EMPTY: dict[str, Value | None] = {"REAL": 0.0, "INT": 0, "BOOL": False, "CHAR": 0, "STRING": "", "AXIS": None}
+EMPTY: dict[str, Value | None] = {
+    "REAL": 0.0,
+    "INT": 0,
+    "BOOL": False,
+    "CHAR": 0,
+    "STRING": "",
+    "AXIS": None,
+}
 
 
 @dataclass
@@ -84,7 +97,10 @@ class Scope:
         if name[0] == "R" and (name == "R" or name[1:].isdigit()):
             number = int(name[1:]) if name != "R" else index[0] if len(index) == 1 else -1
             if not 0 <= number <= LARGEST_PARAMETER or (name != "R" and index):
-                raise Refusal(f"an R parameter has one number from 0 to {LARGEST_PARAMETER}", "write R1 or R[1]")
+                raise Refusal(
+                    f"an R parameter has one number from 0 to {LARGEST_PARAMETER}",
+                    "write R1 or R[1]",
+                )
             return self.parameters.setdefault(number, Variable("REAL")), 0
         variable = self.variables.get(name)
         if variable is None:
@@ -111,7 +127,9 @@ def numeric(value: Value) -> float | int:
     if isinstance(value, (int, float)):
         return value
     if isinstance(value, Axis):
-        raise Refusal(f"{value.name} is an axis, not a number", f"$AA_IW[{value.name}] is where it stands")
+        raise Refusal(
+            f"{value.name} is an axis, not a number", f"$AA_IW[{value.name}] is where it stands"
+        )
     raise Refusal("a string stands where a number is needed", "calculate with numbers")
 
 
@@ -137,7 +155,10 @@ def text_of(value: Value) -> str:
     if isinstance(value, (bool, int)):
         return str(int(value))
     if isinstance(value, Axis):
-        raise Refusal(f"{value.name} is an axis, not a string", "AXSTRING is not calculated: write the string itself")
+        raise Refusal(
+            f"{value.name} is an axis, not a string",
+            "AXSTRING is not calculated: write the string itself",
+        )
     return value if isinstance(value, str) else f"{value:.10g}"
 
 
@@ -145,7 +166,10 @@ def converted(kind: str, value: Value) -> Value:
     """A value as a variable of this type holds it. Raises Refusal where the manual's table has no conversion."""
     if kind in ("STRING", "AXIS"):
         if not isinstance(value, str if kind == "STRING" else Axis):
-            raise Refusal(f"only a value of type {kind} can be assigned here", "assign one, or define another type")
+            raise Refusal(
+                f"only a value of type {kind} can be assigned here",
+                "assign one, or define another type",
+            )
         return value
     if kind == "BOOL":
         return truth(value)
@@ -156,7 +180,9 @@ def converted(kind: str, value: Value) -> Value:
     whole = rounded(value)
     low, high = (0, 255) if kind == "CHAR" else (-LARGEST_INT - 1, LARGEST_INT)
     if not low <= whole <= high:
-        raise Refusal(f"{whole:.12g} is outside {low} to {high}, which type {kind} holds", "define it as REAL")
+        raise Refusal(
+            f"{whole:.12g} is outside {low} to {high}, which type {kind} holds", "define it as REAL"
+        )
     return whole
 
 
@@ -165,7 +191,10 @@ def fitting(value: float | int) -> float | int:
     if isinstance(value, int) and -EXACT <= value <= EXACT:
         return value
     if not math.isfinite(value):
-        raise Refusal("the result is beyond what REAL holds (1.8EX308)", "correct the expression or its values")
+        raise Refusal(
+            "the result is beyond what REAL holds (1.8EX308)",
+            "correct the expression or its values",
+        )
     return float(value)
 
 
@@ -270,11 +299,15 @@ def position(scope: Scope, name: str, axis: Value) -> float:
     if not isinstance(axis, Axis) or axis.name not in scope.tracker.setup.axes:
         shown = axis.name if isinstance(axis, Axis) else "its index"
         raise Refusal(
-            f"{name}: {shown} is none of the machine's axes", f"they are {', '.join(scope.tracker.setup.axes)}"
+            f"{name}: {shown} is none of the machine's axes",
+            f"they are {', '.join(scope.tracker.setup.axes)}",
         )
     tracker = scope.tracker
     if not POSITIONS[name] and tracker.inch:
-        raise Refusal(f"{name} is read while inch is in force", "calculate in work coordinates ($AA_IW), or in mm")
+        raise Refusal(
+            f"{name} is read while inch is in force",
+            "calculate in work coordinates ($AA_IW), or in mm",
+        )
     value = tracker.work(axis.name) if POSITIONS[name] else tracker.machine(axis.name)
     if value is None:
         raise Refusal(

@@ -31,11 +31,46 @@ _COMMANDS = """
     WALIMOF WALIMON WORKPIECE
 """
 ADDRESSES = frozenset(_ADDRESSES.split())  # of several letters, written with "="
-COMMANDS = frozenset(_COMMANDS.split())  # they call no program; which can be followed is for the dialect to say
+COMMANDS = frozenset(
+    _COMMANDS.split()
+)  # they call no program; which can be followed is for the dialect to say
 CODE = re.compile(r'(?:[^;"]++|"[^"]*+(?:"|$))*+')
-WRAPPERS = ("IC", "AC", "DC", "ACP", "ACN", "CAC", "CIC", "CDC", "CACP", "CACN", "QU")  # X=IC(5), M=QU(7)
-WHOLE = ("G", "M", "T", "D", "L", "N", "P", "TURN", "SD", "DL")  # addresses whose values are whole numbers
-LENGTHS = ("CR", "RP", "RND", "RNDM", "CHR", "CHF", "POS", "POSA", "PL")  # written with as many decimals as radii
+WRAPPERS = (
+    "IC",
+    "AC",
+    "DC",
+    "ACP",
+    "ACN",
+    "CAC",
+    "CIC",
+    "CDC",
+    "CACP",
+    "CACN",
+    "QU",
+)  # X=IC(5), M=QU(7)
+WHOLE = (
+    "G",
+    "M",
+    "T",
+    "D",
+    "L",
+    "N",
+    "P",
+    "TURN",
+    "SD",
+    "DL",
+)  # addresses whose values are whole numbers
+LENGTHS = (
+    "CR",
+    "RP",
+    "RND",
+    "RNDM",
+    "CHR",
+    "CHF",
+    "POS",
+    "POSA",
+    "PL",
+)  # written with as many decimals as radii
 
 
 def word(scope: Scope, address: str, value: Value) -> str:
@@ -48,7 +83,9 @@ def word(scope: Scope, address: str, value: Value) -> str:
     if base in WHOLE:
         value = numeric(value)
         if value != int(value):
-            raise Refusal(f"{address} takes a whole number, this is {value:.12g}", "correct the expression")
+            raise Refusal(
+                f"{address} takes a whole number, this is {value:.12g}", "correct the expression"
+            )
         return str(int(value))
     decimals = scope.decimals.get(base)
     if decimals is None:

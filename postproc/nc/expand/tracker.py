@@ -23,7 +23,9 @@ class Tracker:
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
         self._next = NOTHING_AHEAD
-        self._waiting: list[bytes] = [b""]  # a first block, so that the zero in force is known from the start
+        self._waiting: list[bytes] = [
+            b""
+        ]  # a first block, so that the zero in force is known from the start
 
     def take(self, line: bytes) -> None:
         """A plain line (without its end) that the control executes now. A "%" line is no block."""
@@ -99,7 +101,11 @@ class Tracker:
         """How many decimals a number behind this letter is written with: a least increment for an axis, more elsewhere."""
         if letter in "XYZABCUVWIJKRE":
             least = min(self.setup.least_increment.values(), default=1e-4)
-            return len(f"{least:.9f}".rstrip("0").split(".")[1]) + self.dialect.expand_decimals + self.inch
+            return (
+                len(f"{least:.9f}".rstrip("0").split(".")[1])
+                + self.dialect.expand_decimals
+                + self.inch
+            )
         return 6
 
 

@@ -41,7 +41,11 @@ class Written:
         resolver = Resolver(self.program, self.tracker, keeps=self.keeps, tolerance=self.tolerance)
         resolver.scene.notices = self.notices
         language = self.tracker.dialect.language
-        source = lines_of(language, self.program, self.tracker, self.limits) if language else self._plain()
+        source = (
+            lines_of(language, self.program, self.tracker, self.limits)
+            if language
+            else self._plain()
+        )
         waiting: list[bytes] = []
         for line in source:
             for plain in resolver.take(line):
@@ -54,7 +58,9 @@ class Written:
             self._note(plain)
             waiting.append(plain.text)
         if waiting:
-            yield self.newline.join(waiting) + (self.newline if self.program.text.endswith(b"\n") else b"")
+            yield self.newline.join(waiting) + (
+                self.newline if self.program.text.endswith(b"\n") else b""
+            )
 
     def _plain(self) -> Iterator[Line]:
         """The lines of a program whose control has no language."""

@@ -69,7 +69,9 @@ class Settings:
                 raise UsageError(f"{instrument} has no setting {name!r}", f"settings: {told}")
 
     def _fault(self, name: str, wanted: str) -> UsageError:
-        return UsageError(f"--set {name}={self.given[name]} is not {wanted}", f"{name}: {self.known[name]}")
+        return UsageError(
+            f"--set {name}={self.given[name]} is not {wanted}", f"{name}: {self.known[name]}"
+        )
 
     def text(self, name: str, default: str = "") -> str:
         return self.given.get(name, default)
@@ -116,7 +118,9 @@ def load(name: str) -> ModuleType:
     return importlib.import_module(f"{__name__}.{name}")
 
 
-def recorded(signal: Signal, noise: Noise, head: Mapping[str, Any], without: tuple[str, ...] = ()) -> Recording:
+def recorded(
+    signal: Signal, noise: Noise, head: Mapping[str, Any], without: tuple[str, ...] = ()
+) -> Recording:
     """The recording that the instrument would have written. head: further keys; without: channels that nobody recorded.
 
     One seed gives one recording, whatever else is asked for: noise first, then the zero, then the sensors.
@@ -139,17 +143,33 @@ def recorded(signal: Signal, noise: Noise, head: Mapping[str, Any], without: tup
             if signal.kind == "trace":
                 zeros[name] += float(signal.columns[name.replace("_act_", "_cmd_")][0])
         else:
-            zeros[name] = (noise.spread * rng.standard_normal() if noise.zero == "random" else float(noise.zero)) / unit
+            zeros[name] = (
+                noise.spread * rng.standard_normal()
+                if noise.zero == "random"
+                else float(noise.zero)
+            ) / unit
         columns[name] = columns[name] + zeros[name]
     for name, unit in signal.noisy.items():
         if noise.resolution:
-            columns[name] = np.round(columns[name] * unit / noise.resolution) * noise.resolution / unit
+            columns[name] = (
+                np.round(columns[name] * unit / noise.resolution) * noise.resolution / unit
+            )
     for channel in signal.channels:
         if channel not in without and channel in signal.state.channels:
             value = signal.state.channels[channel]
-            columns[channel] = value + noise.sensors * rng.standard_normal(n) if channel.startswith("T_") else value
+            columns[channel] = (
+                value + noise.sensors * rng.standard_normal(n)
+                if channel.startswith("T_")
+                else value
+            )
     um = "urad" if signal.head.get("quantity") == "angle" else "um"
-    stated: dict[str, Any] = {**signal.head, **head, "simulated": True, f"noise_{um}": noise.size, "seed": noise.seed}
+    stated: dict[str, Any] = {
+        **signal.head,
+        **head,
+        "simulated": True,
+        f"noise_{um}": noise.size,
+        "seed": noise.seed,
+    }
     if noise.size > 0:
         stated["u_um"] = float(np.hypot(noise.size, noise.resolution / np.sqrt(12.0)))
     if noise.tails:
@@ -162,5 +182,9 @@ def recorded(signal: Signal, noise: Noise, head: Mapping[str, Any], without: tup
 
 def channel_names(state: State) -> tuple[str, ...]:
     """Temperatures, the spindle and the forces that are not zero throughout."""
-    forces = [f"force_{x}_N" for x in state.position if np.any(state.channels.get(f"force_{x}_N", np.zeros(1)))]
+    forces = [
+        f"force_{x}_N"
+        for x in state.position
+        if np.any(state.channels.get(f"force_{x}_N", np.zeros(1)))
+    ]
     return (*forces, *(c for c in state.channels if c.startswith("T_")), "spindle_rpm")

@@ -51,8 +51,15 @@ def captures(reality: Reality, settings: Settings) -> Captures:
             f"the program never rests for {least:g} s, so nothing is captured",
             f"its longest rest is {wait.max(initial=0.0):g} s: --set dwell=..., or G4 at every target",
         )
-    place = {x: path.begin[i, piece] for i, x in enumerate(path.letters) if x in reality.machine.letters}
-    moving = tuple(sorted((x for x in place if x in XYZ and np.ptp(place[x]) > STILL), key=lambda x: -np.ptp(place[x])))
+    place = {
+        x: path.begin[i, piece] for i, x in enumerate(path.letters) if x in reality.machine.letters
+    }
+    moving = tuple(
+        sorted(
+            (x for x in place if x in XYZ and np.ptp(place[x]) > STILL),
+            key=lambda x: -np.ptp(place[x]),
+        )
+    )
     ignore = settings.number("ignore", 0.0)
     if moving and ignore > 0:
         p = place[moving[0]]
@@ -101,14 +108,19 @@ def direction(captures: Captures, settings: Settings) -> np.ndarray:
     given = settings.place("along")
     vector = np.array([given.get(x, 0.0) for x in XYZ])
     if not given:
-        place = np.stack([captures.state.position.get(x, np.zeros(len(captures.piece))) for x in XYZ])
+        place = np.stack(
+            [captures.state.position.get(x, np.zeros(len(captures.piece))) for x in XYZ]
+        )
         away = place - place[:, :1]
         vector = away[:, int(np.argmax((away**2).sum(axis=0)))]
         if len(captures.moving) == 1:
             vector = np.array([1.0 if x == captures.moving[0] else 0.0 for x in XYZ])
     size = float(np.linalg.norm(vector))
     if size == 0:
-        raise GcompError("the axes never move between two captures: no direction to measure along", "--set along=Z")
+        raise GcompError(
+            "the axes never move between two captures: no direction to measure along",
+            "--set along=Z",
+        )
     return vector / size
 
 

@@ -13,13 +13,18 @@ from postproc.simulate.instruments import Settings, Signal, channel_names
 from postproc.simulate.instruments import _targets as targets
 
 TITLE = "angular interferometer"
-SETTINGS = {**targets.SETTINGS, "about": "Y: axis of the rotation (Y, where Z or X travels; X, where Y does)"}
+SETTINGS = {
+    **targets.SETTINGS,
+    "about": "Y: axis of the rotation (Y, where Z or X travels; X, where Y does)",
+}
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
     found = targets.captures(reality, settings)
     if not found.moving:
-        raise GcompError("the axes never move between two captures: whose angle?", "a program that travels")
+        raise GcompError(
+            "the axes never move between two captures: whose angle?", "a program that travels"
+        )
     moving = found.moving[0]
     given = settings.place("about") or {"X" if moving == "Y" else "Y": 1.0}
     vector = np.array([given.get(x, 0.0) for x in "XYZ"])
@@ -33,4 +38,6 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         "instrument": TITLE, "quantity": "angle",
         "sensitive": {x: float(v) for x, v in zip("XYZ", vector, strict=True) if v},
     }  # fmt: skip
-    return Signal("targets", head, columns, {"reading_urad": 1.0}, found.state, channel_names(found.state))
+    return Signal(
+        "targets", head, columns, {"reading_urad": 1.0}, found.state, channel_names(found.state)
+    )

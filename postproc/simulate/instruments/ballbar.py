@@ -37,7 +37,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     longest = int(np.argmax(_turned(c, at, names)))
     plane = names[longest]
     given = settings.place("centre")
-    centre = given or {letters[first[longest]]: float(at[0, longest]), letters[second[longest]]: float(at[1, longest])}
+    centre = given or {
+        letters[first[longest]]: float(at[0, longest]),
+        letters[second[longest]]: float(at[1, longest]),
+    }
     radius = settings.above_zero("radius", float(np.round(c.r0[longest], 6)))
     keep = np.array([n == plane for n in names])
     rows = [letters.index(x) for x in plane]
@@ -61,7 +64,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     state = timeline.state(time, None, runs)
     error = reality.error(state, ("tool",), where)
     off = settings.place("centre_um")
-    arm = [state.position[x] + error["XYZ".index(x)] - centre[x] - off.get(x, 0.0) * 1e-3 for x in plane]
+    arm = [
+        state.position[x] + error["XYZ".index(x)] - centre[x] - off.get(x, 0.0) * 1e-3
+        for x in plane
+    ]
     columns = {"run": runs, "t_s": state.time}
     columns |= {
         f"{x}_cmd_mm": p for x, p in state.position.items() if x in "XYZ"
@@ -77,7 +83,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
 
 def _turned(c, at: np.ndarray, names: list) -> np.ndarray:
     """(n,) rad: how far the circle that each piece belongs to is gone round in all."""
-    keys = [(n, *np.round(p, 2).tolist(), round(float(r), 2)) for n, p, r in zip(names, at.T, c.r0, strict=True)]
+    keys = [
+        (n, *np.round(p, 2).tolist(), round(float(r), 2))
+        for n, p, r in zip(names, at.T, c.r0, strict=True)
+    ]
     total: dict = {}
     for key, sweep in zip(keys, np.abs(c.sweep).tolist(), strict=True):
         total[key] = total.get(key, 0.0) + sweep

@@ -28,10 +28,14 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     number = int((end - begin) * rate + 1e-9) + 1
     if number < 1:
         raise UsageError(
-            f"nothing lies between {begin:g} and {end:g} s", f"the program takes {timeline.duration:.3f} s"
+            f"nothing lies between {begin:g} and {end:g} s",
+            f"the program takes {timeline.duration:.3f} s",
         )
     if number > MOST:
-        raise UsageError(f"{number:,} samples are more than {MOST:,}", "a lower rate, or --set from=... --set to=...")
+        raise UsageError(
+            f"{number:,} samples are more than {MOST:,}",
+            "a lower rate, or --set from=... --set to=...",
+        )
     time = begin + np.arange(number) / rate
     piece = timeline.plan.at(time)[0]
     run = timeline.steps.part[timeline.path.step[piece]].astype(float)
@@ -43,7 +47,11 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     columns |= {f"{x}_cmd_mm": state.position[x] for x in slides}
     columns |= {f"{x}_act_mm": state.position[x] + error["XYZ".index(x)] for x in slides}
     columns["line"] = timeline.line(time).astype(float)
-    head = {"instrument": "grid encoder" if sees == "tool" else TITLE, "sees": sees, "rate_hz": rate}
+    head = {
+        "instrument": "grid encoder" if sees == "tool" else TITLE,
+        "sees": sees,
+        "rate_hz": rate,
+    }
     return Signal(
         "trace", head, columns, {f"{x}_act_mm": 1e3 for x in slides}, state,
         tuple(c for c in channel_names(state) if not c.startswith("T_bed")),

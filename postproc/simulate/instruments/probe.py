@@ -20,7 +20,13 @@ SETTINGS = {
     "features": "X:100,Y:80 or X:pocket_size:40: axis, kind (centre_distance) and nominal mm",
     "readings": "of each feature on each part (3)",
 }
-MATERIAL = {"centre_distance": 0.0, "step": 0.0, "pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
+MATERIAL = {
+    "centre_distance": 0.0,
+    "step": 0.0,
+    "pocket_size": 1.0,
+    "bore_diameter": 1.0,
+    "boss_diameter": -1.0,
+}
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
@@ -58,12 +64,19 @@ def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
     found = []
     for item in filter(None, text.split(",")):
         parts = [p.strip() for p in item.split(":")]
-        axis, kind, size = (parts[0], "centre_distance", parts[1]) if len(parts) == 2 else [*parts, "", ""][:3]
+        axis, kind, size = (
+            (parts[0], "centre_distance", parts[1]) if len(parts) == 2 else [*parts, "", ""][:3]
+        )
         try:
             nominal = float(size)
         except ValueError:
             nominal = -1.0
-        if axis not in reality.machine.letters or axis not in "XYZ" or kind not in MATERIAL or nominal <= 0:
+        if (
+            axis not in reality.machine.letters
+            or axis not in "XYZ"
+            or kind not in MATERIAL
+            or nominal <= 0
+        ):
             raise UsageError(
                 f"{item!r} is no feature", f"like X:100 or X:pocket_size:40; kinds: {', '.join(MATERIAL)}; axes: {' '.join(reality.machine.letters)}"
             )  # fmt: skip
@@ -94,5 +107,7 @@ def _at(base: State, reality: Reality, axis: str, off: float, material: float) -
 
 def _of_material(reality: Reality, state: State, last: np.ndarray, axis: str) -> np.ndarray:
     """(N,) mm: what makes every wall of a feature off alike, so that its two ends do not cancel."""
-    walls = replace(reality, terms=tuple(t for t in reality.terms if {"part", "material"} & set(t.module.NEEDS)))
+    walls = replace(
+        reality, terms=tuple(t for t in reality.terms if {"part", "material"} & set(t.module.NEEDS))
+    )
     return walls.error(state, ("part",), last, tables=False)["XYZ".index(axis)]

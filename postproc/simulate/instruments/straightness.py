@@ -10,7 +10,10 @@ from postproc.simulate.instruments import Settings, Signal, channel_names
 from postproc.simulate.instruments import _targets as targets
 
 TITLE = "straightness interferometer"
-SETTINGS = {**targets.SETTINGS, "across": "X: direction of the deviation (the first axis that does not travel)"}
+SETTINGS = {
+    **targets.SETTINGS,
+    "across": "X: direction of the deviation (the first axis that does not travel)",
+}
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:

@@ -35,14 +35,19 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     there = replace(reality, timeline=replace(reality.timeline, machine=machine))
     tip = place + machine.tool[:, None] + there.error(state, ("tool",), found.piece)
     columns = found.columns()
-    head = {"instrument": TITLE, "tool": {x: float(arm[i]) for i, x in enumerate(XYZ) if x in state.position}}
+    head = {
+        "instrument": TITLE,
+        "tool": {x: float(arm[i]) for i, x in enumerate(XYZ) if x in state.position},
+    }
     station = settings.place("station")
     if station:
         away = tip - np.array([station.get(x, 0.0) for x in XYZ])[:, None]
         columns["length_mm"] = np.linalg.norm(away, axis=0) - settings.number("dead", 123.4)
         return Signal("lengths", head, columns, {"length_mm": 1e3}, state, channel_names(state))
     angle = np.radians(settings.number("turned", 17.0))
-    turn = np.array([[np.cos(angle), np.sin(angle), 0.0], [-np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    turn = np.array(
+        [[np.cos(angle), np.sin(angle), 0.0], [-np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]]
+    )
     seen = turn @ (tip - np.array([[-900.0], [-700.0], [350.0]]))
     columns |= {f"m{x.lower()}_mm": seen[i] for i, x in enumerate(XYZ)}
     noisy = {f"m{x.lower()}_mm": 1e3 for x in XYZ}

@@ -117,7 +117,11 @@ class Protocol(Interface):
 
 def names() -> list[str]:
     """Names of the protocols that there are."""
-    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_"))
+    return sorted(
+        m.name.replace("_", "-")
+        for m in pkgutil.iter_modules(__path__)
+        if not m.name.startswith("_")
+    )
 
 
 def load(name: str) -> ModuleType:

@@ -14,7 +14,18 @@ import re
 from collections import deque
 from dataclasses import dataclass
 
-from postproc.streaming.events import Accepted, Altered, Busy, Event, Rejected, Restarted, Status, Stray, Told, Write
+from postproc.streaming.events import (
+    Accepted,
+    Altered,
+    Busy,
+    Event,
+    Rejected,
+    Restarted,
+    Status,
+    Stray,
+    Told,
+    Write,
+)
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import UNLIMITED, Controller, _answers
 
@@ -23,11 +34,15 @@ BAD = re.compile(rb"[^\x20-\x7e]|[*\\]")
 TEXTS = re.compile(rb"M(?:117|118|16|20|23|28|30|32|33|928)(?![0-9])", re.IGNORECASE)
 OK = re.compile(r"ok(?: N(-?\d+))?(?: P(\d+))?(?: B(\d+))?(?:\s+(\S.*))?")
 RESEND = re.compile(r"(?:resend|rs)\s*:?\s*N?(\d+)", re.IGNORECASE)
-LINE_ERROR = re.compile(r"error:.*(?:checksum|line number|last line|expected line|lineno)", re.IGNORECASE)
+LINE_ERROR = re.compile(
+    r"error:.*(?:checksum|line number|last line|expected line|lineno)", re.IGNORECASE
+)
 LAST_LINE = re.compile(r"last line:\s*(\d+)", re.IGNORECASE)
 EXPECTED = re.compile(r"expected line (\d+)", re.IGNORECASE)
 UNKNOWN = re.compile(r"unknown command:?\s*\"?([^\"]*)\"?", re.IGNORECASE)
-PLACE = re.compile(r"(?:[A-Z]+: )?X:\s*(-?\d+(?:\.\d+)?) +Y:\s*(-?\d+(?:\.\d+)?) +Z:\s*(-?\d+(?:\.\d+)?)(.*)")
+PLACE = re.compile(
+    r"(?:[A-Z]+: )?X:\s*(-?\d+(?:\.\d+)?) +Y:\s*(-?\d+(?:\.\d+)?) +Z:\s*(-?\d+(?:\.\d+)?)(.*)"
+)
 TEMPERATURE = re.compile(r"[TBC]\d?:\s*-?\d")
 HISTORY = 64  # numbers whose lines are known when they are asked for
 PATIENCE_RESENDS = 10  # requests for one line, one after the other
@@ -207,7 +222,9 @@ class Numbered:
     def receive(self, data: bytes) -> list[Event]:
         texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for text in texts:  # one after the other: what an answer means may follow from the one before
+        for (
+            text
+        ) in texts:  # one after the other: what an answer means may follow from the one before
             events += self._meaning(text)
         return events
 
@@ -251,7 +268,10 @@ class Numbered:
             if self._bare:
                 self._bare -= 1
                 return [*events, Told(text)]
-            return [*events, *self._fault(f"{text}: it has executed a line that had lost its number")]
+            return [
+                *events,
+                *self._fault(f"{text}: it has executed a line that had lost its number"),
+            ]
         if self._numbers and frame is not None and frame.n is not None:
             return [*events, Told(text)]  # it belongs to a request
         if self._spare:
@@ -261,7 +281,9 @@ class Numbered:
             return [*events, Stray(text)]
         frame.oks -= 1
         self._missed = 0
-        done = frame.oks <= 0 and (frame.seen or frame.text != b"M114")  # that one needs its report too
+        done = frame.oks <= 0 and (
+            frame.seen or frame.text != b"M114"
+        )  # that one needs its report too
         return events + (self._taken(frame) if done else [Told(text)])
 
     def _ok_of(self, n: int, text: str) -> list[Event]:
@@ -305,7 +327,9 @@ class Numbered:
             ):  # twice the ok of a line was taken for a request's own: this build gives requests none
                 self.own_ok, self._spare = False, 0
             self._spare += self.own_ok and not self._numbers
-            return [event for frame in list(self._waiting) for event in self._taken(frame)] or [Told(text)]
+            return [event for frame in list(self._waiting) for event in self._taken(frame)] or [
+                Told(text)
+            ]
         if n in numbers:
             self._spare += self.own_ok and not self._numbers
             return self._send_again(text, n)
@@ -357,7 +381,9 @@ class Numbered:
             return [Told(text)]
         self._spare += not self._numbers
         self._bare += self._numbers
-        return [Told(text), *self._send_again(text, frame.n)] if not self._ask.late else [Told(text)]
+        return (
+            [Told(text), *self._send_again(text, frame.n)] if not self._ask.late else [Told(text)]
+        )
 
     def _waits(self, text: str) -> list[Event]:
         """It says that it has nothing to do: what is unanswered was lost, or its answer was."""

@@ -95,7 +95,9 @@ class Dnc:
                 "take it out; in comments it does no harm",
             )
         if len(text) > LONGEST:
-            raise Unsendable(f"the line has {len(text)} characters", f"controls take about {LONGEST}: split it")
+            raise Unsendable(
+                f"the line has {len(text)} characters", f"controls take about {LONGEST}: split it"
+            )
         return text
 
     def _comment(self, found: re.Match[bytes]) -> bytes:
@@ -162,7 +164,9 @@ class Dnc:
                 self.stops += not self.stopped
                 self.stopped = True
             elif byte == DC4 and not self._closed:
-                events.append(Alarm("DC4", "the control has ended the reception: look at its screen"))
+                events.append(
+                    Alarm("DC4", "the control has ended the reception: look at its screen")
+                )
             elif byte >= 0x20:
                 words.append(byte)
         return [Told(words.decode()), *events] if words else events

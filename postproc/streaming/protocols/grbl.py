@@ -43,7 +43,10 @@ OPTIONS = re.compile(r"\[OPT:([^,\]]*)(?:,(\d+),(\d+))?[^\]]*\]")
 VERSION = re.compile(r"\[VER:([^\]]*)\]")
 SETTING = re.compile(r"\$(\d+)=([^ (]*)")
 # EEPROM is written (interrupts are off: bytes are lost) or read; $ lines answer at length or change the state.
-ALONE = re.compile(rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])|M0*(?:2|30)(?![0-9])", re.IGNORECASE)
+ALONE = re.compile(
+    rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])|M0*(?:2|30)(?![0-9])",
+    re.IGNORECASE,
+)
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECASE)
 SLOW = 300.0  # s: homing
 # Its seconds of a dwell are a counted loop (nuts_bolts.c, delay_sec), which every report and interrupt makes longer: G4 P60 took 60.4 s
@@ -65,7 +68,9 @@ STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep
 
 def recognises(banner: str) -> bool:
     """Whether it is GRBL itself; a status report alone is taken for GRBL until $I says more."""
-    if re.search(r"fluidnc|grblhal|smoothie", banner, re.IGNORECASE) or re.search(r"MPos:[^<>]*WPos:", banner):
+    if re.search(r"fluidnc|grblhal|smoothie", banner, re.IGNORECASE) or re.search(
+        r"MPos:[^<>]*WPos:", banner
+    ):
         return False
     return bool(BANNER.search(banner) or STATUS.search(banner) or re.search(r"\[VER:1\.1", banner))
 
@@ -89,14 +94,21 @@ class Grbl:
     def __init__(self, counting: bool = True):
         self.counting = counting
         self.controller = Controller(
-            self.title, window=self.default_window, line_limit=self.default_line, segments=self.segments
+            self.title,
+            window=self.default_window,
+            line_limit=self.default_line,
+            segments=self.segments,
         )
         self._waiting: deque[tuple[int, int, bytes]] = deque()  # number, bytes on the wire, text
         self._used = 0
         self._alone = False
         self._rest = b""
-        self._echoes = self._echoed = False  # whether it echoes lines at all, and has echoed the oldest one
-        self._shift: tuple[float, ...] | None = None  # work coordinate offset, for reports of work positions
+        self._echoes = self._echoed = (
+            False  # whether it echoes lines at all, and has echoed the oldest one
+        )
+        self._shift: tuple[float, ...] | None = (
+            None  # work coordinate offset, for reports of work positions
+        )
 
     # -- lines out -----------------------------------------------------------------------------------------------------
 
@@ -110,7 +122,11 @@ class Grbl:
         text = text.lstrip(b"/").strip()
         found = REALTIME.search(text)
         if found:
-            what = f"byte {found[0][0]}" if found[0][0] >= 127 or found[0][0] < 32 else repr(found[0].decode())
+            what = (
+                f"byte {found[0][0]}"
+                if found[0][0] >= 127 or found[0][0] < 32
+                else repr(found[0].decode())
+            )
             raise Unsendable(
                 f"the line has {what} in it, which {self.controller.name} would obey at once wherever it stands",
                 "take it out; in comments it does no harm",
@@ -205,7 +221,12 @@ class Grbl:
         return Told(text)
 
     def _readers(self) -> list[tuple[re.Pattern[str], Callable[[str, re.Match[str]], Event]]]:
-        return [(STATUS, self._status), (ERROR, self._error), (ALARM, self._alarm), (ECHO, self._echo)]
+        return [
+            (STATUS, self._status),
+            (ERROR, self._error),
+            (ALARM, self._alarm),
+            (ECHO, self._echo),
+        ]
 
     def _answered(self) -> int | None:
         if not self._waiting:
@@ -287,7 +308,9 @@ class Grbl:
                 c.homing = c.settings["22"].split(".")[0] not in ("0", "")
             c.compensates = self.compensates(c.settings)
         elif question == b"$#":
-            c.offsets = [text for text in answers if text.startswith("[") and not text.startswith("[MSG")]
+            c.offsets = [
+                text for text in answers if text.startswith("[") and not text.startswith("[MSG")
+            ]
         elif question == b"$G":
             for text in answers:
                 if text.startswith("[GC:"):

@@ -18,11 +18,15 @@ from postproc.streaming.protocols._numbered import NUDGES, TEMPERATURE, Numbered
 
 TITLE = "Marlin"
 POKE = b"\nM115\n"
-NAME = re.compile(r"FIRMWARE_NAME:\s*((?:Virtual )?\S*Marlin\S*)\s*([0-9][^\s(]*|bugfix\S*)?", re.IGNORECASE)
+NAME = re.compile(
+    r"FIRMWARE_NAME:\s*((?:Virtual )?\S*Marlin\S*)\s*([0-9][^\s(]*|bugfix\S*)?", re.IGNORECASE
+)
 SETTING = re.compile(r"(?:echo:)?\s*M(\d+)((?: +[A-Z]-?\d+(?:\.\d+)?)+)")
 WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d+)?)")
 COUNT = re.compile(r"Count:? +X: *(-?\d+) +Y: *(-?\d+) +Z: *(-?\d+)")
-SLOW = re.compile(rb"(?:G(?:28|29|30|33|34|76|425)|M(?:0|1|109|190|191|192|226|303|400|600))(?![0-9])")
+SLOW = re.compile(
+    rb"(?:G(?:28|29|30|33|34|76|425)|M(?:0|1|109|190|191|192|226|303|400|600))(?![0-9])"
+)
 DWELL = re.compile(rb"G4(?![0-9.]).*?([PS]) *([0-9]+\.?[0-9]*)")
 QUIET = 30.0  # s that a line may take where it does not say that it is busy
 KEEPALIVE = 8.0  # and where it does: every 2 s (Configuration_adv.h)
@@ -36,7 +40,9 @@ DOES = {
 
 def recognises(banner: str) -> bool:
     """Its answer to M115, or the name it starts with."""
-    if re.search(r"smoothie|FIRMWARE_NAME:\s*(?:Repetier|RepRapFirmware|Klipper)", banner, re.IGNORECASE):
+    if re.search(
+        r"smoothie|FIRMWARE_NAME:\s*(?:Repetier|RepRapFirmware|Klipper)", banner, re.IGNORECASE
+    ):
         return False
     return bool(NAME.search(banner) or re.search(r"^(?:echo:\s*)?Marlin[ :]", banner, re.MULTILINE))
 
@@ -83,7 +89,11 @@ class Marlin(Numbered):
         if text == "start":
             return self.restarted(text)
         if re.match(r"error:", text, re.IGNORECASE):
-            return [Told(text)] if "RX BUF overflow" in text else [Alarm(text, "the firmware has stopped")]
+            return (
+                [Told(text)]
+                if "RX BUF overflow" in text
+                else [Alarm(text, "the firmware has stopped")]
+            )
         if text.startswith("!!"):
             return [Alarm(text, "the firmware has stopped")]
         return [] if TEMPERATURE.match(text) else [Told(text)]
@@ -111,7 +121,9 @@ class Marlin(Numbered):
                 found = SETTING.match(text)
                 if found:
                     c.settings.setdefault("M" + found[1], found[2].strip())
-            values = {k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()}
+            values = {
+                k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()
+            }
             steps = values.get("M92", {})
             if all(steps.get(x, 0.0) > 0 for x in "XYZ"):
                 self._steps = tuple(steps[x] for x in "XYZ")
@@ -127,7 +139,9 @@ def compensates(settings: dict[str, dict[str, float]]) -> list[str]:
         found.append("levelling of the bed (M420 S1)")
     backlash = settings.get("M425", {})
     if backlash.get("F", 0.0):
-        found += [f"backlash of {x}, {backlash[x] * 1000:g} um (M425)" for x in "XYZ" if backlash.get(x)]
+        found += [
+            f"backlash of {x}, {backlash[x] * 1000:g} um (M425)" for x in "XYZ" if backlash.get(x)
+        ]
     skew = settings.get("M852", {})
     if any(skew.get(k) for k in "IJK"):
         found.append("axes that are not square (M852)")

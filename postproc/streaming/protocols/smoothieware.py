@@ -22,7 +22,8 @@ REPORT = re.compile(r"<([A-Za-z]+)[|,]([^<>]*)>")
 PLACE = re.compile(r"MPos:(-?\d+\.\d+),(-?\d+\.\d+),(-?\d+\.\d+)(?![\d.])")
 WORK = re.compile(r"WPos:(-?\d+\.\d+),(-?\d+\.\d+),(-?\d+\.\d+)(?![\d.])")
 HALT = re.compile(
-    r"!!|ALARM|error:|.*(?:Entering Alarm/Halt|HALTED|Emergency Stop|Kill button|Limit switch)", re.IGNORECASE
+    r"!!|ALARM|error:|.*(?:Entering Alarm/Halt|HALTED|Emergency Stop|Kill button|Limit switch)",
+    re.IGNORECASE,
 )
 URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
 DOES = {
@@ -59,7 +60,11 @@ class Smoothieware(Numbered):
 
     def prepare(self, text: bytes) -> bytes:
         text = super().prepare(text)
-        return text.replace(b"!", b"").replace(b"?", b"").replace(b"~", b"") if text.startswith(b"M117") else text
+        return (
+            text.replace(b"!", b"").replace(b"?", b"").replace(b"~", b"")
+            if text.startswith(b"M117")
+            else text
+        )
 
     def overdue(self) -> bytes:
         data = super().overdue()
@@ -91,13 +96,23 @@ class Smoothieware(Numbered):
             if not text:
                 return events
         asked = self._waiting[0].text if self._waiting else b"M115"
-        if text == "ok" and asked == b"M115" and not self._named and any(x.text == PROBE for x in self._known):
+        if (
+            text == "ok"
+            and asked == b"M115"
+            and not self._named
+            and any(x.text == PROBE for x in self._known)
+        ):
             self._each = True  # the second ok of PROBE: that of M115 comes behind its name
             return events
-        if text == "ok - ignored":  # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
+        if (
+            text == "ok - ignored"
+        ):  # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
             self._fragments -= 1
             cut = self._fragments < 0 and self._started
-            return [*events, *(self._fault(f"{text}: it has read a line as two") if cut else [Told(text)])]
+            return [
+                *events,
+                *(self._fault(f"{text}: it has read a line as two") if cut else [Told(text)]),
+            ]
         if text.startswith("ok - "):
             text = "ok"
         return events + super()._meaning(text)

@@ -15,7 +15,18 @@ import re
 from collections import deque
 from typing import Any, ClassVar
 
-from postproc.streaming.events import Accepted, Alarm, Altered, Busy, Event, Rejected, Restarted, Status, Stray, Told
+from postproc.streaming.events import (
+    Accepted,
+    Alarm,
+    Altered,
+    Busy,
+    Event,
+    Rejected,
+    Restarted,
+    Status,
+    Stray,
+    Told,
+)
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import UNLIMITED, Controller, _answers
 
@@ -106,7 +117,9 @@ class TinyG:
                 "take it out; in comments it does no harm",
             )
         if text[:1] in (b"$", b"?", b"H", b"{"):
-            raise Unsendable("the line is a setting and no block", "set it before the job, and take the line out")
+            raise Unsendable(
+                "the line is a setting and no block", "set it before the job, and take the line out"
+            )
         if len(text) > self.controller.line_limit:
             raise Unsendable(
                 f"the line has {len(text)} characters, and {self.controller.name} takes {self.controller.line_limit}",
@@ -115,14 +128,18 @@ class TinyG:
         return text
 
     def alone(self, text: bytes) -> bool:
-        return text.startswith(b"{") or bool(re.search(rb"M(?:2|30|0|1|60)(?![0-9])|G10(?![0-9])", text))
+        return text.startswith(b"{") or bool(
+            re.search(rb"M(?:2|30|0|1|60)(?![0-9])|G10(?![0-9])", text)
+        )
 
     def ready(self, text: bytes) -> bool:
         if not self._waiting:
             return True
         if not self.counting or self.alone(text) or self.alone(self._waiting[-1][1]):
             return False
-        return len(self._waiting) < self.lines and self.used + len(text) + 1 <= self.controller.window
+        return (
+            len(self._waiting) < self.lines and self.used + len(text) + 1 <= self.controller.window
+        )
 
     def send(self, number: int, text: bytes) -> bytes:
         self._waiting.append((number, text))
@@ -172,7 +189,9 @@ class TinyG:
         data = data.translate(None, bytes((XON, XOFF)))
         texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for text in texts:  # one after the other: what an answer means may follow from the one before
+        for (
+            text
+        ) in texts:  # one after the other: what an answer means may follow from the one before
             events += self._meaning(text)
         return events
 
@@ -192,7 +211,11 @@ class TinyG:
         if isinstance(value.get("sr"), dict):
             return self._report(value["sr"])
         if "er" in value:
-            return [Alarm(text, str(value["er"].get("msg", "")) if isinstance(value["er"], dict) else "")]
+            return [
+                Alarm(
+                    text, str(value["er"].get("msg", "")) if isinstance(value["er"], dict) else ""
+                )
+            ]
         if "qr" in value:
             return [Busy(text)] if self._stands_asked else []
         return [Told(text)]
@@ -212,7 +235,11 @@ class TinyG:
             return [Altered(number, wrong)]
         if footer[1] not in TAKEN:
             self._waiting.popleft()
-            return [Rejected(number, f"status {footer[1]}", MEANINGS.get(footer[1], str(body.get("msg", ""))))]
+            return [
+                Rejected(
+                    number, f"status {footer[1]}", MEANINGS.get(footer[1], str(body.get("msg", "")))
+                )
+            ]
         events: list[Event] = [Told(text)] if sent.startswith(b"{") else []
         if sent == STAND:
             self._stands_asked = True
@@ -236,7 +263,11 @@ class TinyG:
         if block is None:
             if any(name in body for name in ("sr", "mpo", "jv", *WORK)):
                 return "repeated"
-            return "" if not self.counts or footer[0] == 3 or footer[2] == len(sent) + 1 else f"{footer[2]} bytes"
+            return (
+                ""
+                if not self.counts or footer[0] == 3 or footer[2] == len(sent) + 1
+                else f"{footer[2]} bytes"
+            )
         if BLANKS.sub(b"", str(block).encode("latin-1", "replace")).upper() != sent:
             return str(block)
         return (
@@ -271,7 +302,11 @@ class TinyG:
                 body = json.loads(text).get("r", {})
             except (ValueError, AttributeError):
                 continue
-            if question == b'{"jv":null}' and isinstance(body.get("jv"), int) and self._verbosity is None:
+            if (
+                question == b'{"jv":null}'
+                and isinstance(body.get("jv"), int)
+                and self._verbosity is None
+            ):
                 self._verbosity = body["jv"]
             system = body.get("sys")
             if isinstance(system, dict):
@@ -280,7 +315,9 @@ class TinyG:
             for name in WORK:
                 place = numbers(body.get(name))
                 if place:
-                    self.controller.offsets.append(f"[{name.upper()}:{','.join(f'{v:.3f}' for v in place)}]")
+                    self.controller.offsets.append(
+                        f"[{name.upper()}:{','.join(f'{v:.3f}' for v in place)}]"
+                    )
 
 
 def footer_is_good(footer: list[Any], text: str) -> bool:
@@ -292,7 +329,9 @@ def footer_is_good(footer: list[Any], text: str) -> bool:
 
 def numbers(group: Any) -> tuple[float, ...]:
     """The values of a group in the order of axes; (): it is no group of numbers."""
-    if not isinstance(group, dict) or not all(isinstance(group.get(x, 0), int | float) for x in AXES):
+    if not isinstance(group, dict) or not all(
+        isinstance(group.get(x, 0), int | float) for x in AXES
+    ):
         return ()
     return tuple(float(group[x]) for x in AXES if x in group)
 

@@ -33,7 +33,8 @@ class Shift:
 
     def times(self, size: float) -> Shift:
         tool, scale, reading, turn = (
-            None if v is None else v * size for v in (self.tool, self.scale, self.reading, self.turn)
+            None if v is None else v * size
+            for v in (self.tool, self.scale, self.reading, self.turn)
         )
         return Shift(tool, scale, reading, turn, {x: v * size for x, v in self.current.items()})
 
@@ -70,7 +71,9 @@ def along(n: int, axis: str, value: np.ndarray | float) -> np.ndarray:
     return result
 
 
-def own(axis: str, value: Callable[[Track], np.ndarray | None], scale: bool = False) -> Callable[[Track], Shift | None]:
+def own(
+    axis: str, value: Callable[[Track], np.ndarray | None], scale: bool = False
+) -> Callable[[Track], Shift | None]:
     """An effect along its own axis; scale: the axis' scale sees it too."""
 
     def on(track: Track) -> Shift | None:

@@ -24,7 +24,10 @@ def chatter_bursts(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         for run in np.unique(track.run):
             here = t[track.run == run]
             for _ in range(draw.poisson(4) + 1):
-                begun, lasts = draw.uniform(here[0], here[-1]), draw.uniform(0.03, 0.12) * np.ptp(here)
+                begun, lasts = (
+                    draw.uniform(here[0], here[-1]),
+                    draw.uniform(0.03, 0.12) * np.ptp(here),
+                )
                 inside = (t > begun) & (t < begun + lasts)
                 envelope = np.sin(np.pi * (t - begun) / lasts) ** 2 * draw.uniform(0.4, 1)
                 found += inside * envelope * np.sin(2 * np.pi * draw.uniform(9, 60) * (t - begun))
@@ -66,7 +69,9 @@ def gib_rock(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         found = dynamic(track, axis, tipped)
         if found is None:
             return None
-        return Shift(tool=along(len(found), axis, found) + along(len(found), across, -0.6 * np.abs(found)))
+        return Shift(
+            tool=along(len(found), axis, found) + along(len(found), across, -0.6 * np.abs(found))
+        )
 
     return Effect("alien:gib_rock", axis, on)
 
@@ -75,7 +80,9 @@ def interpolation_jumps(scene: Scene, axis: str, rng: np.random.Generator) -> Ef
     """A dirty scale: at some places the interpolation slips by a whole step, and back somewhere else."""
     span = scene.machine.axes[axis]
     places = np.sort(
-        rng.uniform(span.low + 0.05 * span.length, span.high - 0.05 * span.length, int(rng.integers(5, 10)))
+        rng.uniform(
+            span.low + 0.05 * span.length, span.high - 0.05 * span.length, int(rng.integers(5, 10))
+        )
     )
     jumps = rng.choice([-1.0, 1.0], len(places))
 
@@ -93,7 +100,9 @@ def belt_beat(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
     def value(track: Track) -> np.ndarray:
         x = 2 * np.pi * track.position[:, XYZ.index(axis)] / tooth
-        return np.sin(x + phase[0] + 0.9 * np.sin(x)) * np.abs(np.sin(x / pulley + phase[1])) - 0.5 * np.cos(x / pulley)
+        return np.sin(x + phase[0] + 0.9 * np.sin(x)) * np.abs(
+            np.sin(x / pulley + phase[1])
+        ) - 0.5 * np.cos(x / pulley)
 
     return Effect("alien:belt_beat", axis, own(axis, value))
 
@@ -108,7 +117,9 @@ def speed_resonance(scene: Scene, axis: str, rng: np.random.Generator) -> Effect
         strength = 1 / np.sqrt((1 - ratio**2) ** 2 + (2 * sharp * ratio) ** 2) - 1 / (1 + ratio**2)
         return np.clip(strength, 0, None) * (rate > 0.3 * frame) * np.sin(2 * np.pi * x / pitch)
 
-    return Effect("alien:speed_resonance", axis, own(axis, lambda t: dynamic(t, axis, shaken), scale=True))
+    return Effect(
+        "alien:speed_resonance", axis, own(axis, lambda t: dynamic(t, axis, shaken), scale=True)
+    )
 
 
 def way_cover(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
@@ -135,7 +146,8 @@ def tide_tilt(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         now = world.at(tilt, track.time)
         u, w = share(scene, track, axis), share(scene, track, across)
         return Shift(
-            tool=along(len(now), axis, now * (2 * u - 1 + 0.5 * w)) + along(len(now), across, -now * (2 * u - 1))
+            tool=along(len(now), axis, now * (2 * u - 1 + 0.5 * w))
+            + along(len(now), across, -now * (2 * u - 1))
         )
 
     return Effect("alien:tide_tilt", axis, on)
@@ -164,7 +176,9 @@ def crossed_wave(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
     def value(track: Track) -> np.ndarray:
         x, y = track.position[:, XYZ.index(axis)], track.position[:, XYZ.index(other)]
-        return np.sin(2 * np.pi * (x + mix * y) / period + phase) * np.cos(2 * np.pi * (x - mix * y) / (2.7 * period))
+        return np.sin(2 * np.pi * (x + mix * y) / period + phase) * np.cos(
+            2 * np.pi * (x - mix * y) / (2.7 * period)
+        )
 
     return Effect("alien:crossed_wave", axis, own(axis, value))
 

@@ -24,16 +24,27 @@ def screw_heat(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         grown = np.cumsum((rise[:, 1:] + rise[:, :-1]) / 2 * spacing, axis=1) * 1e-3
         grown = np.c_[np.zeros(len(heat)), grown]
         grown -= grown[:, [fixed]]
-        where = np.clip((track.position[:, XYZ.index(axis)] - nodes[0]) / spacing, 0, len(nodes) - 1.001)
+        where = np.clip(
+            (track.position[:, XYZ.index(axis)] - nodes[0]) / spacing, 0, len(nodes) - 1.001
+        )
         left = where.astype(int)
         f, g = where - left, k - low
 
         def corner(i, j):
             return grown[low + i, left + j]
 
-        return (1 - g) * ((1 - f) * corner(0, 0) + f * corner(0, 1)) + g * ((1 - f) * corner(1, 0) + f * corner(1, 1))
+        return (1 - g) * ((1 - f) * corner(0, 0) + f * corner(0, 1)) + g * (
+            (1 - f) * corner(1, 0) + f * corner(1, 1)
+        )
 
-    return Effect("screw_heat", axis, own(axis, value), lambda size: {"alpha_ppm_K": size}, signed=False, largest=45.0)
+    return Effect(
+        "screw_heat",
+        axis,
+        own(axis, value),
+        lambda size: {"alpha_ppm_K": size},
+        signed=False,
+        largest=45.0,
+    )
 
 
 def structure_drift(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:

@@ -14,7 +14,13 @@ def refractive(celsius: np.ndarray, hectopascal: np.ndarray) -> np.ndarray:
     """(n - 1) of dry air in ppm, Edlen's equation as modified by Birch and Downs (1993), dispersion at 633 nm."""
     standard = 8342.54 + 2406147 / (130 - 2.4966) + 15998 / (38.9 - 2.4966)
     pascal = hectopascal * 100
-    value = standard * pascal / 96095.43 * (1 + 1e-8 * (0.601 - 0.00972 * celsius) * pascal) / (1 + 0.0036610 * celsius)
+    value = (
+        standard
+        * pascal
+        / 96095.43
+        * (1 + 1e-8 * (0.601 - 0.00972 * celsius) * pascal)
+        / (1 + 0.0036610 * celsius)
+    )
     return value * 1e-2
 
 
@@ -39,7 +45,9 @@ def laser_air(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | Non
     """Counts for the air of the first minute while the air changes: every length reads with the wrong wavelength."""
     if not _lasers(scene, axis):
         return None
-    wrong = rng.uniform(-4.0, 4.0) if rng.random() < 0.5 else 0.0  # ppm: the compensator was told of other air
+    wrong = (
+        rng.uniform(-4.0, 4.0) if rng.random() < 0.5 else 0.0
+    )  # ppm: the compensator was told of other air
 
     def on(track: Track) -> Shift | None:
         if not track.laser:
@@ -68,7 +76,9 @@ def dead_path(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | Non
     def on(track: Track) -> Shift | None:
         return Shift(reading=0.1 * _air(scene, track)) if track is one else None
 
-    return Effect("dead_path", one.moving if len(one.moving) == 1 else None, on, signed=False, largest=40.0)
+    return Effect(
+        "dead_path", one.moving if len(one.moving) == 1 else None, on, signed=False, largest=40.0
+    )
 
 
 def cosine(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
@@ -85,7 +95,13 @@ def cosine(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
         slant = np.sqrt(2e-6)
         return Shift(reading=(ends - ends[0]) * (np.cos(slant) - 1) * 1e3)
 
-    return Effect("cosine", one.moving if len(one.moving) == 1 else None, on, lambda size: {"ppm": -size}, signed=False)
+    return Effect(
+        "cosine",
+        one.moving if len(one.moving) == 1 else None,
+        on,
+        lambda size: {"ppm": -size},
+        signed=False,
+    )
 
 
 def delay(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
@@ -130,7 +146,11 @@ def _behind(track: Track) -> np.ndarray:
 
 def encoder_cyclic(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
     """Sine and cosine of a sensor that are not equal: twice and once a signal period, in the log of that sensor only."""
-    seen = [t for t in scene.design.tracks if t.kind == "trace" and t.head["sees"] == "scale" and axis in t.moving]
+    seen = [
+        t
+        for t in scene.design.tracks
+        if t.kind == "trace" and t.head["sees"] == "scale" and axis in t.moving
+    ]
     if not seen:
         return None
     period = log_uniform(rng, 0.1, 2.0)
@@ -144,7 +164,11 @@ def encoder_cyclic(scene: Scene, axis: str, rng: np.random.Generator) -> Effect 
         return Shift(scale=along(len(wave), axis, wave))
 
     return Effect(
-        "encoder_cyclic", axis, on, lambda size: {"period_mm": period, "amplitude_um": abs(size)}, signed=False
+        "encoder_cyclic",
+        axis,
+        on,
+        lambda size: {"period_mm": period, "amplitude_um": abs(size)},
+        signed=False,
     )
 
 

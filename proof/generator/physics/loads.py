@@ -27,7 +27,12 @@ def force_compliance(scene: Scene, axis: str, rng: np.random.Generator) -> Effec
         return np.sign(force) * usual * (np.abs(force) / usual) ** power
 
     return Effect(
-        "force_compliance", axis, own(axis, value), lambda size: {"um_per_N": size}, largest=1.0, signed=False
+        "force_compliance",
+        axis,
+        own(axis, value),
+        lambda size: {"um_per_N": size},
+        largest=1.0,
+        signed=False,
     )
 
 
@@ -78,7 +83,11 @@ def step_loss(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | Non
     if not seen:
         return None
     track = seen[int(rng.integers(len(seen)))]
-    when = float(rng.uniform(track.time[0] + 0.2 * np.ptp(track.time), track.time[0] + 0.8 * np.ptp(track.time)))
+    when = float(
+        rng.uniform(
+            track.time[0] + 0.2 * np.ptp(track.time), track.time[0] + 0.8 * np.ptp(track.time)
+        )
+    )
     return Effect(
         "step_loss",
         axis,

@@ -17,7 +17,12 @@ def scale(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
     """A scale that is too long. size: ppm."""
     span = scene.machine.axes[axis]
     fixed = span.low + rng.uniform(0, 1) * span.length
-    return Effect("scale", axis, own(axis, lambda t: (_at(t, axis) - fixed) * 1e-3), lambda size: {"ppm": size})
+    return Effect(
+        "scale",
+        axis,
+        own(axis, lambda t: (_at(t, axis) - fixed) * 1e-3),
+        lambda size: {"ppm": size},
+    )
 
 
 def pitch_shape(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
@@ -41,7 +46,11 @@ def cyclic(scene: Scene, axis: str, rng: np.random.Generator, lead: float | None
     """A screw whose bearing wobbles: once a turn, a little twice a turn, more where the nut is far from the bearing; with a
     given lead exactly alike in every turn."""
     part = float(rng.choice([1.0, 0.5, 2.0], p=[0.7, 0.15, 0.15]))
-    second, grow, phase = rng.uniform(0, 0.25), rng.uniform(-0.15, 0.15), rng.uniform(0, 2 * np.pi, 2)
+    second, grow, phase = (
+        rng.uniform(0, 0.25),
+        rng.uniform(-0.15, 0.15),
+        rng.uniform(0, 2 * np.pi, 2),
+    )
     period = scene.machine.axes[axis].screw_lead * part
     if lead is not None:
         period, grow = lead, 0.0
@@ -52,7 +61,11 @@ def cyclic(scene: Scene, axis: str, rng: np.random.Generator, lead: float | None
         return waves * (1 + grow * (2 * share(scene, track, axis) - 1))
 
     return Effect(
-        "cyclic", axis, own(axis, value), lambda size: {"period_mm": period, "amplitude_um": abs(size)}, signed=False
+        "cyclic",
+        axis,
+        own(axis, value),
+        lambda size: {"period_mm": period, "amplitude_um": abs(size)},
+        signed=False,
     )
 
 
@@ -60,7 +73,11 @@ def squareness(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | No
     """An axis that leans against another. size: urad of the rotation in its name; written under the pair, as by how much the angle
     between the two is more than a right one: a turn about Y closes the angle of Z with X, all others named here open it."""
     machine = scene.machine
-    pairs = {"C0Y": "XY", "B0Z": "XZ", "A0Z": "YZ"} if "Y" in machine.axes else {next(iter(machine.square)): "XZ"}
+    pairs = (
+        {"C0Y": "XY", "B0Z": "XZ", "A0Z": "YZ"}
+        if "Y" in machine.axes
+        else {next(iter(machine.square)): "XZ"}
+    )
     name = str(rng.choice([n for n, pair in pairs.items() if axis in pair] or [""]))
     if not name:
         return None
@@ -93,7 +110,11 @@ def bow(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 def abbe(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
     """An arm that is longer than the map believes, times the rotation that the map holds. size: mm of arm."""
     machine = scene.machine
-    turning = [c for c in machine.components() if c[1] in ABC and c[2] == axis and ABC.index(c[1]) != XYZ.index(axis)]
+    turning = [
+        c
+        for c in machine.components()
+        if c[1] in ABC and c[2] == axis and ABC.index(c[1]) != XYZ.index(axis)
+    ]
     if not turning:
         return None
     component = str(rng.choice(turning))
@@ -122,7 +143,9 @@ def sag(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         a = np.clip(reach + (1 - 2 * reach) * share(scene, track, axis), 0, 1)
         s = np.clip(reach + (1 - 2 * reach) * share(scene, track, other), 0, 1)
         low, high = np.minimum(s, a), np.maximum(s, a)
-        shape = low * (1 - high) * (2 * high - high**2 - low**2)  # Euler-Bernoulli, load at a, looked at in s
+        shape = (
+            low * (1 - high) * (2 * high - high**2 - low**2)
+        )  # Euler-Bernoulli, load at a, looked at in s
         return Shift(tool=along(len(a), down, -6 * shape))
 
     return Effect("sag", axis, on, signed=False)

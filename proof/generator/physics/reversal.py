@@ -17,7 +17,9 @@ def backlash(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         way, rows = history(track, axis)
         return play(way, 0.006)[rows] / 0.006
 
-    return Effect("backlash", axis, own(axis, value), lambda size: {"size_um": size}, gap=np.ones_like)
+    return Effect(
+        "backlash", axis, own(axis, value), lambda size: {"size_um": size}, gap=np.ones_like
+    )
 
 
 def backlash_position(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:

@@ -11,15 +11,28 @@ from proof.generator.streams import log_uniform
 from proof.generator.tracks import Track
 
 
-def _friction(name: str, scene: Scene, axis: str, rng: np.random.Generator, forward: float, reverse: float) -> Effect:
+def _friction(
+    name: str, scene: Scene, axis: str, rng: np.random.Generator, forward: float, reverse: float
+) -> Effect:
     """LuGre friction in a position loop with an integral: a burst after every reversal, away by the loop's own time."""
-    peak, stribeck, bristle = rng.uniform(1.0, 1.6), log_uniform(rng, 0.5, 6.0), log_uniform(rng, 0.003, 0.02)
+    peak, stribeck, bristle = (
+        rng.uniform(1.0, 1.6),
+        log_uniform(rng, 0.5, 6.0),
+        log_uniform(rng, 0.003, 0.02),
+    )
     integral, mechanical = log_uniform(rng, 0.012, 0.12), rng.uniform(0.002, 0.006)
 
     def response(dt, x, v):
-        return loop_response(dt, lugre(dt, v, forward, reverse, peak, stribeck, bristle), integral, mechanical)
+        return loop_response(
+            dt, lugre(dt, v, forward, reverse, peak, stribeck, bristle), integral, mechanical
+        )
 
-    return Effect(name, axis, own(axis, lambda track: dynamic(track, axis, response), scale=True), signed=False)
+    return Effect(
+        name,
+        axis,
+        own(axis, lambda track: dynamic(track, axis, response), scale=True),
+        signed=False,
+    )
 
 
 def reversal_spike(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
@@ -33,7 +46,11 @@ def friction_asymmetry(scene: Scene, axis: str, rng: np.random.Generator) -> Eff
     forward, reverse = (1.0, 1 / ratio) if rng.random() < 0.5 else (1 / ratio, 1.0)
     if rng.random() < 0.4:
         return _friction("friction_asymmetry", scene, axis, rng, forward, reverse)
-    bristle, mechanical, wet = log_uniform(rng, 0.002, 0.01), rng.uniform(0.003, 0.008), rng.uniform(0.5, 1.5)
+    bristle, mechanical, wet = (
+        log_uniform(rng, 0.002, 0.01),
+        rng.uniform(0.003, 0.008),
+        rng.uniform(0.5, 1.5),
+    )
 
     def response(dt, x, v):
         dry = lugre(dt, v, forward, reverse, 1.1, 2.0, bristle)
@@ -70,12 +87,18 @@ def viscous_friction(scene: Scene, axis: str, rng: np.random.Generator) -> Effec
 
 def _felt(name, axis, force, mechanical, ampere) -> Effect:
     def on(track: Track) -> Shift | None:
-        error = dynamic(track, axis, lambda dt, x, v: loop_response(dt, force(dt, x, v), None, mechanical))
+        error = dynamic(
+            track, axis, lambda dt, x, v: loop_response(dt, force(dt, x, v), None, mechanical)
+        )
         if error is None:
             return None
         pull = dynamic(track, axis, force)
         moved = along(len(error), axis, error)
-        return Shift(tool=moved, scale=moved, current={axis: ampere * pull} if track.channels.get("current") else {})
+        return Shift(
+            tool=moved,
+            scale=moved,
+            current={axis: ampere * pull} if track.channels.get("current") else {},
+        )
 
     return Effect(name, axis, on, signed=False)
 
@@ -108,7 +131,9 @@ def servo_mismatch(scene: Scene, axis: str, rng: np.random.Generator) -> Effect 
         first, second = (dynamic(track, x, late) for x in pair)
         if first is None or second is None:
             return None
-        moved = along(len(first), pair[0], (common + 0.5) * first) + along(len(first), pair[1], (common - 0.5) * second)
+        moved = along(len(first), pair[0], (common + 0.5) * first) + along(
+            len(first), pair[1], (common - 0.5) * second
+        )
         return Shift(tool=moved, scale=moved)
 
     return Effect("servo_mismatch", pair, on, lambda size: {"delta_tau_ms": size})
@@ -121,7 +146,12 @@ def inertia(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
     def response(dt, x, v):
         return -second_order(dt, np.gradient(v, dt), omega, zeta) * 1e-3
 
-    return Effect("inertia", axis, own(axis, lambda track: dynamic(track, axis, response), scale=True), signed=False)
+    return Effect(
+        "inertia",
+        axis,
+        own(axis, lambda track: dynamic(track, axis, response), scale=True),
+        signed=False,
+    )
 
 
 def vibration(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
@@ -138,7 +168,11 @@ def vibration(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         return strength * np.sin(2 * np.pi * frequency * t + phases[track.run % 64])
 
     return Effect(
-        "vibration", axis, own(axis, value, scale=True), lambda size: {"frequency_hz": frequency}, signed=False
+        "vibration",
+        axis,
+        own(axis, value, scale=True),
+        lambda size: {"frequency_hz": frequency},
+        signed=False,
     )
 
 
